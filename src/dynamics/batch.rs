@@ -1,0 +1,112 @@
+//! A motion sampled in time, laid out so that eight samples are read at once.
+
+use super::LANES;
+
+/// How the sign in the Coulomb column is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coulomb {
+    /// `sign(qd)`, with `sign(0) = 0`.
+    Sign,
+    /// `qd / sqrt(qd² + eps²)`, eps in rad/s or m/s: differentiable, for use inside a search.
+    Smooth(f64),
+}
+
+impl Coulomb {
+    #[inline(always)]
+    pub fn value(self, qd: f64) -> f64 {
+        match self {
+            Coulomb::Sign if qd == 0.0 => 0.0,
+            Coulomb::Sign => qd.signum(),
+            Coulomb::Smooth(eps) => qd / (qd * qd + eps * eps).sqrt(),
+        }
+    }
+
+    /// Derivative by `qd`; zero for the true sign.
+    #[inline(always)]
+    pub fn slope(self, qd: f64) -> f64 {
+        match self {
+            Coulomb::Sign => 0.0,
+            Coulomb::Smooth(eps) => {
+                let square = qd * qd + eps * eps;
+                eps * eps / (square * square.sqrt())
+            }
+        }
+    }
+}
+
+/// `q, qd, qdd` of n joints at N samples. Joint-major, each joint's samples contiguous and padded with zeros to a multiple of
+/// [`LANES`]: value of joint j at sample s is `q[j * stride + s]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    joints: usize,
+    samples: usize,
+    stride: usize,
+    pub(crate) q: Vec<f64>,
+    pub(crate) qd: Vec<f64>,
+    pub(crate) qdd: Vec<f64>,
+}
+
+impl Motion {
+    /// A motion at rest at zero.
+    pub fn zeros(joints: usize, samples: usize) -> Self {
+        let stride = samples.div_ceil(LANES) * LANES;
+        let zeros = vec![0.0; joints * stride];
+        Self { joints, samples, stride, q: zeros.clone(), qd: zeros.clone(), qdd: zeros }
+    }
+
+    /// From functions of (joint, sample).
+    pub fn from_fn(
+        joints: usize,
+        samples: usize,
+        mut state: impl FnMut(usize, usize) -> [f64; 3],
+    ) -> Self {
+        let mut motion = Self::zeros(joints, samples);
+        for j in 0..joints {
+            for s in 0..samples {
+                motion.set(j, s, state(j, s));
+            }
+        }
+        motion
+    }
+
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Distance between two joints' values; a multiple of [`LANES`], at least [`Self::samples`].
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    pub fn set(&mut self, joint: usize, sample: usize, [q, qd, qdd]: [f64; 3]) {
+        let at = joint * self.stride + sample;
+        self.q[at] = q;
+        self.qd[at] = qd;
+        self.qdd[at] = qdd;
+    }
+
+    /// `[q, qd, qdd]` of a joint at a sample.
+    pub fn get(&self, joint: usize, sample: usize) -> [f64; 3] {
+        let at = joint * self.stride + sample;
+        [self.q[at], self.qd[at], self.qdd[at]]
+    }
+
+    /// Positions of `joint` over time.
+    pub fn positions(&self, joint: usize) -> &[f64] {
+        &self.q[joint * self.stride..joint * self.stride + self.samples]
+    }
+
+    /// Velocities of `joint` over time.
+    pub fn velocities(&self, joint: usize) -> &[f64] {
+        &self.qd[joint * self.stride..joint * self.stride + self.samples]
+    }
+
+    /// Accelerations of `joint` over time.
+    pub fn accelerations(&self, joint: usize) -> &[f64] {
+        &self.qdd[joint * self.stride..joint * self.stride + self.samples]
+    }
+}

@@ -1,0 +1,5 @@
+//! dynident
+pub mod spatial;
+pub mod model;
+pub mod parameters;
+pub mod dynamics;

@@ -1,0 +1,40 @@
+//! Why a description is not a robot. Every problem is collected, so that one round of corrections is enough.
+
+use std::fmt;
+
+/// All that is wrong with a robot description.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("the robot description has {} problem(s): {}", .0.len(), join(.0))]
+pub struct ModelError(pub Vec<ModelProblem>);
+
+/// One problem and the place it stands in, as a JSON pointer into the robot document.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelProblem {
+    pub pointer: String,
+    pub detail: String,
+    pub hint: Option<String>,
+}
+
+impl ModelProblem {
+    pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
+        Self { pointer: pointer.into(), detail: detail.into(), hint: None }
+    }
+
+    pub fn with_hint(self, hint: impl Into<String>) -> Self {
+        Self { hint: Some(hint.into()), ..self }
+    }
+}
+
+impl fmt::Display for ModelProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.pointer, self.detail)?;
+        match &self.hint {
+            Some(hint) => write!(f, " ({hint})"),
+            None => Ok(()),
+        }
+    }
+}
+
+fn join(problems: &[ModelProblem]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,122 @@
+//! One joint and the link it carries.
+
+use super::Limits;
+use crate::spatial::{PhysicalInertia, Transform};
+use nalgebra::{Matrix3, Vector3};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Turns about z; position in rad, torque in N·m.
+    Revolute,
+    /// Slides along z; position in m, force in N.
+    Prismatic,
+}
+
+/// Modified DH parameters of Khalil: `T = Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)`.
+///
+/// The joint variable adds to `theta` (revolute) or `r` (prismatic). Craig writes `a` for Khalil's `d` and `d` for Khalil's `r`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mdh {
+    /// Angle from z_{j-1} to z_j about x_{j-1} [rad].
+    pub alpha: f64,
+    /// Distance from z_{j-1} to z_j along x_{j-1} [m].
+    pub d: f64,
+    /// Angle from x_{j-1} to x_j about z_j at q = 0 [rad].
+    pub theta: f64,
+    /// Distance from x_{j-1} to x_j along z_j at q = 0 [m].
+    pub r: f64,
+}
+
+impl Mdh {
+    /// Pose of frame j in frame j−1 at q = 0.
+    pub fn placement(&self) -> Transform {
+        Transform::rot_x(self.alpha)
+            * Transform::trans(self.d, 0.0, 0.0)
+            * Transform::rot_z(self.theta)
+            * Transform::trans(0.0, 0.0, self.r)
+    }
+}
+
+/// What is known about a link beforehand: from a URDF, a data sheet, or an earlier identification.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinkPrior {
+    /// In the link frame that the dynamics use (z along the joint).
+    pub inertia: PhysicalInertia,
+    /// Viscous friction [N·m·s/rad or N·s/m].
+    pub viscous: f64,
+    /// Coulomb friction [N·m or N].
+    pub coulomb: f64,
+}
+
+/// A joint, its place in the chain, and the link behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    pub name: String,
+    pub kind: JointKind,
+    /// Pose of this joint's frame in the previous one at q = 0; the joint moves about or along its z axis.
+    pub placement: Transform,
+    /// The parameters the placement was made from, if it was given that way.
+    pub mdh: Option<Mdh>,
+    pub limits: Limits,
+    pub prior: Option<LinkPrior>,
+    /// Rotation from the dynamics' link frame (z along the joint) to the link frame of the description the robot came from;
+    /// the identity for modified DH. The origins coincide.
+    pub description_frame: Matrix3<f64>,
+    /// Name of the link behind the joint in the description it came from.
+    pub link_name: String,
+}
+
+impl Joint {
+    /// A joint placed by modified DH parameters, without limits or priors.
+    pub fn from_mdh(name: impl Into<String>, kind: JointKind, mdh: Mdh) -> Self {
+        Self { mdh: Some(mdh), ..Self::from_placement(name, kind, mdh.placement()) }
+    }
+
+    /// A joint whose z axis sits at `placement` in the previous link frame, without limits or priors.
+    pub fn from_placement(name: impl Into<String>, kind: JointKind, placement: Transform) -> Self {
+        let name = name.into();
+        Self {
+            link_name: format!("{name}_link"),
+            name,
+            kind,
+            placement,
+            mdh: None,
+            limits: Limits::unlimited(),
+            prior: None,
+            description_frame: Matrix3::identity(),
+        }
+    }
+
+    pub fn with_limits(self, limits: Limits) -> Self {
+        Self { limits, ..self }
+    }
+
+    pub fn is_revolute(&self) -> bool {
+        self.kind == JointKind::Revolute
+    }
+
+    /// Pose of this joint's frame in the previous one at position `q`.
+    pub fn pose(&self, q: f64) -> Transform {
+        match self.kind {
+            JointKind::Revolute => {
+                let (s, c) = q.sin_cos();
+                let turn = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
+                Transform { rotation: self.placement.rotation * turn, translation: self.placement.translation }
+            }
+            JointKind::Prismatic => {
+                let along = self.placement.rotation * Vector3::z();
+                Transform { rotation: self.placement.rotation, translation: self.placement.translation + along * q }
+            }
+        }
+    }
+
+    /// `rad` or `m`.
+    pub fn position_unit(&self) -> &'static str {
+        if self.is_revolute() { "rad" } else { "m" }
+    }
+
+    /// `N m` or `N`.
+    pub fn effort_unit(&self) -> &'static str {
+        if self.is_revolute() { "N m" } else { "N" }
+    }
+}

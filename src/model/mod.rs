@@ -1,0 +1,17 @@
+//! The robot: kinematics, limits and declared friction of a serial arm, immutable once built.
+//!
+//! A robot is a chain of joints. Joint `j` moves about (revolute) or along (prismatic) the z axis of its own frame, which sits
+//! at a fixed [`Transform`](crate::spatial::Transform) from the frame before it. Modified DH parameters ([`Mdh`]) are one way to
+//! fill that transform, a URDF file ([`from_urdf`]) another.
+
+mod error;
+mod joint;
+mod limits;
+mod robot;
+mod urdf;
+
+pub use error::{ModelError, ModelProblem};
+pub use joint::{Joint, JointKind, LinkPrior, Mdh};
+pub use limits::Limits;
+pub use robot::{Friction, Robot};
+pub use urdf::{UrdfRobot, from_urdf};

@@ -1,0 +1,6 @@
+//! Identities that hold for every serial arm, tried on random ones.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod dynamics;
