@@ -3,3 +3,5 @@ pub mod spatial;
 pub mod model;
 pub mod parameters;
 pub mod dynamics;
+pub mod trajectory;
+pub mod excitation;

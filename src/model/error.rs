@@ -5,17 +5,17 @@ use std::fmt;
 /// All that is wrong with a robot description.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("the robot description has {} problem(s): {}", .0.len(), join(.0))]
-pub struct ModelError(pub Vec<ModelProblem>);
+pub struct ModelError(pub Vec<FieldProblem>);
 
 /// One problem and the place it stands in, as a JSON pointer into the robot document.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ModelProblem {
+pub struct FieldProblem {
     pub pointer: String,
     pub detail: String,
     pub hint: Option<String>,
 }
 
-impl ModelProblem {
+impl FieldProblem {
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self { pointer: pointer.into(), detail: detail.into(), hint: None }
     }
@@ -25,7 +25,7 @@ impl ModelProblem {
     }
 }
 
-impl fmt::Display for ModelProblem {
+impl fmt::Display for FieldProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.pointer, self.detail)?;
         match &self.hint {
@@ -35,6 +35,6 @@ impl fmt::Display for ModelProblem {
     }
 }
 
-fn join(problems: &[ModelProblem]) -> String {
+fn join(problems: &[FieldProblem]) -> String {
     problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }

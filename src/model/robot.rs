@@ -1,7 +1,7 @@
 //! The robot itself: built once, checked once, shared by every computation.
 
 use super::limits::LimitProblem;
-use super::{Joint, ModelError, ModelProblem};
+use super::{Joint, ModelError, FieldProblem};
 use nalgebra::Vector3;
 
 /// The longest chain accepted. Redundant arms have 7 joints, dual-arm chains 15; the symbolic and numeric base parameters are
@@ -69,20 +69,20 @@ impl Robot {
         Self { friction, ..self.clone() }
     }
 
-    fn problems(&self) -> Vec<ModelProblem> {
+    fn problems(&self) -> Vec<FieldProblem> {
         let mut found = Vec::new();
         if !self.gravity.iter().all(|g| g.is_finite()) {
-            found.push(ModelProblem::new("/gravity", "is not finite"));
+            found.push(FieldProblem::new("/gravity", "is not finite"));
         } else if self.gravity.norm() > 100.0 {
             found.push(
-                ModelProblem::new("/gravity", format!("is {:.0} m/s² long", self.gravity.norm()))
+                FieldProblem::new("/gravity", format!("is {:.0} m/s² long", self.gravity.norm()))
                     .with_hint("gravity is in m/s², on Earth 9.81 long: check the unit"),
             );
         }
         match self.joints.len() {
-            0 => found.push(ModelProblem::new("/joints", "is empty: a robot has at least one joint")),
+            0 => found.push(FieldProblem::new("/joints", "is empty: a robot has at least one joint")),
             n if n > MAX_JOINTS => {
-                found.push(ModelProblem::new("/joints", format!("has {n} joints, the most accepted is {MAX_JOINTS}")));
+                found.push(FieldProblem::new("/joints", format!("has {n} joints, the most accepted is {MAX_JOINTS}")));
             }
             _ => {}
         }
@@ -95,27 +95,27 @@ impl Robot {
         found
     }
 
-    fn name_problems(&self, i: usize, found: &mut Vec<ModelProblem>) {
+    fn name_problems(&self, i: usize, found: &mut Vec<FieldProblem>) {
         let name = &self.joints[i].name;
         let pointer = format!("/joints/{i}/name");
         if name.trim().is_empty() {
-            found.push(ModelProblem::new(pointer, "is empty"));
+            found.push(FieldProblem::new(pointer, "is empty"));
         } else if let Some(first) = self.joints[..i].iter().position(|j| &j.name == name) {
-            found.push(ModelProblem::new(pointer, format!("`{name}` is already the name of joint {}", first + 1)));
+            found.push(FieldProblem::new(pointer, format!("`{name}` is already the name of joint {}", first + 1)));
         }
     }
 }
 
-fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
+fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     if let Some(mdh) = joint.mdh {
         let fields = [("alpha", mdh.alpha), ("d", mdh.d), ("theta", mdh.theta), ("r", mdh.r)];
         for (field, _) in fields.iter().filter(|(_, v)| !v.is_finite()) {
-            found.push(ModelProblem::new(format!("/joints/{i}/mdh/{field}"), "is not finite"));
+            found.push(FieldProblem::new(format!("/joints/{i}/mdh/{field}"), "is not finite"));
         }
         for (field, v) in [("alpha", mdh.alpha), ("theta", mdh.theta)] {
             if v.is_finite() && v.abs() > 2.0 * std::f64::consts::PI {
                 found.push(
-                    ModelProblem::new(format!("/joints/{i}/mdh/{field}"), format!("is {v} rad, more than a full turn"))
+                    FieldProblem::new(format!("/joints/{i}/mdh/{field}"), format!("is {v} rad, more than a full turn"))
                         .with_hint("angles are in radians; this looks like degrees"),
                 );
             }
@@ -123,7 +123,7 @@ fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
         for (field, v) in [("d", mdh.d), ("r", mdh.r)] {
             if v.is_finite() && v.abs() > LONGEST_LINK {
                 found.push(
-                    ModelProblem::new(format!("/joints/{i}/mdh/{field}"), format!("is {v} m"))
+                    FieldProblem::new(format!("/joints/{i}/mdh/{field}"), format!("is {v} m"))
                         .with_hint("lengths are in metres; this looks like millimetres"),
                 );
             }
@@ -136,24 +136,24 @@ fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
     // Rounding of a product of a few rotations; a matrix that is further off was never a rotation.
     let rigid = (r * r.transpose() - nalgebra::Matrix3::identity()).amax() < 1e-9 && r.determinant() > 0.0;
     if !rigid || !joint.placement.translation.iter().all(|v| v.is_finite()) {
-        found.push(ModelProblem::new(format!("/joints/{i}"), "its place is not a finite rigid transform"));
+        found.push(FieldProblem::new(format!("/joints/{i}"), "its place is not a finite rigid transform"));
     }
 }
 
 /// No arm has links of 20 m between two joints; millimetres taken for metres land far above.
 const LONGEST_LINK: f64 = 20.0;
 
-fn limit_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
+fn limit_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     for (field, problem) in joint.limits.problems() {
         let pointer = format!("/joints/{i}/limits/{field}");
         found.push(match problem {
-            LimitProblem::NotFinite => ModelProblem::new(pointer, "is not finite").with_hint("leave it out or use null for no limit"),
+            LimitProblem::NotFinite => FieldProblem::new(pointer, "is not finite").with_hint("leave it out or use null for no limit"),
             LimitProblem::WrongWayRound { low, high } => {
-                ModelProblem::new(pointer, format!("is [{low}, {high}]: the lower limit must be below the upper one"))
+                FieldProblem::new(pointer, format!("is [{low}, {high}]: the lower limit must be below the upper one"))
                     .with_hint(format!("did you mean [{high}, {low}]?"))
             }
             LimitProblem::NotPositive(v) => {
-                ModelProblem::new(pointer, format!("is {v}, but is a magnitude and must be above zero"))
+                FieldProblem::new(pointer, format!("is {v}, but is a magnitude and must be above zero"))
             }
         });
     }
@@ -163,7 +163,7 @@ fn limit_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
 /// Limits that were written in degrees. A revolute joint that turns freely has ±2π, dress-pack windings reach a few turns; five
 /// turns (31 rad) is beyond any arm, and 40 rad/s (382 rev/min) is beyond any joint behind a gear. A single joint with short travel
 /// in degrees (±20) would slip below, but all joints are written in the same unit, and some have a long travel.
-fn degree_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
+fn degree_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     if !joint.is_revolute() {
         return;
     }
@@ -173,32 +173,32 @@ fn degree_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
         && high.is_finite()
         && low.abs().max(high.abs()) > 31.5
     {
-        found.push(ModelProblem::new(format!("/joints/{i}/limits/position"), format!("is [{low}, {high}] rad")).with_hint(hint));
+        found.push(FieldProblem::new(format!("/joints/{i}/limits/position"), format!("is [{low}, {high}] rad")).with_hint(hint));
     }
     if let Some(v) = joint.limits.velocity
         && v.is_finite()
         && v > 40.0
     {
-        found.push(ModelProblem::new(format!("/joints/{i}/limits/velocity"), format!("is {v} rad/s")).with_hint(hint));
+        found.push(FieldProblem::new(format!("/joints/{i}/limits/velocity"), format!("is {v} rad/s")).with_hint(hint));
     }
 }
 
-fn prior_problems(i: usize, joint: &Joint, found: &mut Vec<ModelProblem>) {
+fn prior_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     let Some(prior) = &joint.prior else { return };
     let b = &prior.inertia;
     let pointer = |field: &str| format!("/joints/{i}/prior/{field}");
     if !b.mass.is_finite() || b.mass < 0.0 {
-        found.push(ModelProblem::new(pointer("mass"), format!("is {} kg, a mass is finite and not negative", b.mass)));
+        found.push(FieldProblem::new(pointer("mass"), format!("is {} kg, a mass is finite and not negative", b.mass)));
     }
     if !b.center_of_mass.iter().all(|v| v.is_finite()) {
-        found.push(ModelProblem::new(pointer("center_of_mass"), "is not finite"));
+        found.push(FieldProblem::new(pointer("center_of_mass"), "is not finite"));
     }
     if !b.inertia.iter().all(|v| v.is_finite()) {
-        found.push(ModelProblem::new(pointer("inertia"), "is not finite"));
+        found.push(FieldProblem::new(pointer("inertia"), "is not finite"));
     }
     for (field, v) in [("viscous", prior.viscous), ("coulomb", prior.coulomb)] {
         if !v.is_finite() || v < 0.0 {
-            found.push(ModelProblem::new(pointer(field), format!("is {v}; friction is finite and not negative")));
+            found.push(FieldProblem::new(pointer(field), format!("is {v}; friction is finite and not negative")));
         }
     }
 }

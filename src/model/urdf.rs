@@ -4,7 +4,7 @@
 //! dynamics want z along every joint, a URDF allows any axis: each link frame is turned so that its z axis is the joint's, and the
 //! turn is kept ([`Joint::description_frame`]) so that results can be handed back in the file's own frames.
 
-use super::{Friction, Joint, JointKind, Limits, LinkPrior, ModelError, ModelProblem, Robot};
+use super::{Friction, Joint, JointKind, Limits, LinkPrior, ModelError, FieldProblem, Robot};
 use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{HashMap, HashSet};
@@ -53,7 +53,7 @@ pub fn from_urdf(xml: &str, gravity: Vector3<f64>, friction: Friction, tip: Opti
 }
 
 fn single(pointer: &str, detail: impl Into<String>, hint: &str) -> ModelError {
-    ModelError(vec![ModelProblem::new(pointer, detail).with_hint(hint)])
+    ModelError(vec![FieldProblem::new(pointer, detail).with_hint(hint)])
 }
 
 fn described_joint(

@@ -1,0 +1,178 @@
+//! Criteria as functions of the Gram matrix `M = Y_bᵀ Y_b`, with derivatives.
+
+use super::problem::Criterion;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// A criterion made differentiable, as the logarithm of what is reported.
+#[derive(Debug, Clone)]
+pub(super) enum SmoothCriterion<'a> {
+    /// `1/(2p) [ln Σ λ^p + ln Σ λ^−p]`: approaches `ln cond(Y_b)` from above as p grows. Where extreme singular values meet, the
+    /// condition number has a kink, and this has none.
+    ConditionNumber { power: f64 },
+    /// `−1/(2b) ln det M`
+    DOptimality,
+    /// `½ ln (tr(M⁻¹)/b)`
+    AOptimality,
+    /// `½ ln (tr(M⁻¹ C)/n)`
+    IOptimality { workspace: &'a DMatrix<f64>, joints: usize },
+}
+
+impl SmoothCriterion<'_> {
+    /// Value, and the symmetric G with `dF = tr(G dM)`.
+    pub fn evaluate(&self, gram: DMatrix<f64>) -> (f64, DMatrix<f64>) {
+        let eigen = SymmetricEigen::new(gram);
+        let size = eigen.eigenvalues.len() as f64;
+        // Rounding can push the eigenvalues of a singular M below zero; the floor keeps logarithms finite and the search moving.
+        let floor = eigen.eigenvalues.max() * f64::EPSILON;
+        let lambda = eigen.eigenvalues.map(|v| v.max(floor));
+        match self {
+            Self::ConditionNumber { power } => {
+                let (value, slopes) = smoothed_log_condition(&lambda, *power);
+                (value, scaled_gram(&eigen.eigenvectors, &slopes))
+            }
+            Self::DOptimality => {
+                let value = -lambda.map(f64::ln).sum() / (2.0 * size);
+                (value, scaled_gram(&eigen.eigenvectors, &lambda.map(|v| -0.5 / (size * v))))
+            }
+            Self::AOptimality => {
+                let trace: f64 = lambda.map(|v| 1.0 / v).sum();
+                let slopes = lambda.map(|v| -0.5 / (trace * v * v));
+                (0.5 * (trace / size).ln(), scaled_gram(&eigen.eigenvectors, &slopes))
+            }
+            Self::IOptimality { workspace, joints } => {
+                let inverse = scaled_gram(&eigen.eigenvectors, &lambda.map(|v| 1.0 / v));
+                let product = &inverse * *workspace;
+                let trace = product.trace();
+                let gradient = (&product * &inverse) * (-0.5 / trace);
+                let symmetric = (&gradient + gradient.transpose()) * 0.5;
+                (0.5 * (trace / *joints as f64).ln(), symmetric)
+            }
+        }
+    }
+}
+
+/// The logarithm of the criterion itself, nothing smoothed.
+pub(super) fn true_log_value(criterion: &SmoothCriterion, gram: DMatrix<f64>) -> f64 {
+    match criterion {
+        SmoothCriterion::ConditionNumber { .. } => {
+            let lambda = gram.symmetric_eigenvalues();
+            0.5 * (lambda.max() / lambda.min().max(lambda.max() * f64::EPSILON)).ln()
+        }
+        smooth => smooth.evaluate(gram).0,
+    }
+}
+
+/// Value and derivative by every eigenvalue, with the extreme eigenvalues factored out so that no power overflows.
+fn smoothed_log_condition(lambda: &DVector<f64>, power: f64) -> (f64, DVector<f64>) {
+    let (low, high) = (lambda.min(), lambda.max());
+    let up = lambda.map(|v| (v / high).powf(power));
+    let down = lambda.map(|v| (low / v).powf(power));
+    let (sum_up, sum_down) = (up.sum(), down.sum());
+    let value = 0.5 * (high / low).ln() + (sum_up.ln() + sum_down.ln()) / (2.0 * power);
+    let slopes = DVector::from_fn(lambda.len(), |i, _| 0.5 * (up[i] / sum_up - down[i] / sum_down) / lambda[i]);
+    (value, slopes)
+}
+
+/// `V diag(d) Vᵀ`.
+fn scaled_gram(v: &DMatrix<f64>, d: &DVector<f64>) -> DMatrix<f64> {
+    let mut scaled = v.clone();
+    for (mut column, d) in scaled.column_iter_mut().zip(d.iter()) {
+        column *= *d;
+    }
+    scaled * v.transpose()
+}
+
+/// Every criterion of one design, none smoothed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Criteria {
+    pub condition_number: f64,
+    /// Condition number after scaling every column of Y_b to length one: what remains when units are chosen freely.
+    pub scaled_condition_number: f64,
+    pub d_optimality: f64,
+    pub a_optimality: f64,
+    pub i_optimality: f64,
+}
+
+impl Criteria {
+    /// From the observation matrix Y_b (rows × b), by singular values, and the mean of `Y_bᵀ Y_b` over the workspace.
+    pub fn of(y_b: &DMatrix<f64>, workspace: &DMatrix<f64>, joints: usize) -> Self {
+        let r = y_b.clone().qr().r();
+        let size = r.ncols() as f64;
+        let svd = r.clone().svd(false, true);
+        let s = &svd.singular_values;
+        let v_t = svd.v_t.as_ref().expect("asked for");
+        let rotated = v_t * workspace * v_t.transpose();
+        let trace_of_errors: f64 = s.iter().enumerate().map(|(i, s)| rotated[(i, i)] / (s * s)).sum();
+        let mut scaled = r;
+        for mut column in scaled.column_iter_mut() {
+            let norm = column.norm();
+            column /= norm.max(f64::MIN_POSITIVE);
+        }
+        let scaled_values = scaled.singular_values();
+        Self {
+            condition_number: ratio(s),
+            scaled_condition_number: ratio(&scaled_values),
+            d_optimality: (-s.map(f64::ln).sum() / size).exp(),
+            a_optimality: (s.map(|s| 1.0 / (s * s)).sum() / size).sqrt(),
+            i_optimality: (trace_of_errors / joints as f64).sqrt(),
+        }
+    }
+
+    pub fn value(&self, criterion: Criterion) -> f64 {
+        match criterion {
+            Criterion::ConditionNumber => self.condition_number,
+            Criterion::DOptimality => self.d_optimality,
+            Criterion::AOptimality => self.a_optimality,
+            Criterion::IOptimality => self.i_optimality,
+        }
+    }
+}
+
+fn ratio(singular_values: &DVector<f64>) -> f64 {
+    singular_values.max() / singular_values.min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gram(seed: f64) -> DMatrix<f64> {
+        let w = DMatrix::from_fn(30, 6, |r, c| ((r * 7 + c * 13) as f64 * seed).sin());
+        w.tr_mul(&w)
+    }
+
+    #[test]
+    fn prop_derivatives_equal_differences() {
+        let workspace = gram(0.77);
+        let all = [
+            SmoothCriterion::ConditionNumber { power: 3.0 },
+            SmoothCriterion::DOptimality,
+            SmoothCriterion::AOptimality,
+            SmoothCriterion::IOptimality { workspace: &workspace, joints: 2 },
+        ];
+        let direction = gram(0.31);
+        for criterion in all {
+            let (_, g) = criterion.evaluate(gram(1.0));
+            let h = 1e-6;
+            let at = |s: f64| criterion.evaluate(gram(1.0) + &direction * s).0;
+            let difference = (at(h) - at(-h)) / (2.0 * h);
+            let exact = g.dot(&direction);
+            // Central differences with h = 1e-6: rounding 1e-16/h and truncation h², both below 1e-9 of values of order one.
+            assert!((difference - exact).abs() < 1e-8 * exact.abs().max(1.0), "{criterion:?} {difference} {exact}");
+        }
+    }
+
+    #[test]
+    fn prop_smoothed_condition_approaches_the_true_one_from_above() {
+        let lambda = DVector::from_vec(vec![1.0, 1.01, 3.0, 8.0, 8.1]);
+        let truth = 0.5 * 8.1f64.ln();
+        let mut before = f64::INFINITY;
+        for power in [1.0, 3.0, 12.0, 100.0, 1000.0] {
+            let (value, _) = smoothed_log_condition(&lambda, power);
+            assert!(value >= truth && value < before);
+            before = value;
+        }
+        // At most ln(5)/p above it: five eigenvalues, both sums.
+        assert!(before - truth <= 5f64.ln() / 1000.0);
+    }
+}

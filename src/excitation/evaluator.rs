@@ -1,0 +1,148 @@
+//! One evaluation of the criterion with its exact gradient: variables → coefficients → motion → Y_b → M, and the way back.
+
+use super::criterion::SmoothCriterion;
+use super::problem::Problem;
+use super::variables::Variables;
+use crate::dynamics::{ColumnSet, Coulomb, LANES, Motion, MotionGradient, RowBlocks};
+use crate::trajectory::harmonic;
+use matrixmultiply::dgemm;
+use nalgebra::DMatrix;
+use std::f64::consts::TAU;
+
+/// Storage and constants for evaluations on a given number of samples. One per thread.
+#[derive(Debug, Clone)]
+pub(super) struct Evaluator<'a> {
+    problem: &'a Problem,
+    variables: &'a Variables,
+    columns: ColumnSet,
+    /// Basis of q, qd, qdd: `stride × (2L + 1)` column-major, zero in the padding.
+    basis: [Vec<f64>; 3],
+    motion: Motion,
+    rows: RowBlocks,
+    weights: RowBlocks,
+    gradient: MotionGradient,
+}
+
+impl<'a> Evaluator<'a> {
+    /// On `samples` equispaced samples of one period, the first at t = 0.
+    pub fn new(problem: &'a Problem, variables: &'a Variables, samples: usize) -> Self {
+        let joints = problem.robot().joint_count();
+        let columns = ColumnSet::new(problem.robot(), problem.layout(), &problem.base().kept);
+        let rows = RowBlocks::new(&columns, samples);
+        let motion = Motion::zeros(joints, samples);
+        Self {
+            problem,
+            variables,
+            basis: basis(problem.spec().order, problem.spec().fundamental_hz, samples, motion.stride()),
+            motion,
+            weights: rows.clone(),
+            rows,
+            gradient: MotionGradient::new(joints, samples),
+            columns,
+        }
+    }
+
+    /// Value and gradient at `x`.
+    pub fn evaluate(&mut self, criterion: &SmoothCriterion, coulomb: Coulomb, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let projected = self.variables.project(x);
+        self.set_motion(&projected.coefficients);
+        self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
+        let (value, slope) = criterion.evaluate(self.gram());
+        self.set_weights(&slope);
+        self.gradient.fill(self.problem.chain(), &self.columns, &self.motion, coulomb, &self.weights);
+        let to_coefficients = self.to_coefficients();
+        self.variables.pull_back(&projected, &to_coefficients, gradient);
+        value
+    }
+
+    /// `M` at `x` without gradient.
+    pub fn gram_at(&mut self, coulomb: Coulomb, x: &[f64]) -> DMatrix<f64> {
+        let projected = self.variables.project(x);
+        self.set_motion(&projected.coefficients);
+        self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
+        self.gram()
+    }
+
+    fn set_motion(&mut self, coefficients: &DMatrix<f64>) {
+        let (stride, size, joints) = (self.motion.stride(), coefficients.nrows(), coefficients.ncols());
+        let parts = [&mut self.motion.q, &mut self.motion.qd, &mut self.motion.qdd];
+        for (basis, part) in self.basis.iter().zip(parts) {
+            multiply([stride, size, joints], (basis, [1, stride]), (coefficients.as_slice(), [1, size]), 0.0, part);
+        }
+        for (j, rest) in self.variables.rest().iter().enumerate() {
+            self.motion.q[j * stride..(j + 1) * stride].iter_mut().for_each(|q| *q += rest);
+        }
+    }
+
+    /// `M = Σ_j A_jᵀ A_j` over the row blocks.
+    fn gram(&self) -> DMatrix<f64> {
+        let stride = self.rows.stride();
+        let mut total = DMatrix::zeros(self.columns.len(), self.columns.len());
+        let mut product = Vec::new();
+        for j in 0..self.columns.joints() {
+            let (block, outputs) = (self.rows.block(j), self.columns.row(j));
+            let width = outputs.len();
+            product.resize(width * width, 0.0);
+            multiply([width, stride, width], (block, [stride, 1]), (block, [1, stride]), 0.0, &mut product);
+            for (c, &column) in outputs.iter().enumerate() {
+                for (r, &row) in outputs.iter().enumerate() {
+                    total[(row, column)] += product[c * width + r];
+                }
+            }
+        }
+        total
+    }
+
+    /// `∂F/∂Y = 2 Y G`, block by block.
+    fn set_weights(&mut self, slope: &DMatrix<f64>) {
+        let stride = self.rows.stride();
+        let mut part = Vec::new();
+        for j in 0..self.columns.joints() {
+            let outputs = self.columns.row(j);
+            let width = outputs.len();
+            part.clear();
+            part.extend(outputs.iter().flat_map(|&c| outputs.iter().map(move |&r| 2.0 * slope[(r, c)])));
+            let to = self.weights.block_mut(j);
+            multiply([stride, width, width], (self.rows.block(j), [1, stride]), (&part, [1, width]), 0.0, to);
+        }
+    }
+
+    fn to_coefficients(&self) -> DMatrix<f64> {
+        let (stride, joints) = (self.motion.stride(), self.motion.joints());
+        let size = self.basis[0].len() / stride;
+        let mut total = DMatrix::zeros(size, joints);
+        for (basis, part) in self.basis.iter().zip([&self.gradient.q, &self.gradient.qd, &self.gradient.qdd]) {
+            multiply([size, stride, joints], (basis, [stride, 1]), (part, [1, stride]), 1.0, total.as_mut_slice());
+        }
+        total
+    }
+}
+
+/// `C ← A B + beta C` with A m × k, B k × n, C m × n column-major; `[row stride, column stride]` beside each operand.
+fn multiply([m, k, n]: [usize; 3], (a, sa): (&[f64], [usize; 2]), (b, sb): (&[f64], [usize; 2]), beta: f64, c: &mut [f64]) {
+    let fits = |len: usize, rows: usize, columns: usize, s: [usize; 2]| (rows - 1) * s[0] + (columns - 1) * s[1] < len;
+    assert!(m > 0 && k > 0 && n > 0 && fits(a.len(), m, k, sa) && fits(b.len(), k, n, sb) && c.len() >= m * n);
+    let s = |v: usize| v as isize;
+    // SAFETY: the assertion above bounds every element that the product reads or writes.
+    unsafe {
+        dgemm(m, k, n, 1.0, a.as_ptr(), s(sa[0]), s(sa[1]), b.as_ptr(), s(sb[0]), s(sb[1]), beta, c.as_mut_ptr(), 1, s(m));
+    }
+}
+
+fn basis(order: usize, fundamental_hz: f64, samples: usize, stride: usize) -> [Vec<f64>; 3] {
+    debug_assert_eq!(stride % LANES, 0);
+    let size = 2 * order + 1;
+    let mut parts = [(); 3].map(|()| vec![0.0; stride * size]);
+    for s in 0..samples {
+        let t = s as f64 / (samples as f64 * fundamental_hz);
+        for l in 1..=order {
+            let [sine, cosine] = harmonic(TAU * fundamental_hz, l, t);
+            for (d, part) in parts.iter_mut().enumerate() {
+                part[(l - 1) * stride + s] = sine[d];
+                part[(order + l - 1) * stride + s] = cosine[d];
+            }
+        }
+        parts[0][2 * order * stride + s] = 1.0;
+    }
+    parts
+}
