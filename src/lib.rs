@@ -1,7 +1,7 @@
 //! dynident
-pub mod spatial;
+pub mod dynamics;
+pub mod excitation;
 pub mod model;
 pub mod parameters;
-pub mod dynamics;
+pub mod spatial;
 pub mod trajectory;
-pub mod excitation;

@@ -10,7 +10,7 @@ mod limits;
 mod robot;
 mod urdf;
 
-pub use error::{ModelError, FieldProblem};
+pub use error::{FieldProblem, ModelError};
 pub use joint::{Joint, JointKind, LinkPrior, Mdh};
 pub use limits::Limits;
 pub use robot::{Friction, Robot};
