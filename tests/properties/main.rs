@@ -4,4 +4,5 @@
 mod support;
 
 mod dynamics;
+mod excitation;
 mod trajectory;
