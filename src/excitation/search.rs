@@ -236,3 +236,49 @@ pub fn experiment_search(problem: &Problem, options: &SearchOptions, control: &d
     pool[0].value.exp()
 }
 
+
+/// Temporary.
+pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control) -> Design {
+    let variables = Variables::new(problem);
+    let workspace = workspace_gram(problem);
+    let s = Search { problem, variables: &variables, workspace: &workspace, control, evaluations: AtomicU64::new(0) };
+    let stages = [Stage { power: 10.0, eps: 0.05, samples: 200.min(problem.samples()), max_evaluations: 60 }];
+    let mut best: Option<Point> = None;
+    let mut starts = vec![];
+    for k in 0..options.starts {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed + k as u64);
+        let x = s.random_start(&mut rng);
+        let initial = s.true_value(&x).exp();
+        let (x, n, converged) = s.descend(x, &stages);
+        let value = s.true_value(&x);
+        starts.push(StartReport { initial, reached: value.exp(), evaluations: n, converged });
+        if best.as_ref().is_none_or(|b| value < b.value) {
+            best = Some(Point { x, value, polished: false });
+        }
+        control.progress(&Progress { best: best.as_ref().unwrap().value.exp(), starts_finished: k + 1, starts: options.starts, evaluations: s.evaluations.load(Ordering::Relaxed), rounds_finished: k });
+        if control.halt().is_some() || options.max_evaluations.is_some_and(|m| s.evaluations.load(Ordering::Relaxed) >= m) {
+            break;
+        }
+    }
+    let series = variables.series(&best.unwrap().x);
+    use crate::trajectory::Trajectory;
+    let columns = crate::dynamics::ColumnSet::new(problem.robot(), problem.layout(), &problem.base().kept);
+    let motion = series.sample(problem.spec().sample_rate_hz);
+    let mut rows = crate::dynamics::RowBlocks::new(&columns, problem.samples());
+    rows.fill(problem.chain(), &columns, &motion, Coulomb::Sign);
+    let y = rows.observation_matrix(&columns);
+    Design {
+        status: match control.halt() {
+            Some(Halt::Cancelled) => Outcome::Cancelled,
+            Some(Halt::TimeUp) => Outcome::BudgetExhausted,
+            None => Outcome::Converged,
+        },
+        criteria: Some(super::criterion::Criteria::of(&y, &workspace, problem.robot().joint_count())),
+        predicted: None,
+        margins: super::margins::margins(problem, &series),
+        starts,
+        evaluations: s.evaluations.load(Ordering::Relaxed),
+        rounds: 1,
+        series,
+    }
+}
