@@ -22,3 +22,19 @@ pub use excitation_request::{ExcitationRequest, Search, read_excitation_request}
 pub use json::{Malformed, Parsed, parse};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
 pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_json};
+
+/// Every object that requests may have, by its name in the OpenAPI document, with the fields that its reader knows.
+pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
+    ("ExcitationRequest", excitation_request::REQUEST_FIELDS),
+    ("Fourier", excitation_request::FOURIER_FIELDS),
+    ("Constraints", excitation_request::CONSTRAINT_FIELDS),
+    ("Search", excitation_request::SEARCH_FIELDS),
+    ("JointRobot", robot::ROBOT_FIELDS),
+    ("UrdfRobot", robot::URDF_FIELDS),
+    ("Joint", robot::JOINT_FIELDS),
+    ("Mdh", robot::MDH_FIELDS),
+    ("Placement", robot::PLACEMENT_FIELDS),
+    ("Limits", robot::LIMIT_FIELDS),
+    ("LinkPrior", robot::PRIOR_FIELDS),
+    ("Inertia", robot::INERTIA_FIELDS),
+];

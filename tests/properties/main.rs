@@ -4,4 +4,5 @@
 mod support;
 
 mod dynamics;
+mod robots;
 mod trajectory;
