@@ -13,7 +13,4 @@ mod variables;
 pub mod experiment;
 
 pub use criterion::Criteria;
-pub use margins::{Margin, Quantity};
 pub use problem::{Criterion, Form, Problem, ProblemSpec, Start};
-pub use report::{Design, Outcome, Predicted, StartReport};
-pub use search::{Control, Halt, Progress, SearchOptions, search};
