@@ -1,7 +1,7 @@
 //! One evaluation of the criterion with its exact gradient: variables → coefficients → motion → Y_b → M, and the way back.
 
 use super::criterion::SmoothCriterion;
-use super::problem::Problem;
+use super::problem::{Criterion, Problem};
 use super::variables::Variables;
 use crate::dynamics::{ColumnSet, Coulomb, LANES, Motion, MotionGradient, RowBlocks};
 use crate::trajectory::harmonic;
@@ -15,6 +15,8 @@ pub(super) struct Evaluator<'a> {
     problem: &'a Problem,
     variables: &'a Variables,
     columns: ColumnSet,
+    /// Weight of every joint's rows in M: one for the condition number, `1/σ²` for the optimality criteria.
+    row_weights: Vec<f64>,
     /// Basis of q, qd, qdd: `stride × (2L + 1)` column-major, zero in the padding.
     basis: [Vec<f64>; 3],
     motion: Motion,
@@ -30,9 +32,14 @@ impl<'a> Evaluator<'a> {
         let columns = ColumnSet::new(problem.robot(), problem.layout(), &problem.base().kept);
         let rows = RowBlocks::new(&columns, samples);
         let motion = Motion::zeros(joints, samples);
+        let row_weights = match problem.spec().criterion {
+            Criterion::ConditionNumber => vec![1.0; joints],
+            _ => problem.torque_noise().iter().map(|s| 1.0 / (s * s)).collect(),
+        };
         Self {
             problem,
             variables,
+            row_weights,
             basis: basis(problem.spec().order, problem.spec().fundamental_hz, samples, motion.stride()),
             motion,
             weights: rows.clone(),
@@ -49,7 +56,8 @@ impl<'a> Evaluator<'a> {
         self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
         let (value, slope) = criterion.evaluate(self.gram());
         self.set_weights(&slope);
-        self.gradient.fill(self.problem.chain(), &self.columns, &self.motion, coulomb, &self.weights);
+        self.gradient
+            .fill(self.problem.chain(), &self.columns, &self.motion, coulomb, &self.weights);
         let to_coefficients = self.to_coefficients();
         self.variables.pull_back(&projected, &to_coefficients, gradient);
         value
@@ -67,14 +75,22 @@ impl<'a> Evaluator<'a> {
         let (stride, size, joints) = (self.motion.stride(), coefficients.nrows(), coefficients.ncols());
         let parts = [&mut self.motion.q, &mut self.motion.qd, &mut self.motion.qdd];
         for (basis, part) in self.basis.iter().zip(parts) {
-            multiply([stride, size, joints], (basis, [1, stride]), (coefficients.as_slice(), [1, size]), 0.0, part);
+            multiply(
+                [stride, size, joints],
+                (basis, [1, stride]),
+                (coefficients.as_slice(), [1, size]),
+                0.0,
+                part,
+            );
         }
         for (j, rest) in self.variables.rest().iter().enumerate() {
-            self.motion.q[j * stride..(j + 1) * stride].iter_mut().for_each(|q| *q += rest);
+            self.motion.q[j * stride..(j + 1) * stride]
+                .iter_mut()
+                .for_each(|q| *q += rest);
         }
     }
 
-    /// `M = Σ_j A_jᵀ A_j` over the row blocks.
+    /// `M = Σ_j w_j A_jᵀ A_j` over the row blocks.
     fn gram(&self) -> DMatrix<f64> {
         let stride = self.rows.stride();
         let mut total = DMatrix::zeros(self.columns.len(), self.columns.len());
@@ -83,27 +99,44 @@ impl<'a> Evaluator<'a> {
             let (block, outputs) = (self.rows.block(j), self.columns.row(j));
             let width = outputs.len();
             product.resize(width * width, 0.0);
-            multiply([width, stride, width], (block, [stride, 1]), (block, [1, stride]), 0.0, &mut product);
+            multiply(
+                [width, stride, width],
+                (block, [stride, 1]),
+                (block, [1, stride]),
+                0.0,
+                &mut product,
+            );
             for (c, &column) in outputs.iter().enumerate() {
                 for (r, &row) in outputs.iter().enumerate() {
-                    total[(row, column)] += product[c * width + r];
+                    total[(row, column)] += self.row_weights[j] * product[c * width + r];
                 }
             }
         }
         total
     }
 
-    /// `∂F/∂Y = 2 Y G`, block by block.
+    /// `∂F/∂Y = 2 w Y G`, block by block.
     fn set_weights(&mut self, slope: &DMatrix<f64>) {
         let stride = self.rows.stride();
         let mut part = Vec::new();
         for j in 0..self.columns.joints() {
             let outputs = self.columns.row(j);
             let width = outputs.len();
+            let weight = 2.0 * self.row_weights[j];
             part.clear();
-            part.extend(outputs.iter().flat_map(|&c| outputs.iter().map(move |&r| 2.0 * slope[(r, c)])));
+            part.extend(
+                outputs
+                    .iter()
+                    .flat_map(|&c| outputs.iter().map(move |&r| weight * slope[(r, c)])),
+            );
             let to = self.weights.block_mut(j);
-            multiply([stride, width, width], (self.rows.block(j), [1, stride]), (&part, [1, width]), 0.0, to);
+            multiply(
+                [stride, width, width],
+                (self.rows.block(j), [1, stride]),
+                (&part, [1, width]),
+                0.0,
+                to,
+            );
         }
     }
 
@@ -111,8 +144,18 @@ impl<'a> Evaluator<'a> {
         let (stride, joints) = (self.motion.stride(), self.motion.joints());
         let size = self.basis[0].len() / stride;
         let mut total = DMatrix::zeros(size, joints);
-        for (basis, part) in self.basis.iter().zip([&self.gradient.q, &self.gradient.qd, &self.gradient.qdd]) {
-            multiply([size, stride, joints], (basis, [stride, 1]), (part, [1, stride]), 1.0, total.as_mut_slice());
+        for (basis, part) in self
+            .basis
+            .iter()
+            .zip([&self.gradient.q, &self.gradient.qd, &self.gradient.qdd])
+        {
+            multiply(
+                [size, stride, joints],
+                (basis, [stride, 1]),
+                (part, [1, stride]),
+                1.0,
+                total.as_mut_slice(),
+            );
         }
         total
     }
@@ -125,7 +168,22 @@ fn multiply([m, k, n]: [usize; 3], (a, sa): (&[f64], [usize; 2]), (b, sb): (&[f6
     let s = |v: usize| v as isize;
     // SAFETY: the assertion above bounds every element that the product reads or writes.
     unsafe {
-        dgemm(m, k, n, 1.0, a.as_ptr(), s(sa[0]), s(sa[1]), b.as_ptr(), s(sb[0]), s(sb[1]), beta, c.as_mut_ptr(), 1, s(m));
+        dgemm(
+            m,
+            k,
+            n,
+            1.0,
+            a.as_ptr(),
+            s(sa[0]),
+            s(sa[1]),
+            b.as_ptr(),
+            s(sb[0]),
+            s(sb[1]),
+            beta,
+            c.as_mut_ptr(),
+            1,
+            s(m),
+        );
     }
 }
 

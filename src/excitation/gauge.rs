@@ -65,7 +65,11 @@ impl TriangleBounds {
                 1.0 / position.min(limits.velocity.unwrap_or(f64::INFINITY))
             })
             .collect();
-        Self { order, sums, boxes: if spec.start == Start::Zero { boxes } else { vec![0.0; order] } }
+        Self {
+            order,
+            sums,
+            boxes: if spec.start == Start::Zero { boxes } else { vec![0.0; order] },
+        }
     }
 
     fn gauge(&self, c: &[f64], gradient: &mut [f64]) -> f64 {
@@ -79,7 +83,11 @@ impl TriangleBounds {
             if value > largest {
                 largest = value;
                 for l in 0..self.order {
-                    let per_unit = if amplitudes[l] > 0.0 { weights[l] / amplitudes[l] } else { 0.0 };
+                    let per_unit = if amplitudes[l] > 0.0 {
+                        weights[l] / amplitudes[l]
+                    } else {
+                        0.0
+                    };
                     (gradient[l], gradient[self.order + l]) = (per_unit * a[l], per_unit * b[l]);
                 }
                 gradient[2 * self.order] = to_offset * offset.signum();
@@ -130,7 +138,11 @@ impl CertifiedExtremes {
                 let of = |l: usize, which: usize| {
                     let chosen = harmonic(omega, l, t)[which];
                     // The jerk is minus the frequency squared times the velocity.
-                    if derivative == 3 { -(omega * l as f64).powi(2) * chosen[1] } else { chosen[derivative] }
+                    if derivative == 3 {
+                        -(omega * l as f64).powi(2) * chosen[1]
+                    } else {
+                        chosen[derivative]
+                    }
                 };
                 (1..=order).for_each(|l| values.push(of(l, 0)));
                 (1..=order).for_each(|l| values.push(of(l, 1)));
@@ -140,14 +152,26 @@ impl CertifiedExtremes {
         };
         let mut quantities = Vec::new();
         if let Some([low, high]) = limits.position {
-            quantities.push(Quantity { basis: basis(0), lower: low - rest, upper: high - rest });
+            quantities.push(Quantity {
+                basis: basis(0),
+                lower: low - rest,
+                upper: high - rest,
+            });
         }
         for (derivative, limit) in [(1, limits.velocity), (2, limits.acceleration), (3, limits.jerk)] {
             if let Some(limit) = limit {
-                quantities.push(Quantity { basis: basis(derivative), lower: -limit, upper: limit });
+                quantities.push(Quantity {
+                    basis: basis(derivative),
+                    lower: -limit,
+                    upper: limit,
+                });
             }
         }
-        Self { order, quantities, inverse_cosine: 1.0 / (PI * order as f64 / points as f64).cos() }
+        Self {
+            order,
+            quantities,
+            inverse_cosine: 1.0 / (PI * order as f64 / points as f64).cos(),
+        }
     }
 
     fn gauge(&self, c: &[f64], gradient: &mut [f64]) -> f64 {
@@ -156,7 +180,10 @@ impl CertifiedExtremes {
         gradient.fill(0.0);
         for quantity in &self.quantities {
             let rows = quantity.basis.chunks_exact(size);
-            let (mut low, mut high) = ((f64::INFINITY, &quantity.basis[..0]), (f64::NEG_INFINITY, &quantity.basis[..0]));
+            let (mut low, mut high) = (
+                (f64::INFINITY, &quantity.basis[..0]),
+                (f64::NEG_INFINITY, &quantity.basis[..0]),
+            );
             for row in rows {
                 let value: f64 = row.iter().zip(c).map(|(r, c)| r * c).sum();
                 if value < low.0 {
@@ -169,9 +196,10 @@ impl CertifiedExtremes {
             // Between the samples it reaches at most middle ± half / cos(πL/N).
             let (middle, half) = (0.5 * (high.0 + low.0), 0.5 * (high.0 - low.0) * self.inverse_cosine);
             let (of_high, of_low) = (0.5 * (1.0 + self.inverse_cosine), 0.5 * (1.0 - self.inverse_cosine));
-            for (value, limit, w_high, w_low) in
-                [(middle + half, quantity.upper, of_high, of_low), (middle - half, quantity.lower, of_low, of_high)]
-            {
+            for (value, limit, w_high, w_low) in [
+                (middle + half, quantity.upper, of_high, of_low),
+                (middle - half, quantity.lower, of_low, of_high),
+            ] {
                 if value / limit > largest {
                     largest = value / limit;
                     for i in 0..size {

@@ -48,7 +48,11 @@ fn more_harmonics_than_the_samples_carry_are_refused() {
     request["sample_rate_hz"] = json!(1);
     let answer = server.post_json("/excitation", &request.to_string());
     assert_eq!(answer.status, 422);
-    assert!(answer.errors()[0].starts_with("/fourier/order: 3 harmonics need more than 6 samples"), "{:?}", answer.errors());
+    assert!(
+        answer.errors()[0].starts_with("/fourier/order: 3 harmonics need more than 6 samples"),
+        "{:?}",
+        answer.errors()
+    );
 }
 
 #[test]
@@ -58,7 +62,11 @@ fn unreadable_documents_are_refused() {
     let bodies = [" ", "{\"robot\": ", "{'robot': 1}", "nonsense", &deep];
     for body in bodies {
         let answer = server.post_json("/excitation", body);
-        assert_eq!((answer.status, answer.problem()["code"].as_str()), (400, Some("malformed_document")), "{body:.20}");
+        assert_eq!(
+            (answer.status, answer.problem()["code"].as_str()),
+            (400, Some("malformed_document")),
+            "{body:.20}"
+        );
     }
     for body in ["[]", "null", "3"] {
         assert_eq!(server.post_json("/excitation", body).status, 422, "{body}");
@@ -67,14 +75,22 @@ fn unreadable_documents_are_refused() {
 
 #[test]
 fn huge_documents_are_refused() {
-    let server = Server::with(Config { largest_document: 10_000, ..Config::default() });
+    let server = Server::with(Config {
+        largest_document: 10_000,
+        ..Config::default()
+    });
     let answer = server.post_json("/excitation", &format!("{{\"robot\": \"{}\"}}", "x".repeat(20_000)));
-    assert_eq!((answer.status, answer.problem()["code"].as_str()), (413, Some("payload_too_large")));
+    assert_eq!(
+        (answer.status, answer.problem()["code"].as_str()),
+        (413, Some("payload_too_large"))
+    );
     // With no length announced, it is cut off while it comes.
     let mut stream = std::net::TcpStream::connect(server.address).unwrap();
     let head = "POST /excitation HTTP/1.1\r\nHost: t\r\nContent-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n";
     stream.write_all(head.as_bytes()).unwrap();
-    stream.write_all(format!("4e20\r\n{}\r\n0\r\n\r\n", " ".repeat(20_000)).as_bytes()).unwrap();
+    stream
+        .write_all(format!("4e20\r\n{}\r\n0\r\n\r\n", " ".repeat(20_000)).as_bytes())
+        .unwrap();
     let mut start = [0; 12];
     stream.read_exact(&mut start).unwrap();
     assert_eq!(&start, b"HTTP/1.1 413");
@@ -96,16 +112,29 @@ fn the_type_of_the_document_is_checked() {
     let body = quick_request().to_string();
     for kind in ["text/plain", "application/x-www-form-urlencoded", "application/xml"] {
         let answer = server.send("POST", "/excitation", &[("content-type", kind)], &body);
-        assert_eq!((answer.status, answer.problem()["code"].as_str()), (415, Some("unsupported_media_type")), "{kind}");
+        assert_eq!(
+            (answer.status, answer.problem()["code"].as_str()),
+            (415, Some("unsupported_media_type")),
+            "{kind}"
+        );
     }
-    let answer = server.send("POST", "/excitation", &[("content-type", "application/json; charset=utf-8"), ("prefer", "wait=30")], &body);
+    let answer = server.send(
+        "POST",
+        "/excitation",
+        &[("content-type", "application/json; charset=utf-8"), ("prefer", "wait=30")],
+        &body,
+    );
     assert_eq!(answer.status, 200);
 }
 
 #[test]
 fn unknown_addresses_methods_and_ids_are_problems_too() {
     let server = Server::start();
-    let unknown = [("/nothing", "not_found"), ("/jobs/1", "unknown_job"), ("/jobs/1/events", "unknown_job")];
+    let unknown = [
+        ("/nothing", "not_found"),
+        ("/jobs/1", "unknown_job"),
+        ("/jobs/1/events", "unknown_job"),
+    ];
     let unknown = unknown.iter().chain(&[
         ("/excitation/1", "unknown_excitation"),
         ("/excitation/1/trajectory", "unknown_excitation"),
@@ -114,12 +143,25 @@ fn unknown_addresses_methods_and_ids_are_problems_too() {
     ]);
     for (path, code) in unknown {
         let answer = server.get(path);
-        assert_eq!((answer.status, answer.problem()["code"].as_str()), (404, Some(*code)), "{path}");
+        assert_eq!(
+            (answer.status, answer.problem()["code"].as_str()),
+            (404, Some(*code)),
+            "{path}"
+        );
     }
     assert_eq!(server.delete("/jobs/1").problem()["code"], "unknown_job");
-    for (method, path) in [("GET", "/excitation"), ("PATCH", "/jobs"), ("POST", "/jobs/1"), ("DELETE", "/health/live")] {
+    for (method, path) in [
+        ("GET", "/excitation"),
+        ("PATCH", "/jobs"),
+        ("POST", "/jobs/1"),
+        ("DELETE", "/health/live"),
+    ] {
         let answer = server.send(method, path, &[], "");
-        assert_eq!((answer.status, answer.problem()["code"].as_str()), (405, Some("method_not_allowed")), "{method} {path}");
+        assert_eq!(
+            (answer.status, answer.problem()["code"].as_str()),
+            (405, Some("method_not_allowed")),
+            "{method} {path}"
+        );
         assert!(answer.header("allow").is_some(), "{method} {path}: {answer:?}");
     }
 }
@@ -128,7 +170,11 @@ fn unknown_addresses_methods_and_ids_are_problems_too() {
 fn a_joint_without_any_limit_is_refused_with_the_remedy() {
     let server = Server::start();
     let mut request = quick_request();
-    request["robot"] = json!({"name": "free", "joints": [{"name": "J1", "kind": "revolute", "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0}}]});
+    request["robot"] =
+        json!({"name": "free", "joints": [{"name": "J1", "kind": "revolute", "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0}}]});
     let errors = server.post_json("/excitation", &request.to_string()).errors();
-    assert!(errors[0].starts_with("/robot/joints/0/limits: joint `J1` has no limit on its motion (give at least"), "{errors:?}");
+    assert!(
+        errors[0].starts_with("/robot/joints/0/limits: joint `J1` has no limit on its motion (give at least"),
+        "{errors:?}"
+    );
 }

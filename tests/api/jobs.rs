@@ -106,7 +106,10 @@ fn a_running_search_is_cancelled_within_a_second_and_keeps_the_best() {
     let job = format!("/jobs/{id}");
     wait_until(|| server.get(&job).json()["progress"]["starts_finished"].as_u64() > Some(0));
     assert_eq!(server.get(&format!("/excitation/{id}")).status, 202);
-    assert_eq!(server.get(&format!("/excitation/{id}/trajectory")).problem()["code"], "no_trajectory");
+    assert_eq!(
+        server.get(&format!("/excitation/{id}/trajectory")).problem()["code"],
+        "no_trajectory"
+    );
     let asked = Instant::now();
     let cancelled = server.delete(&job);
     assert_eq!(cancelled.status, 202);
@@ -136,14 +139,20 @@ fn a_time_limit_is_honoured_within_a_second() {
 
 #[test]
 fn jobs_wait_their_turn_and_can_be_cancelled_while_they_wait() {
-    let server = Server::with(Config { waiting_jobs: 2, ..Config::default() });
+    let server = Server::with(Config {
+        waiting_jobs: 2,
+        ..Config::default()
+    });
     let post = || server.post_json("/excitation", &long_request().to_string());
     let running = post().json()["id"].as_str().unwrap().to_string();
     wait_until(|| server.get(&format!("/jobs/{running}")).json()["state"] == "running");
     let waiting = post().json()["id"].as_str().unwrap().to_string();
     assert_eq!(server.get(&format!("/jobs/{waiting}")).json()["state"], "queued");
     // One is taken from the queue ahead of its turn, two may wait, the next is refused.
-    let refused = (0..3).map(|_| post()).find(|a| a.status != 202).expect("the queue is bounded");
+    let refused = (0..3)
+        .map(|_| post())
+        .find(|a| a.status != 202)
+        .expect("the queue is bounded");
     assert_eq!(refused.status, 503);
     assert_eq!(refused.problem()["code"], "too_many_jobs");
     assert!(refused.header("retry-after").is_some());
@@ -161,7 +170,10 @@ fn a_key_makes_a_retry_the_same_job() {
     let first = post(&quick_request());
     assert_eq!(post(&quick_request()).json()["id"], first.json()["id"]);
     let other = post(&long_request());
-    assert_eq!((other.status, other.problem()["code"].as_str()), (422, Some("idempotency_key_reused")));
+    assert_eq!(
+        (other.status, other.problem()["code"].as_str()),
+        (422, Some("idempotency_key_reused"))
+    );
 }
 
 /// `(event, id, data)` of every event until the server ends the stream.
@@ -169,7 +181,11 @@ fn events(server: &Server, path: &str, last: Option<&str>) -> Vec<(String, u64, 
     let mut stream = TcpStream::connect(server.address).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let last = last.map(|id| format!("Last-Event-ID: {id}\r\n")).unwrap_or_default();
-    write!(stream, "GET {path} HTTP/1.0\r\nHost: test\r\nAccept: text/event-stream\r\n{last}\r\n").unwrap();
+    write!(
+        stream,
+        "GET {path} HTTP/1.0\r\nHost: test\r\nAccept: text/event-stream\r\n{last}\r\n"
+    )
+    .unwrap();
     let mut found = Vec::new();
     let (mut name, mut id) = (String::new(), 0);
     for line in BufReader::new(stream).lines().map_while(Result::ok) {
@@ -188,13 +204,19 @@ fn events_tell_progress_and_the_end() {
     let server = Server::start();
     let mut request = long_request();
     request["search"] = json!({"seed": 1, "starts": 5000, "time_limit_s": 3});
-    let id = server.post_json("/excitation", &request.to_string()).json()["id"].as_str().unwrap().to_string();
+    let id = server.post_json("/excitation", &request.to_string()).json()["id"]
+        .as_str()
+        .unwrap()
+        .to_string();
     let path = format!("/jobs/{id}/events");
     let all = events(&server, &path, None);
     let (name, last, job) = all.last().unwrap();
     assert_eq!((name.as_str(), job["state"].as_str()), ("end", Some("finished")));
     assert!(all.windows(2).all(|w| w[0].1 < w[1].1));
-    let progress: Vec<_> = all.iter().filter(|e| e.0 == "progress" && !e.2["progress"].is_null()).collect();
+    let progress: Vec<_> = all
+        .iter()
+        .filter(|e| e.0 == "progress" && !e.2["progress"].is_null())
+        .collect();
     assert!(!progress.is_empty());
     let bests: Vec<f64> = progress.iter().filter_map(|e| e.2["progress"]["best"].as_f64()).collect();
     assert!(!bests.is_empty() && bests.windows(2).all(|w| w[1] <= w[0]), "{bests:?}");
@@ -202,7 +224,10 @@ fn events_tell_progress_and_the_end() {
     // After a break: only what came later; after the end: nothing.
     let again = events(&server, &path, Some(&(last - 1).to_string()));
     assert_eq!(again.len(), 1);
-    assert_eq!(server.send("GET", &path, &[("last-event-id", &last.to_string())], "").status, 204);
+    assert_eq!(
+        server.send("GET", &path, &[("last-event-id", &last.to_string())], "").status,
+        204
+    );
 }
 
 #[test]
@@ -213,7 +238,8 @@ fn a_server_that_ends_hands_over_what_was_found() {
         let body = long_request().to_string();
         let mut stream = TcpStream::connect(address).unwrap();
         let length = body.len();
-        let head = "POST /excitation HTTP/1.1\r\nHost: t\r\nConnection: close\r\nPrefer: wait=60\r\nContent-Type: application/json";
+        let head =
+            "POST /excitation HTTP/1.1\r\nHost: t\r\nConnection: close\r\nPrefer: wait=60\r\nContent-Type: application/json";
         write!(stream, "{head}\r\nContent-Length: {length}\r\n\r\n{body}").unwrap();
         let mut text = String::new();
         stream.read_to_string(&mut text).unwrap();
@@ -221,7 +247,11 @@ fn a_server_that_ends_hands_over_what_was_found() {
     });
     wait_until(|| {
         let jobs = server.get("/jobs").json();
-        jobs["jobs"].as_array().unwrap().iter().any(|j| j["progress"]["starts_finished"].as_u64() > Some(0))
+        jobs["jobs"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|j| j["progress"]["starts_finished"].as_u64() > Some(0))
     });
     let asked = Instant::now();
     server.stop();

@@ -6,7 +6,10 @@ use std::process::Command;
 #[test]
 fn the_curl_example_of_the_readme_works() {
     let readme = include_str!("../../README.md");
-    let example = readme.split("```").find(|block| block.contains("curl ")).expect("the README has a curl example");
+    let example = readme
+        .split("```")
+        .find(|block| block.contains("curl "))
+        .expect("the README has a curl example");
     let script = example.trim_start_matches("sh").replace("\r", "");
     assert!(script.contains("http://127.0.0.1:8080"), "{script}");
     if Command::new("curl").arg("--version").output().is_err() {

@@ -9,7 +9,12 @@ const URDF: &str = include_str!("../../examples/robots/iiwa14.urdf");
 fn shipped_robots_are_listed_and_have_base_parameters() {
     let server = Server::start();
     let list = server.get("/robots").json();
-    let ids: Vec<_> = list["robots"].as_array().unwrap().iter().map(|r| r["id"].as_str().unwrap()).collect();
+    let ids: Vec<_> = list["robots"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|r| r["id"].as_str().unwrap())
+        .collect();
     assert_eq!(ids, ["iiwa14", "ur10", "scara", "planar_two_link"]);
     let document = server.get("/robots/iiwa14").json();
     assert_eq!(document["joints"][2]["mdh"]["r"], 0.42);
@@ -17,7 +22,15 @@ fn shipped_robots_are_listed_and_have_base_parameters() {
     assert_eq!(base["count"], 57);
     assert_eq!(base["map"].as_array().unwrap().len(), 57);
     assert_eq!(base["map"][0].as_array().unwrap().len(), 84);
-    let named = |name: &str| base["base_parameters"].as_array().unwrap().iter().find(|p| p["name"] == name).cloned().unwrap();
+    let named = |name: &str| {
+        base["base_parameters"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|p| p["name"] == name)
+            .cloned()
+            .unwrap()
+    };
     assert_eq!(named("MYR2")["expression"], "MY2 + MZ3 + 0.42 (M3 + M4 + M5 + M6 + M7)");
     assert_eq!(named("FV1")["unit"], "N m s/rad");
 }
@@ -27,7 +40,10 @@ fn robots_of_the_lab_are_kept_used_and_forgotten() {
     let server = Server::start();
     let put = |path: &str, kind: &str, body: &str| server.send("PUT", path, &[("content-type", kind)], body);
     assert_eq!(put("/robots/lab-iiwa", "application/xml", URDF).status, 201);
-    assert_eq!(put("/robots/lab-iiwa", "application/json", &json!({"urdf": URDF}).to_string()).status, 200);
+    assert_eq!(
+        put("/robots/lab-iiwa", "application/json", &json!({"urdf": URDF}).to_string()).status,
+        200
+    );
     assert_eq!(server.get("/robots/lab-iiwa/base-parameters").json()["count"], 57);
     let mut request = quick_request();
     request["robot"] = json!("lab-iiwa");
@@ -48,9 +64,20 @@ fn a_posted_robot_gets_an_id_from_its_name_once() {
     let answer = server.post_json("/robots", &robot.to_string());
     assert_eq!((answer.status, answer.header("location")), (201, Some("/robots/my-arm-2")));
     assert_eq!(server.get("/robots/my-arm-2").json(), robot);
-    assert_eq!(server.post_json("/robots", &robot.to_string()).problem()["code"], "robot_exists");
-    let shipped = server.send("PUT", "/robots/iiwa14", &[("content-type", "application/json")], &robot.to_string());
-    assert_eq!((shipped.status, shipped.problem()["code"].as_str()), (409, Some("robot_read_only")));
+    assert_eq!(
+        server.post_json("/robots", &robot.to_string()).problem()["code"],
+        "robot_exists"
+    );
+    let shipped = server.send(
+        "PUT",
+        "/robots/iiwa14",
+        &[("content-type", "application/json")],
+        &robot.to_string(),
+    );
+    assert_eq!(
+        (shipped.status, shipped.problem()["code"].as_str()),
+        (409, Some("robot_read_only"))
+    );
     assert_eq!(server.delete("/robots/ur10").status, 409);
 }
 
@@ -59,7 +86,11 @@ fn bad_robots_are_refused() {
     let server = Server::start();
     let cut_off = server.send("POST", "/robots", &[("content-type", "application/xml")], &URDF[..500]);
     assert_eq!(cut_off.status, 422);
-    assert!(cut_off.errors()[0].starts_with("/urdf: is not readable XML"), "{:?}", cut_off.errors());
+    assert!(
+        cut_off.errors()[0].starts_with("/urdf: is not readable XML"),
+        "{:?}",
+        cut_off.errors()
+    );
     let empty = server.post_json("/robots", r#"{"name": "", "joints": []}"#);
     assert_eq!(empty.errors(), ["/joints: is empty: a robot has at least one joint ()"]);
     let kind = server.send("POST", "/robots", &[("content-type", "text/csv")], "a,b");
@@ -75,6 +106,10 @@ fn pages_and_health_answer() {
     let docs = server.get("/docs/");
     assert!(docs.status == 200 && docs.text.contains("swagger-ui"));
     // Offline: nothing is fetched from elsewhere.
-    assert!(!docs.text.contains("//cdn") && !docs.text.contains("https://"), "{}", docs.text);
+    assert!(
+        !docs.text.contains("//cdn") && !docs.text.contains("https://"),
+        "{}",
+        docs.text
+    );
     assert_eq!(server.get("/docs/swagger-ui-bundle.js").status, 200);
 }

@@ -28,7 +28,10 @@ fn val_regressor_and_torques_equal_the_independent_library() {
     let robot = iiwa14();
     let layout = Layout::standard(&robot);
     let reference = data("ref_regressor.json");
-    assert_eq!(layout.names(), serde_json::from_value::<Vec<String>>(reference["param_names"].clone()).unwrap());
+    assert_eq!(
+        layout.names(),
+        serde_json::from_value::<Vec<String>>(reference["param_names"].clone()).unwrap()
+    );
     let phi = numbers(&reference["table3_pi"]);
     for sample in reference["samples"].as_array().unwrap() {
         let [q, qd, qdd] = ["q", "qd", "qdd"].map(|k| numbers(&sample[k]));
@@ -48,10 +51,20 @@ fn val_base_parameters_equal_the_independent_map() {
     let k = matrix(&reference["K"]);
     let exact = BaseParameters::exact(&robot);
     assert_eq!(exact.len(), 57);
-    assert_eq!(exact.kept, serde_json::from_value::<Vec<usize>>(reference["base_cols"].clone()).unwrap());
+    assert_eq!(
+        exact.kept,
+        serde_json::from_value::<Vec<usize>>(reference["base_cols"].clone()).unwrap()
+    );
     // The paper writes ZZR7 for what is ZZ7 alone: nothing is regrouped into it.
-    let names: Vec<_> = exact.names.iter().map(|n| if n == "ZZ7" { "ZZR7" } else { n.as_str() }).collect();
-    assert_eq!(names, serde_json::from_value::<Vec<String>>(reference["base_names"].clone()).unwrap());
+    let names: Vec<_> = exact
+        .names
+        .iter()
+        .map(|n| if n == "ZZ7" { "ZZR7" } else { n.as_str() })
+        .collect();
+    assert_eq!(
+        names,
+        serde_json::from_value::<Vec<String>>(reference["base_names"].clone()).unwrap()
+    );
     assert!((&exact.map - &k).amax() < 1e-15);
     let numeric = numeric_base_parameters(&robot, 1);
     assert_eq!(numeric.base.kept, exact.kept);
@@ -72,7 +85,10 @@ fn val_base_parameter_expressions_are_the_papers_equation_6() {
     };
     assert_eq!(expression("ZZR1"), "ZZ1 + YY2");
     assert_eq!(expression("MYR2"), "MY2 + MZ3 + 0.42 (M3 + M4 + M5 + M6 + M7)");
-    assert_eq!(expression("XXR2"), "XX2 - YY2 + YY3 + 0.84 MZ3 + 0.1764 (M3 + M4 + M5 + M6 + M7)");
+    assert_eq!(
+        expression("XXR2"),
+        "XX2 - YY2 + YY3 + 0.84 MZ3 + 0.1764 (M3 + M4 + M5 + M6 + M7)"
+    );
     assert_eq!(expression("MYR4"), "MY4 - MZ5 - 0.4 (M5 + M6 + M7)");
     assert_eq!(expression("XXR5"), "XX5 - YY5 + YY6");
     assert_eq!(expression("XXR7"), "XX7 - YY7");

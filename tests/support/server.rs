@@ -28,7 +28,10 @@ impl Answer {
     }
 
     pub fn header(&self, name: &str) -> Option<&str> {
-        self.headers.iter().find(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, v)| v.as_str())
+        self.headers
+            .iter()
+            .find(|(n, _)| n.eq_ignore_ascii_case(name))
+            .map(|(_, v)| v.as_str())
     }
 
     /// The problem document, checked to be one.
@@ -49,7 +52,10 @@ impl Answer {
             let text = |name: &str| e[name].as_str().unwrap_or_default().to_string();
             format!("{}: {} ({})", text("pointer"), text("detail"), text("hint"))
         };
-        problem["errors"].as_array().map(|all| all.iter().map(line).collect()).unwrap_or_default()
+        problem["errors"]
+            .as_array()
+            .map(|all| all.iter().map(line).collect())
+            .unwrap_or_default()
     }
 }
 
@@ -69,7 +75,11 @@ impl Server {
                 serve(listener, config, async move { drop(stop.await) }).await.unwrap();
             });
         });
-        Self { address: address.recv().unwrap(), shutdown: Some(shutdown), thread: Some(thread) }
+        Self {
+            address: address.recv().unwrap(),
+            shutdown: Some(shutdown),
+            thread: Some(thread),
+        }
     }
 
     pub fn url(&self, path: &str) -> String {

@@ -76,7 +76,11 @@ impl State<'_, '_> {
                 self.evaluations += 1;
                 let usable = value.is_finite() && self.gradient.iter().all(|g| g.is_finite());
                 if let Some(out) = gradient {
-                    if usable { out.copy_from_slice(&self.gradient) } else { out.fill(0.0) }
+                    if usable {
+                        out.copy_from_slice(&self.gradient)
+                    } else {
+                        out.fill(0.0)
+                    }
                 }
                 if usable && value < self.value {
                     self.value = value;
@@ -128,7 +132,12 @@ pub fn minimize(method: Method, start: &[f64], rule: StopRule, objective: &mut O
         resume_unwind(panic);
     }
     let ending = if state.interrupted { Ending::Interrupted } else { ending };
-    Minimum { x: state.best, value: state.value, evaluations: state.evaluations, ending }
+    Minimum {
+        x: state.best,
+        value: state.value,
+        evaluations: state.evaluations,
+        ending,
+    }
 }
 
 /// One day: longer than any search that is asked for.
@@ -138,7 +147,10 @@ const LONGEST_SOLVE_S: f64 = 86_400.0;
 mod tests {
     use super::*;
 
-    const RULE: StopRule = StopRule { max_evaluations: 500, least_improvement: 1e-14 };
+    const RULE: StopRule = StopRule {
+        max_evaluations: 500,
+        least_improvement: 1e-14,
+    };
 
     /// Rosenbrock's valley, minimum 0 at (1, 1).
     fn rosenbrock(x: &[f64], g: &mut [f64]) -> Option<f64> {
