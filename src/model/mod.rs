@@ -9,6 +9,7 @@ mod joint;
 mod limits;
 mod robot;
 mod urdf;
+mod urdf_elements;
 
 pub use error::{FieldProblem, ModelError};
 pub use joint::{Joint, JointKind, LinkPrior, Mdh};

@@ -4,6 +4,7 @@
 //! dynamics want z along every joint, a URDF allows any axis: each link frame is turned so that its z axis is the joint's, and the
 //! turn is kept ([`Joint::description_frame`]) so that results can be handed back in the file's own frames.
 
+use super::urdf_elements::UrdfElements;
 use super::{FieldProblem, Friction, Joint, JointKind, Limits, LinkPrior, ModelError, Robot};
 use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
@@ -26,17 +27,18 @@ pub struct UrdfRobot {
 /// Not XML or not URDF, no movable joint, several chains and no `tip`, joint types a serial arm cannot have, and everything
 /// that [`Robot::new`] refuses.
 pub fn from_urdf(xml: &str, gravity: Vector3<f64>, friction: Friction, tip: Option<&str>) -> Result<UrdfRobot, ModelError> {
-    let file = urdf_rs::read_from_string(xml).map_err(|e| {
+    let stated = UrdfElements::read(xml)?;
+    let file = urdf_rs::read_from_string(&stated.xml).map_err(|e| {
         single(
             "/urdf",
             format!("is not a readable URDF document: {e}"),
             "check that the file is complete",
         )
     })?;
-    let stated = StatedElements::read(xml)?;
     let tree = Tree::new(&file)?;
     let chain = tree.chain(tip)?;
-    let mut notes = tree.frozen_branches(&chain);
+    let mut notes = stated.notes.clone();
+    notes.extend(tree.frozen_branches(&chain));
     let mut joints = Vec::new();
     // Pose of the present link frame (as the file has it) in the frame of the dynamics before it.
     let mut to_here = Transform::identity();
@@ -66,7 +68,7 @@ fn described_joint(
     placement: Transform,
     turn: Matrix3<f64>,
     body: Option<LinkInertia>,
-    stated: &StatedElements,
+    stated: &UrdfElements,
     notes: &mut Vec<String>,
 ) -> Joint {
     let kind = match joint.joint_type {
@@ -88,7 +90,7 @@ fn described_joint(
     }
 }
 
-fn limits(joint: &urdf_rs::Joint, stated: &StatedElements, notes: &mut Vec<String>) -> Limits {
+fn limits(joint: &urdf_rs::Joint, stated: &UrdfElements, notes: &mut Vec<String>) -> Limits {
     let attributes = stated.limits.get(joint.name.as_str());
     let has = |name: &str| attributes.is_some_and(|a| a.contains(name));
     let continuous = joint.joint_type == urdf_rs::JointType::Continuous;
@@ -296,7 +298,7 @@ impl<'a> Tree<'a> {
         &self,
         link: &str,
         chain: &[&urdf_rs::Joint],
-        stated: &StatedElements,
+        stated: &UrdfElements,
         notes: &mut Vec<String>,
     ) -> Option<LinkInertia> {
         let mut total = LinkInertia::zero();
@@ -342,45 +344,4 @@ fn own_inertia(inertial: &urdf_rs::Inertial) -> LinkInertia {
         inertia: about_com,
     };
     body.about_origin().transformed(&pose(&inertial.origin))
-}
-
-/// What the file states in so many words: the parser fills missing inertials and limits with zeros without a word.
-struct StatedElements {
-    inertials: HashSet<String>,
-    limits: HashMap<String, HashSet<String>>,
-}
-
-impl StatedElements {
-    fn read(xml: &str) -> Result<Self, ModelError> {
-        let options = roxmltree::ParsingOptions {
-            allow_dtd: false,
-            nodes_limit: 1_000_000,
-            ..Default::default()
-        };
-        let document = roxmltree::Document::parse_with_options(xml, options).map_err(|e| {
-            single(
-                "/urdf",
-                format!("is not readable XML: {e}"),
-                "check that the file is complete",
-            )
-        })?;
-        let mut stated = Self {
-            inertials: HashSet::new(),
-            limits: HashMap::new(),
-        };
-        for node in document.root_element().children() {
-            let Some(name) = node.attribute("name") else { continue };
-            let child = |tag: &str| node.children().find(|c| c.has_tag_name(tag));
-            if node.has_tag_name("link") && child("inertial").is_some_and(|i| i.children().any(|c| c.has_tag_name("mass"))) {
-                stated.inertials.insert(name.to_string());
-            }
-            if node.has_tag_name("joint")
-                && let Some(limit) = child("limit")
-            {
-                let attributes = limit.attributes().map(|a| a.name().to_string()).collect();
-                stated.limits.insert(name.to_string(), attributes);
-            }
-        }
-        Ok(stated)
-    }
 }

@@ -5,4 +5,5 @@ mod support;
 
 mod dynamics;
 mod excitation;
+mod robots;
 mod trajectory;
