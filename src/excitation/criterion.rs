@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     fn gram(seed: f64) -> DMatrix<f64> {
-        let w = DMatrix::from_fn(30, 6, |r, c| ((r * 7 + c * 13) as f64 * seed).sin());
+        let w = DMatrix::from_fn(30, 6, |r, c| ((3 * r * r + 5 * c * c + 7 * r * c) as f64 * seed).sin());
         w.tr_mul(&w)
     }
 

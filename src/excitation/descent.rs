@@ -4,7 +4,7 @@ use super::criterion::{SmoothCriterion, true_log_value};
 use super::evaluator::Evaluator;
 use super::problem::{Criterion, Problem};
 use super::search::Control;
-use super::solver::{Ending, Method, StopRule, minimize};
+use super::solver::{Ending, StopRule, minimize};
 use super::variables::Variables;
 use super::workspace::workspace_gram;
 use crate::dynamics::Coulomb;
@@ -131,7 +131,7 @@ impl<'a> Descent<'a> {
                 max_evaluations: stage.max_evaluations,
                 least_improvement: LEAST_IMPROVEMENT,
             };
-            let found = minimize(Method::Slsqp, &x, rule, &mut |x, gradient| {
+            let found = minimize(&x, rule, &mut |x, gradient| {
                 if self.control.halt().is_some() {
                     return None;
                 }

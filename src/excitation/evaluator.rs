@@ -204,3 +204,90 @@ fn basis(order: usize, fundamental_hz: f64, samples: usize, stride: usize) -> [V
     }
     parts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::problem::{Form, ProblemSpec, Start};
+    use crate::model::{Friction, Joint, JointKind, Limits, Mdh, Robot};
+    use nalgebra::Vector3;
+
+    /// A sliding joint between two turning ones, off-centre limits: every path of the chain rule.
+    fn problem(form: Form, start: Start, criterion: Criterion) -> Problem {
+        let kinds = [JointKind::Revolute, JointKind::Prismatic, JointKind::Revolute];
+        let joints = kinds.into_iter().enumerate().map(|(i, kind)| {
+            let mdh = Mdh {
+                alpha: 0.8 * i as f64,
+                d: 0.1,
+                theta: 0.2,
+                r: 0.3,
+            };
+            let limits = Limits {
+                position: Some([-1.0, 1.7]),
+                velocity: Some(1.2),
+                acceleration: Some(4.0),
+                ..Limits::unlimited()
+            };
+            Joint::from_mdh(format!("j{i}"), kind, mdh).with_limits(limits)
+        });
+        let friction = Friction {
+            viscous: true,
+            coulomb: true,
+        };
+        let robot = Robot::new("test", Vector3::new(0.0, 2.0, -9.0), joints.collect(), friction).unwrap();
+        let spec = ProblemSpec {
+            robot,
+            order: 4,
+            fundamental_hz: 0.2,
+            sample_rate_hz: 10.0,
+            criterion,
+            form,
+            start,
+            start_position: None,
+            torque_noise: Some(vec![0.5, 2.0, 0.1]),
+        };
+        Problem::new(spec).unwrap()
+    }
+
+    #[test]
+    fn prop_gradient_equals_differences_for_every_form_start_and_criterion() {
+        let criteria = [Criterion::ConditionNumber, Criterion::DOptimality, Criterion::AOptimality];
+        for form in [Form::Paper, Form::Exact] {
+            for start in [Start::Zero, Start::Free] {
+                for criterion in criteria {
+                    let problem = problem(form, start, criterion);
+                    let smooth = match criterion {
+                        Criterion::DOptimality => SmoothCriterion::DOptimality,
+                        Criterion::AOptimality => SmoothCriterion::AOptimality,
+                        _ => SmoothCriterion::ConditionNumber { power: 5.0 },
+                    };
+                    assert_gradient(&problem, &smooth);
+                }
+            }
+        }
+    }
+
+    fn assert_gradient(problem: &Problem, criterion: &SmoothCriterion) {
+        let variables = Variables::new(problem);
+        let mut evaluator = Evaluator::new(problem, &variables, problem.samples());
+        let x: Vec<f64> = (0..variables.len()).map(|i| ((i * 7 + 3) as f64).sin()).collect();
+        let mut gradient = vec![0.0; x.len()];
+        let mut unused = vec![0.0; x.len()];
+        evaluator.evaluate(criterion, Coulomb::Smooth(0.1), &x, &mut gradient);
+        for i in 0..x.len() {
+            let h = 1e-6;
+            let mut at = |step: f64| {
+                let mut moved = x.clone();
+                moved[i] += step;
+                evaluator.evaluate(criterion, Coulomb::Smooth(0.1), &moved, &mut unused)
+            };
+            let difference = (at(h) - at(-h)) / (2.0 * h);
+            // Rounding: 1e-16 times the condition of M (up to 1e6 here) over h; truncation h².
+            assert!(
+                (difference - gradient[i]).abs() < 1e-4 * (1.0 + gradient[i].abs()),
+                "{i}: {difference} {}",
+                gradient[i]
+            );
+        }
+    }
+}

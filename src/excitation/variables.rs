@@ -134,7 +134,7 @@ impl Variables {
         }
         let grid = 2f64.powi(largest.log2().ceil() as i32 - 40);
         let round = |v: f64, step: f64| (v / step).round() * step;
-        let (a, b) = c.split_at_mut(order);
+        let (a, b) = c[..2 * order].split_at_mut(order);
         for v in a.iter_mut().skip(1) {
             *v = round(*v, grid);
         }
@@ -193,7 +193,7 @@ fn null_space(order: usize, start: Start) -> DMatrix<f64> {
         rows.push(row(&|i| if i == 2 * order { 1.0 } else { 0.0 }));
     }
     let mut basis: Vec<DVector<f64>> = Vec::new();
-    let mut add = |v: DVector<f64>, out: &mut Vec<DVector<f64>>| {
+    let add = |v: DVector<f64>, out: &mut Vec<DVector<f64>>| {
         let mut rest = v;
         for _ in 0..2 {
             for d in out.iter() {

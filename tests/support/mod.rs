@@ -100,3 +100,20 @@ pub fn iiwa14() -> Robot {
         .collect();
     Robot::new("iiwa 14", Vector3::new(0.0, 0.0, -9.81), joints, FRICTION).unwrap()
 }
+
+/// The same with the manufacturer's position and velocity limits.
+pub fn iiwa14_limited() -> Robot {
+    let positions = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0f64];
+    let velocities = [85.0, 85.0, 100.0, 75.0, 130.0, 135.0, 135.0f64];
+    let bare = iiwa14();
+    let limited = bare.joints().iter().enumerate().map(|(j, joint)| {
+        let q = positions[j].to_radians();
+        let limits = Limits {
+            position: Some([-q, q]),
+            velocity: Some(velocities[j].to_radians()),
+            ..Limits::unlimited()
+        };
+        joint.clone().with_limits(limits)
+    });
+    Robot::new("iiwa 14", Vector3::new(0.0, 0.0, -9.81), limited.collect(), FRICTION).unwrap()
+}
