@@ -19,7 +19,10 @@ fn the_document_checked_in_is_the_one_made_from_the_code() {
 fn the_server_hands_out_the_same_document() {
     let server = Server::start();
     let checked_in: Value = serde_json::from_str(&checked_in()).unwrap();
-    assert!(server.get("/openapi.json").json() == checked_in, "the server's document differs from openapi/openapi.json");
+    assert!(
+        server.get("/openapi.json").json() == checked_in,
+        "the server's document differs from openapi/openapi.json"
+    );
 }
 
 /// Every field of a request schema is known to its reader, and the reader knows no other.
