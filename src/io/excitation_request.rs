@@ -23,7 +23,7 @@ pub struct ExcitationRequest {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Search {
     pub options: SearchOptions,
-    /// Time after which the best trajectory found is handed back [s].
+    /// Time after which the best trajectory found is handed back (s).
     pub time_limit_s: f64,
 }
 
