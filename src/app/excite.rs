@@ -40,7 +40,12 @@ pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn F
         cancel,
         observe,
     };
-    let design = search(&request.problem, &request.search.options, &clock);
+    let run = || search(&request.problem, &request.search.options, &clock);
+    // Threads of its own: in a shared pool a search whose time is up would wait for the local solves of another.
+    let design = match rayon::ThreadPoolBuilder::new().build() {
+        Ok(pool) => pool.install(run),
+        Err(_) => run(),
+    };
     let document = DesignDocument::new(request, &design, started.elapsed().as_secs_f64());
     Excited {
         document,

@@ -86,7 +86,7 @@ pub struct PredictedDocument {
     /// Torque noise assumed, one standard deviation per joint [N·m or N].
     pub torque_noise: Vec<f64>,
     /// Standard deviation of every base parameter, in its SI unit.
-    pub std_dev: Vec<f64>,
+    pub std_dev: Vec<Option<f64>>,
     /// `100 σ/|value|`, where the robot has prior link parameters; null where the prior value is zero.
     pub relative_std_dev_percent: Option<Vec<Option<f64>>>,
 }
@@ -105,7 +105,7 @@ pub struct MarginDocument {
     pub peak: f64,
     /// Proven bound on the extreme over all time.
     pub certified_peak: f64,
-    /// Time of the extreme [s].
+    /// Time of the extreme (s).
     pub at_s: f64,
     /// Part of the way from the middle of the range to the limit that is left.
     pub margin: f64,
@@ -208,7 +208,7 @@ fn criteria_document(problem: &Problem, c: &Criteria) -> CriteriaDocument {
 fn predicted_document(p: &Predicted) -> PredictedDocument {
     PredictedDocument {
         torque_noise: p.torque_noise.clone(),
-        std_dev: p.std_dev.as_slice().to_vec(),
+        std_dev: p.std_dev.iter().copied().map(finite).collect(),
         relative_std_dev_percent: p
             .relative_std_dev_percent
             .as_ref()

@@ -23,7 +23,7 @@ pub struct ExcitationRequest {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Search {
     pub options: SearchOptions,
-    /// Time after which the best trajectory found is handed back [s].
+    /// Time after which the best trajectory found is handed back (s).
     pub time_limit_s: f64,
 }
 
@@ -51,6 +51,8 @@ pub const STARTS: &[(&str, Start)] = &[("zero", Start::Zero), ("free", Start::Fr
 
 /// A day: longer searches are mistakes in the unit.
 const LONGEST_SEARCH_S: f64 = 86_400.0;
+/// Time limit where neither time nor evaluations are limited: the search ends by itself when it has converged, usually before.
+const DEFAULT_TIME_LIMIT_S: f64 = 60.0;
 /// Local solves that may wait for each other at the end of a round; beyond this the rounds are too few to learn from each other.
 const MOST_JOBS: u64 = 1024;
 /// Largest whole number that every JSON program carries exactly.
@@ -73,15 +75,15 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
     let fields = cursor.fields(REQUEST_FIELDS)?;
     let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, known));
     let notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();
-    let joints = robot.as_ref().map(|r| r.robot.joint_count());
+    let has_robot = robot.is_some();
     let search = read_search(&fields);
-    let spec = read_spec(&fields, robot.map(|r| r.robot), joints);
+    let spec = read_spec(&fields, robot.map(|r| r.robot));
     let problem = match Problem::new(spec) {
         Ok(problem) => problem,
         Err(e) => {
             cursor
                 .findings()
-                .merge(e.0.into_iter().filter_map(|p| placed(p, cursor.value(), joints.is_some())));
+                .merge(e.0.into_iter().filter_map(|p| placed(p, cursor.value(), has_robot)));
             return None;
         }
     };
@@ -96,7 +98,8 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
 /// What the core says about a stand-in robot is dropped; about a robot called by name or read from XML it is said of that field.
 fn placed(problem: FieldProblem, request: &Value, has_robot: bool) -> Option<FieldProblem> {
     let of_robot = problem.pointer.starts_with("/robot");
-    if !has_robot && (of_robot || problem.pointer.starts_with("/constraints/start_position")) {
+    let per_joint = ["/robot", "/constraints/start_position", "/torque_noise"];
+    if !has_robot && per_joint.iter().any(|p| problem.pointer.starts_with(p)) {
         return None;
     }
     let pointer = match (of_robot, &request["robot"]) {
@@ -107,7 +110,7 @@ fn placed(problem: FieldProblem, request: &Value, has_robot: bool) -> Option<Fie
     Some(FieldProblem { pointer, ..problem })
 }
 
-fn read_spec(fields: &Fields, robot: Option<Robot>, joints: Option<usize>) -> ProblemSpec {
+fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
     let fourier = fields.required("fourier").and_then(|c| c.fields(FOURIER_FIELDS));
     let order = fourier
         .as_ref()
@@ -137,44 +140,47 @@ fn read_spec(fields: &Fields, robot: Option<Robot>, joints: Option<usize>) -> Pr
             .as_ref()
             .and_then(|f| f.nullable("start_position"))
             .and_then(|c| c.numbers(None)),
-        torque_noise: fields.nullable("torque_noise").and_then(|c| read_torque_noise(&c, joints)),
+        torque_noise: fields.nullable("torque_noise").and_then(|c| c.numbers(None)),
     }
-}
-
-fn read_torque_noise(cursor: &Cursor, joints: Option<usize>) -> Option<Vec<f64>> {
-    let values = cursor.numbers(joints)?;
-    for (item, value) in cursor.items()?.iter().zip(&values) {
-        if *value <= 0.0 {
-            item.complain(format!("is {value}; a standard deviation is above zero"));
-        }
-    }
-    Some(values)
 }
 
 fn read_search(fields: &Fields) -> Search {
     let search = fields.optional("search").and_then(|c| c.fields(SEARCH_FIELDS));
     let field = |name: &str| search.as_ref().and_then(|f| f.nullable(name));
-    let time_limit_s = field("time_limit_s").and_then(|c| {
-        let limit = c.number()?;
-        if !(limit > 0.0 && limit <= LONGEST_SEARCH_S) {
-            c.complain(format!(
-                "is {limit}; a time limit is above zero and at most {LONGEST_SEARCH_S} s"
-            ));
-        }
-        Some(limit)
-    });
+    let time_limit_s = field("time_limit_s").and_then(|c| read_time_limit(&c));
+    let max_evaluations = field("max_evaluations").and_then(|c| c.whole(1, LARGEST_SEED));
+    let defaults = SearchOptions::default();
     let options = SearchOptions {
-        seed: field("seed").and_then(|c| c.whole(0, LARGEST_SEED)).unwrap_or(1),
-        starts: field("starts").and_then(|c| c.whole(1, 100_000)).unwrap_or(64) as usize,
-        max_evaluations: field("max_evaluations").and_then(|c| c.whole(1, LARGEST_SEED)),
-        jobs_per_round: field("jobs_per_round").and_then(|c| c.whole(1, MOST_JOBS)).unwrap_or(8) as usize,
-        // A request always has a time limit, and what time is left is spent around the best points.
-        until_halted: true,
+        seed: field("seed").and_then(|c| c.whole(0, LARGEST_SEED)).unwrap_or(defaults.seed),
+        starts: field("starts")
+            .and_then(|c| c.whole(1, 100_000))
+            .unwrap_or(defaults.starts as u64) as usize,
+        max_evaluations,
+        jobs_per_round: field("jobs_per_round")
+            .and_then(|c| c.whole(1, MOST_JOBS))
+            .unwrap_or(defaults.jobs_per_round as u64) as usize,
+        // Time that was asked for is used; time that was not is saved once the search has converged.
+        until_halted: time_limit_s.is_some(),
+    };
+    // A count of evaluations makes a run repeatable; a clock that nobody asked for must not cut it short.
+    let unasked = if max_evaluations.is_some() {
+        LONGEST_SEARCH_S
+    } else {
+        DEFAULT_TIME_LIMIT_S
     };
     Search {
         options,
-        time_limit_s: time_limit_s.unwrap_or(60.0),
+        time_limit_s: time_limit_s.unwrap_or(unasked),
     }
+}
+
+fn read_time_limit(cursor: &Cursor) -> Option<f64> {
+    let limit = cursor.number()?;
+    if !(limit > 0.0 && limit <= LONGEST_SEARCH_S) {
+        let detail = format!("is {limit}; a time limit is above zero and at most {LONGEST_SEARCH_S} s");
+        cursor.complain(detail);
+    }
+    Some(limit)
 }
 
 /// An arm without fault, in the place of one that could not be read: the rest of the request is still checked.
@@ -217,13 +223,7 @@ mod tests {
     #[test]
     fn defaults_are_those_documented() {
         let request = read_excitation_request(&parse(GOOD.as_bytes()).unwrap(), &Shipped).unwrap();
-        assert_eq!(
-            request.search.options,
-            SearchOptions {
-                until_halted: true,
-                ..SearchOptions::default()
-            }
-        );
+        assert_eq!(request.search.options, SearchOptions::default());
         assert_eq!(request.search.time_limit_s, 60.0);
         let spec = request.problem.spec();
         assert_eq!(

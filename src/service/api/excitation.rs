@@ -211,7 +211,7 @@ fn series_of(job: &Job) -> Result<(FourierSeries, f64), Failure> {
             let none = || {
                 Error::new(
                     Code::NoTrajectory,
-                    "the problem is infeasible: no trajectory meets its constraints",
+                    "the search ended without a trajectory; its result says why",
                 )
             };
             Ok((series.ok_or_else(none)?, excitation.result.sample_rate_hz))

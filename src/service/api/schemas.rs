@@ -84,11 +84,11 @@ pub struct SearchSchema {
     /// The same seed and number of evaluations give the same answer.
     #[schema(default = 1)]
     seed: Option<u64>,
-    /// Random starts.
+    /// Random starts made at least before a search without limits may end.
     #[schema(default = 64)]
     starts: Option<u32>,
-    /// Time after which the best trajectory found is handed back [s].
-    #[schema(default = 60)]
+    /// Time after which the best trajectory found is handed back [s], up to a day. All of it is used. If it is left out, the search ends
+    /// when it has converged, after 60 s at the latest.
     time_limit_s: Option<f64>,
     /// Evaluations of the criterion after which no new round begins.
     max_evaluations: Option<u64>,
