@@ -5,3 +5,5 @@ pub mod parameters;
 pub mod dynamics;
 pub mod trajectory;
 pub mod excitation;
+pub mod identification;
+pub mod io;
