@@ -15,6 +15,7 @@ mod noise;
 mod normal;
 mod observation;
 pub mod preprocess;
+mod quality;
 mod robust;
 mod solution;
 
@@ -24,4 +25,5 @@ pub use noise::NoiseSpectrum;
 pub use normal::{JointNormal, normal_equations};
 pub use observation::{JointRows, Observation};
 pub use preprocess::{PreparedLog, PreprocessOptions, prepare};
+pub use quality::{Quality, Verdict, quality};
 pub use solution::{RANK_TOLERANCE, Solution};

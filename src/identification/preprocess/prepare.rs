@@ -69,6 +69,20 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
     })
 }
 
+/// Whether periods scatter by noise alone, and not by torques of their own: below a tenth of the band, where the motion is, the
+/// scatter is less than 5 % of the torque, or its density no more than ten times that of the noise above.
+fn torques_repeat(record: &Record) -> bool {
+    let Some(scatter) = &record.scatter else { return true };
+    let mean = |lines: &[f64]| lines.iter().sum::<f64>() / lines.len().max(1) as f64;
+    scatter.spectrum.iter().zip(&record.tau).all(|(spectrum, tau)| {
+        let (low, high) = spectrum.split_at(spectrum.len() / 10);
+        let torque = tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
+        // Two lines of the whole spectrum per line of this half; spectra are of the mean, periods scatter K times as much.
+        let scattered = 2.0 * low.iter().sum::<f64>() / tau.len() as f64 * scatter.periods as f64;
+        scattered < 0.05 * 0.05 * torque || mean(low) < 10.0 * mean(high)
+    })
+}
+
 /// Joints whose velocity is noise and nothing else are taken to stand still: their friction must not be fitted to noise.
 fn hold_still(motion: &mut Motion, velocity_std: &[f64]) -> Vec<bool> {
     let samples = motion.samples();
@@ -140,7 +154,25 @@ impl Chain<'_> {
         let stated = matches!(self.options.period, Period::Known { .. });
         let periods = period.and_then(|p| Periods::find(self.log, p));
         match periods {
-            Some(periods) => Ok(self.averaged(periods, order, source, choices)),
+            Some(periods) if periods.count == 1 && !stated => {
+                choices.push(Choice::new(
+                    "period",
+                    "none",
+                    "less than two whole periods repeat: their ends need not meet",
+                ));
+                Ok(self.whole())
+            }
+            Some(periods) => {
+                let mut made = Vec::new();
+                let record = self.averaged(periods, order, source, &mut made);
+                if !stated && !torques_repeat(&record) {
+                    let why = "the positions repeat but the torques do not: something other than the motion acts, and a mean would hide it";
+                    choices.push(Choice::new("period", "none", why));
+                    return Ok(self.whole());
+                }
+                choices.extend(made);
+                Ok(record)
+            }
             None if stated => Err(PreprocessError::NoWholePeriod {
                 log: self.log.name.clone(),
                 period_s: period.unwrap_or(f64::NAN),
