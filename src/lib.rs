@@ -7,3 +7,5 @@ pub mod trajectory;
 pub mod excitation;
 pub mod identification;
 pub mod io;
+// Links the library that the semidefinite solver calls.
+use openblas_src as _;

@@ -14,6 +14,7 @@ mod log;
 mod noise;
 mod normal;
 mod observation;
+pub mod physical;
 pub mod preprocess;
 mod quality;
 mod robust;
