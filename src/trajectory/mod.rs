@@ -6,8 +6,8 @@ mod fourier;
 mod quintic;
 mod sine;
 
-pub(crate) use fourier::harmonic;
 pub use fourier::FourierSeries;
+pub(crate) use fourier::harmonic;
 pub use quintic::QuinticWayPoints;
 pub use sine::SineSeries;
 
@@ -35,5 +35,9 @@ pub fn sample_count(duration: f64, rate_hz: f64) -> usize {
     let samples = duration * rate_hz;
     let whole = samples.round();
     // 1e-9 of the length is far above the rounding of a product and far below one sample.
-    if (samples - whole).abs() <= 1e-9 * whole { whole as usize } else { samples.ceil() as usize }
+    if (samples - whole).abs() <= 1e-9 * whole {
+        whole as usize
+    } else {
+        samples.ceil() as usize
+    }
 }
