@@ -19,6 +19,7 @@ pub mod preprocess;
 mod quality;
 mod robust;
 mod solution;
+mod validation;
 
 pub use least_squares::{Estimate, Estimator, JointFit, estimate};
 pub use log::Log;
@@ -28,3 +29,4 @@ pub use observation::{JointRows, Observation};
 pub use preprocess::{PreparedLog, PreprocessOptions, prepare};
 pub use quality::{Quality, Verdict, quality};
 pub use solution::{RANK_TOLERANCE, Solution};
+pub use validation::{PredictionSeries, Validation, prediction, validate};

@@ -26,7 +26,12 @@ pub struct ConsistentOptions {
 /// an arm of ordinary weight where it does not. Bodies below a ten-thousandth of their prior cannot be simulated in steps of a millisecond.
 impl Default for ConsistentOptions {
     fn default() -> Self {
-        Self { prior_weight: 1.0, bounds: Vec::new(), least_eigenvalue: 1e-4, least_viscous: 0.0 }
+        Self {
+            prior_weight: 1.0,
+            bounds: Vec::new(),
+            least_eigenvalue: 1e-4,
+            least_viscous: 0.0,
+        }
     }
 }
 
@@ -48,7 +53,10 @@ pub struct LinkBounds {
 /// When the objective is not one of `robot`.
 pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> PhysicalFit {
     let layout = Layout::standard(robot);
-    assert!(objective.len() >= layout.len(), "the objective is over the robot's standard parameters");
+    assert!(
+        objective.len() >= layout.len(),
+        "the objective is over the robot's standard parameters"
+    );
     let links = priors(robot);
     let scale = variable_scale(&layout, &links, objective);
     let (p, q) = cost(&layout, &links, objective, &scale, options.prior_weight);
@@ -56,8 +64,15 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
     let mut settings = DefaultSettings::default();
     settings.verbose = false;
     settings.max_iter = 200;
-    let mut solver = DefaultSolver::new(&upper(&p), q.as_slice(), &constraints.matrix(), &constraints.right, &constraints.cones, settings)
-        .expect("dimensions fit by construction");
+    let mut solver = DefaultSolver::new(
+        &upper(&p),
+        q.as_slice(),
+        &constraints.matrix(),
+        &constraints.right,
+        &constraints.cones,
+        settings,
+    )
+    .expect("dimensions fit by construction");
     single_threaded_blas();
     solver.solve();
     let values: Vec<f64> = solver.solution.x.iter().zip(scale.iter()).map(|(x, s)| x * s).collect();
@@ -67,7 +82,13 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
         SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => FitEnding::Infeasible,
         _ => FitEnding::BudgetExhausted,
     };
-    PhysicalFit { fit: objective.fit(&values), margins: margins(&layout, &values), values, ending, iterations: solver.solution.iterations }
+    PhysicalFit {
+        fit: objective.fit(&values),
+        margins: margins(&layout, &values),
+        values,
+        ending,
+        iterations: solver.solution.iterations,
+    }
 }
 
 /// Matrices of four by four gain nothing from threads, and one thread gives one answer.
@@ -97,7 +118,13 @@ fn variable_scale(layout: &Layout, links: &[LinkPrior], objective: &FitObjective
 }
 
 /// `½ xᵀPx + qᵀx` over scaled variables, divided by the unconstrained cost's order.
-fn cost(layout: &Layout, links: &[LinkPrior], objective: &FitObjective, scale: &DVector<f64>, weight: f64) -> (DMatrix<f64>, DVector<f64>) {
+fn cost(
+    layout: &Layout,
+    links: &[LinkPrior],
+    objective: &FitObjective,
+    scale: &DVector<f64>,
+    weight: f64,
+) -> (DMatrix<f64>, DVector<f64>) {
     let (h, g, _) = objective.quadratic();
     let n = scale.len();
     let mut p = DMatrix::from_fn(n, n, |r, c| 2.0 * h[(r, c)] * scale[r] * scale[c]);
@@ -140,7 +167,10 @@ impl Constraints {
 }
 
 fn constraints(layout: &Layout, links: &[LinkPrior], scale: &DVector<f64>, options: &ConsistentOptions) -> Constraints {
-    let mut found = Constraints { variables: scale.len(), ..Constraints::default() };
+    let mut found = Constraints {
+        variables: scale.len(),
+        ..Constraints::default()
+    };
     for (i, parameter) in layout.parameters().iter().enumerate() {
         match parameter.kind {
             ParameterKind::Viscous => found.at_least(&[(i, scale[i])], options.least_viscous),
@@ -155,7 +185,14 @@ fn constraints(layout: &Layout, links: &[LinkPrior], scale: &DVector<f64>, optio
         found.cones.push(SupportedConeT::NonnegativeConeT(found.rows.len()));
     }
     for (link, prior) in links.iter().enumerate() {
-        pseudo_inertia_rows(layout, link, &LinkScale::of(prior), scale, options.least_eigenvalue, &mut found);
+        pseudo_inertia_rows(
+            layout,
+            link,
+            &LinkScale::of(prior),
+            scale,
+            options.least_eigenvalue,
+            &mut found,
+        );
     }
     found
 }
@@ -178,7 +215,14 @@ fn bound_rows(layout: &Layout, link: usize, bounds: &LinkBounds, scale: &DVector
 
 /// `T J T ⪰ least`, with T making the pseudo-inertia of a body of the link's size a matrix of order one. Upper triangle by columns,
 /// off-diagonal entries times √2, as the solver wants its cones.
-fn pseudo_inertia_rows(layout: &Layout, link: usize, size: &LinkScale, scale: &DVector<f64>, least: f64, found: &mut Constraints) {
+fn pseudo_inertia_rows(
+    layout: &Layout,
+    link: usize,
+    size: &LinkScale,
+    scale: &DVector<f64>,
+    least: f64,
+    found: &mut Constraints,
+) {
     let unit = [size.length, size.length, size.length, 1.0];
     let basis: Vec<_> = (0..10)
         .map(|k| {

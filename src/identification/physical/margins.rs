@@ -63,7 +63,13 @@ pub fn margins(layout: &Layout, values: &[f64]) -> Vec<ConstraintMargin> {
     let mut found = Vec::new();
     for link in 0..layout.len() / layout.per_link() {
         let body = layout.link_inertia(values, link);
-        let mut push = |constraint, margin| found.push(ConstraintMargin { link, constraint, margin });
+        let mut push = |constraint, margin| {
+            found.push(ConstraintMargin {
+                link,
+                constraint,
+                margin,
+            })
+        };
         push(Constraint::Mass, body.mass);
         if let Some(physical) = body.physical() {
             let mut moments: Vec<f64> = physical.inertia.symmetric_eigenvalues().iter().copied().collect();

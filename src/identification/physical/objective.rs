@@ -45,8 +45,15 @@ impl FitObjective {
             normal.add_to(1.0 / (s * s), &mut gram, &mut moment);
             torque_square += normal.torque_square / (s * s);
         }
-        let mut objective =
-            Self { normals: normals.to_vec(), sigma, map, gram, moment, torque_square, unconstrained: 0.0 };
+        let mut objective = Self {
+            normals: normals.to_vec(),
+            sigma,
+            map,
+            gram,
+            moment,
+            torque_square,
+            unconstrained: 0.0,
+        };
         let best = Solution::of(objective.gram.clone(), objective.moment.clone()).values;
         objective.unconstrained = objective.cost_of_columns(&best);
         objective
@@ -62,12 +69,20 @@ impl FitObjective {
     }
 
     fn cost_of_columns(&self, theta: &DVector<f64>) -> f64 {
-        self.normals.iter().zip(&self.sigma).map(|(n, s)| n.residual_square(theta) / (s * s)).sum()
+        self.normals
+            .iter()
+            .zip(&self.sigma)
+            .map(|(n, s)| n.residual_square(theta) / (s * s))
+            .sum()
     }
 
     /// `(H, g, c)` with cost = xᵀ H x − 2 gᵀ x + c.
     pub fn quadratic(&self) -> (DMatrix<f64>, DVector<f64>, f64) {
-        (self.map.transpose() * &self.gram * &self.map, self.map.tr_mul(&self.moment), self.torque_square)
+        (
+            self.map.transpose() * &self.gram * &self.map,
+            self.map.tr_mul(&self.moment),
+            self.torque_square,
+        )
     }
 
     /// The least cost without any constraint.
@@ -78,8 +93,16 @@ impl FitObjective {
     /// The fit of `x`.
     pub fn fit(&self, x: &[f64]) -> FitRms {
         let theta = &self.map * DVector::from_column_slice(x);
-        let rms = self.normals.iter().map(|n| (n.residual_square(&theta) / n.rows.max(1) as f64).sqrt()).collect();
+        let rms = self
+            .normals
+            .iter()
+            .map(|n| (n.residual_square(&theta) / n.rows.max(1) as f64).sqrt())
+            .collect();
         let cost = self.cost_of_columns(&theta);
-        FitRms { rms, cost, ratio: (cost / self.unconstrained.max(f64::MIN_POSITIVE)).sqrt() }
+        FitRms {
+            rms,
+            cost,
+            ratio: (cost / self.unconstrained.max(f64::MIN_POSITIVE)).sqrt(),
+        }
     }
 }

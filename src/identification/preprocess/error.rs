@@ -8,7 +8,7 @@ pub enum PreprocessError {
     #[error("log `{log}` has {actual} joints, the robot has {expected}")]
     WrongJoints { log: String, expected: usize, actual: usize },
     #[error(
-        "log `{log}`: no whole period of {period_s} s in its {duration_s:.3} s that repeats; check the period, or set it to null"
+        "log `{log}`: no whole period of {period_s} s in its {duration_s:.3} s that repeats; check the period, or take the log as one stretch"
     )]
     NoWholePeriod { log: String, period_s: f64, duration_s: f64 },
     #[error("log `{log}`: the method needs a log that repeats, and no period was given or found")]

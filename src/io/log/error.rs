@@ -90,4 +90,28 @@ impl LogError {
             | Self::TooLong { file, .. } => file,
         }
     }
+
+    /// The same error about the file under another name (an upload is a temporary file with a name of its own).
+    pub fn named(mut self, name: &str) -> Self {
+        *self.file_mut() = name.to_string();
+        self
+    }
+
+    fn file_mut(&mut self) -> &mut String {
+        match self {
+            Self::Unreadable { file, .. }
+            | Self::Empty { file }
+            | Self::CutOff { file, .. }
+            | Self::NoHeader { file, .. }
+            | Self::MissingColumns { file, .. }
+            | Self::RepeatedColumn { file, .. }
+            | Self::NoTimeBase { file }
+            | Self::TooShort { file, .. }
+            | Self::TooMuchGarbage { file, .. }
+            | Self::TimeGoesBack { file, .. }
+            | Self::TooManyGaps { file, .. }
+            | Self::ImplausibleRate { file, .. }
+            | Self::TooLong { file, .. } => file,
+        }
+    }
 }
