@@ -10,10 +10,10 @@ LISTEN ?= 127.0.0.1:8080
 .PHONY: serve test build setup openapi
 
 serve: build
-	target/release/dynident serve --listen $(LISTEN)
+	cargo run --release --locked --bin dynident -- serve --listen $(LISTEN)
 
 build: setup
-	cargo build --release --locked --target-dir target --bin dynident
+	cargo build --release --locked --bin dynident
 
 # One profile throughout: everything is compiled once. The tests come last and end the output.
 test: setup

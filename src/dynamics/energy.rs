@@ -5,7 +5,7 @@ use crate::model::Robot;
 use crate::parameters::Layout;
 use nalgebra::Vector3;
 
-/// Energies of the arm [J].
+/// Energies of the arm (J).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energy {
     pub kinetic: f64,

@@ -32,7 +32,7 @@ pub struct Margin {
     pub peak: f64,
     /// Proven bound on the extreme over all time: `middle ± half range / cos(π L / N)` of N equispaced values.
     pub certified_peak: f64,
-    /// Time of the extreme [s].
+    /// Time of the extreme (s).
     pub at_s: f64,
     /// `1 −` (how much of the way from the middle of the allowed range to the limit the certified peak takes); never negative.
     pub margin: f64,

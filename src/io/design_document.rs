@@ -105,7 +105,7 @@ pub struct MarginDocument {
     pub peak: f64,
     /// Proven bound on the extreme over all time.
     pub certified_peak: f64,
-    /// Time of the extreme [s].
+    /// Time of the extreme (s).
     pub at_s: f64,
     /// Part of the way from the middle of the range to the limit that is left.
     pub margin: f64,

@@ -17,13 +17,13 @@ pub enum JointKind {
 /// The joint variable adds to `theta` (revolute) or `r` (prismatic). Craig writes `a` for Khalil's `d` and `d` for Khalil's `r`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mdh {
-    /// Angle from z_{j-1} to z_j about x_{j-1} [rad].
+    /// Angle from z_{j-1} to z_j about x_{j-1} (rad).
     pub alpha: f64,
-    /// Distance from z_{j-1} to z_j along x_{j-1} [m].
+    /// Distance from z_{j-1} to z_j along x_{j-1} (m).
     pub d: f64,
-    /// Angle from x_{j-1} to x_j about z_j at q = 0 [rad].
+    /// Angle from x_{j-1} to x_j about z_j at q = 0 (rad).
     pub theta: f64,
-    /// Distance from x_{j-1} to x_j along z_j at q = 0 [m].
+    /// Distance from x_{j-1} to x_j along z_j at q = 0 (m).
     pub r: f64,
 }
 

@@ -13,7 +13,7 @@ pub struct Config {
     pub kept_jobs: usize,
     /// Longest time that `Prefer: wait` holds an answer back.
     pub longest_wait: Duration,
-    /// Largest document accepted [bytes]. URDF files with many links reach a few hundred kilobytes.
+    /// Largest document accepted (bytes). URDF files with many links reach a few hundred kilobytes.
     pub largest_document: usize,
 }
 

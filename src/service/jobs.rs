@@ -6,6 +6,7 @@ use crate::app::{CancelFlag, Code, Error, Excited, excite};
 use crate::excitation::Progress;
 use crate::io::ExcitationRequest;
 use std::collections::{HashMap, VecDeque};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::SystemTime;
 use tokio::sync::{Semaphore, mpsc, watch};
@@ -168,8 +169,8 @@ struct Table {
     jobs: HashMap<String, Arc<Job>>,
     /// Ids by age.
     order: VecDeque<String>,
-    /// Job that an `Idempotency-Key` began, and the body it came with.
-    keys: HashMap<String, (Vec<u8>, String)>,
+    /// Job that an `Idempotency-Key` began, and the hash of the body it came with.
+    keys: HashMap<String, (u64, String)>,
     /// `None` once the service is closing.
     queue: Option<mpsc::Sender<Arc<Job>>>,
 }
@@ -199,6 +200,7 @@ impl Jobs {
 
     /// Puts a job into the queue; with a key that was used before for the same body, hands back the job it began.
     pub fn submit(&self, request: ExcitationRequest, key: Option<(String, &[u8])>) -> Result<Arc<Job>, Error> {
+        let key = key.map(|(key, body)| (key, hash(body)));
         let mut table = self.table();
         if let Some((key, body)) = &key
             && let Some((known_body, id)) = table.keys.get(key)
@@ -225,7 +227,7 @@ impl Jobs {
         table.jobs.insert(job.id.clone(), job.clone());
         table.order.push_back(job.id.clone());
         if let Some((key, body)) = key {
-            table.keys.insert(key, (body.to_vec(), job.id.clone()));
+            table.keys.insert(key, (body, job.id.clone()));
         }
         table.forget_oldest(self.0.kept);
         Ok(job)
@@ -261,6 +263,12 @@ impl Jobs {
     pub async fn drained(&self) {
         let _ = self.0.idle.acquire_many(self.0.workers as u32).await;
     }
+}
+
+fn hash(body: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    body.hash(&mut hasher);
+    hasher.finish()
 }
 
 impl Table {

@@ -90,3 +90,18 @@ async fn method_not_allowed(uri: Uri) -> Failure {
 fn panicked(_: Box<dyn std::any::Any + Send>) -> Response {
     Failure(internal_error()).into_response()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_panic_becomes_an_opaque_problem() {
+        let response = panicked(Box::new("the secret inside".to_string()));
+        assert_eq!(response.status().as_u16(), 500);
+        assert_eq!(response.headers()["content-type"], "application/problem+json");
+        let body = axum::body::to_bytes(response.into_body(), 10_000).await.unwrap();
+        let text = String::from_utf8(body.to_vec()).unwrap();
+        assert!(text.contains("\"code\":\"internal\"") && !text.contains("secret"), "{text}");
+    }
+}

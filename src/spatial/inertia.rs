@@ -20,7 +20,7 @@ pub struct LinkInertia {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhysicalInertia {
     pub mass: f64,
-    /// Centre of mass in the link frame [m].
+    /// Centre of mass in the link frame (m).
     pub center_of_mass: Vector3<f64>,
     /// Inertia tensor about the centre of mass, axes of the link frame [kg m²].
     pub inertia: Matrix3<f64>,

@@ -17,19 +17,19 @@ impl Transform {
         }
     }
 
-    /// Rotation by `angle` [rad] about the x axis.
+    /// Rotation by `angle` (rad) about the x axis.
     pub fn rot_x(angle: f64) -> Self {
         let (s, c) = exact_sin_cos(angle);
         Self::from_rotation(Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c))
     }
 
-    /// Rotation by `angle` [rad] about the y axis.
+    /// Rotation by `angle` (rad) about the y axis.
     pub fn rot_y(angle: f64) -> Self {
         let (s, c) = exact_sin_cos(angle);
         Self::from_rotation(Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c))
     }
 
-    /// Rotation by `angle` [rad] about the z axis.
+    /// Rotation by `angle` (rad) about the z axis.
     pub fn rot_z(angle: f64) -> Self {
         let (s, c) = exact_sin_cos(angle);
         Self::from_rotation(Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0))

@@ -17,10 +17,10 @@ use crate::dynamics::Motion;
 pub trait Trajectory {
     fn joints(&self) -> usize;
 
-    /// Length [s]; periodic trajectories repeat after it.
+    /// Length (s); periodic trajectories repeat after it.
     fn duration(&self) -> f64;
 
-    /// `[q, qd, qdd]` of `joint` at time `t` [s].
+    /// `[q, qd, qdd]` of `joint` at time `t` (s).
     fn state(&self, joint: usize, t: f64) -> [f64; 3];
 
     /// Samples at `t = k / rate_hz`, k = 0 … N−1, all before [`Self::duration`]: the end of a periodic trajectory is its start.

@@ -14,7 +14,7 @@ pub struct QuinticWayPoints {
 }
 
 impl QuinticWayPoints {
-    /// `way_points`: K + 1 rows of n; `durations`: K positive lengths [s].
+    /// `way_points`: K + 1 rows of n; `durations`: K positive lengths (s).
     ///
     /// # Panics
     /// When there is no segment, counts do not fit, or a duration is not positive.

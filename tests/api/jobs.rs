@@ -142,6 +142,21 @@ fn a_time_limit_is_honoured_within_a_second() {
 }
 
 #[test]
+fn a_time_limit_is_honoured_beside_another_search() {
+    let server = Server::with(Config {
+        concurrent_jobs: 2,
+        ..Config::default()
+    });
+    server.post_json("/excitation", &long_request().to_string());
+    let mut request = long_request();
+    request["search"]["time_limit_s"] = json!(1.5);
+    let asked = Instant::now();
+    assert_eq!(server.excite(&request).status, 200);
+    let elapsed = asked.elapsed().as_secs_f64();
+    assert!((1.4..2.5).contains(&elapsed), "{elapsed}");
+}
+
+#[test]
 fn jobs_wait_their_turn_and_can_be_cancelled_while_they_wait() {
     let server = Server::with(Config {
         waiting_jobs: 2,

@@ -92,6 +92,10 @@ pub struct SearchSchema {
     time_limit_s: Option<f64>,
     /// Evaluations of the criterion after which no new round begins.
     max_evaluations: Option<u64>,
+    /// Local solves per round, so many at most run at the same time: raise it on a machine with more than eight cores. Part of what
+    /// makes a run repeatable.
+    #[schema(default = 8)]
+    jobs_per_round: Option<u32>,
 }
 
 /// The name of a known robot, or a robot.
