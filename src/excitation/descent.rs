@@ -47,19 +47,21 @@ pub(super) const FROM_RANDOM: [Stage; 2] = [
     },
 ];
 
-/// From a disturbed good point back to a local minimum.
+/// From a disturbed good point back to a local minimum. Sharp: with p = 50 the smoothed minimum lies some 2 % above the true one, more
+/// than neighbouring basins differ, and improvements drown. Over 40,000 evaluations and four seeds on the paper's problem, ending at
+/// p = 200 instead of 50 took the mean from 61.1 to 60.4 and the best from 60.0 to 57.6; more stages, or p = 300, changed nothing more.
 pub(super) const FROM_NEIGHBOUR: [Stage; 2] = [
     Stage {
-        power: 10.0,
+        power: 15.0,
         coulomb_fraction: 0.04,
         grid: Grid::Coarse,
-        max_evaluations: 80,
+        max_evaluations: 60,
     },
     Stage {
-        power: 50.0,
-        coulomb_fraction: 0.025,
+        power: 200.0,
+        coulomb_fraction: 0.015,
         grid: Grid::Coarse,
-        max_evaluations: 160,
+        max_evaluations: 180,
     },
 ];
 
