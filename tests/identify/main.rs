@@ -7,4 +7,5 @@ mod estimates;
 mod filter;
 mod logs;
 mod periods;
+mod physical;
 mod simulated;
