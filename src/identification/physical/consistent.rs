@@ -60,22 +60,22 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
     let links = priors(robot);
     let scale = variable_scale(&layout, &links, objective);
     let (p, q) = cost(&layout, &links, objective, &scale, options.prior_weight);
+    // Seen from the unconstrained minimum the cost is what the constraints add to it, and the solver's tolerance a tolerance of that:
+    // noise may be a ten-thousandth of the torque, its square would be lost beside the whole.
+    let center = unconstrained_minimum(&p, &q);
+    let slope = &q + &p * &center;
     let constraints = constraints(&layout, &links, &scale, options);
+    let matrix = constraints.dense();
+    let right = DVector::from_column_slice(&constraints.right) - &matrix * &center;
     let mut settings = DefaultSettings::default();
     settings.verbose = false;
     settings.max_iter = 200;
-    let mut solver = DefaultSolver::new(
-        &upper(&p),
-        q.as_slice(),
-        &constraints.matrix(),
-        &constraints.right,
-        &constraints.cones,
-        settings,
-    )
-    .expect("dimensions fit by construction");
+    let all = compressed(&matrix, |_, _| true);
+    let mut solver = DefaultSolver::new(&upper(&p), slope.as_slice(), &all, right.as_slice(), &constraints.cones, settings)
+        .expect("dimensions fit by construction");
     single_threaded_blas();
     solver.solve();
-    let values: Vec<f64> = solver.solution.x.iter().zip(scale.iter()).map(|(x, s)| x * s).collect();
+    let values: Vec<f64> = (0..scale.len()).map(|i| (center[i] + solver.solution.x[i]) * scale[i]).collect();
     let ending = match solver.solution.status {
         SolverStatus::Solved => FitEnding::Converged,
         SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => FitEnding::Stalled,
@@ -117,7 +117,17 @@ fn variable_scale(layout: &Layout, links: &[LinkPrior], objective: &FitObjective
     })
 }
 
-/// `½ xᵀPx + qᵀx` over scaled variables, divided by the unconstrained cost's order.
+/// Minimum of `½ xᵀPx + qᵀx`, of least norm where P is singular.
+fn unconstrained_minimum(p: &DMatrix<f64>, q: &DVector<f64>) -> DVector<f64> {
+    let eigen = p.clone().symmetric_eigen();
+    // Rounding of a matrix of this size is 1e-14 of its largest eigenvalue.
+    let least = 1e-13 * eigen.eigenvalues.amax();
+    let along = eigen.eigenvectors.tr_mul(q);
+    let steps = DVector::from_fn(q.len(), |i, _| if eigen.eigenvalues[i] > least { -along[i] / eigen.eigenvalues[i] } else { 0.0 });
+    &eigen.eigenvectors * steps
+}
+
+/// `½ xᵀPx + qᵀx` over scaled variables, in units of the unconstrained cost.
 fn cost(
     layout: &Layout,
     links: &[LinkPrior],
@@ -136,8 +146,7 @@ fn cost(
             q[i] -= 2.0 * weight * prior / scale[i];
         }
     }
-    // Interior-point tolerances are relative to data of order one.
-    let size = p.diagonal().amax().max(f64::MIN_POSITIVE);
+    let size = objective.unconstrained().max(1e-12 * objective.torque_square()).max(f64::MIN_POSITIVE);
     (p / size, q / size)
 }
 
@@ -157,12 +166,12 @@ impl Constraints {
         self.right.push(-least);
     }
 
-    fn matrix(&self) -> CscMatrix<f64> {
+    fn dense(&self) -> DMatrix<f64> {
         let mut dense = DMatrix::zeros(self.rows.len(), self.variables);
         for (r, row) in self.rows.iter().enumerate() {
             row.iter().for_each(|&(c, v)| dense[(r, c)] += v);
         }
-        compressed(&dense, |_, _| true)
+        dense
     }
 }
 

@@ -90,6 +90,11 @@ impl FitObjective {
         self.unconstrained
     }
 
+    /// Weighted sum of squares of the torque itself.
+    pub fn torque_square(&self) -> f64 {
+        self.torque_square
+    }
+
     /// The fit of `x`.
     pub fn fit(&self, x: &[f64]) -> FitRms {
         let theta = &self.map * DVector::from_column_slice(x);
