@@ -8,4 +8,5 @@ mod filter;
 mod logs;
 mod periods;
 mod physical;
+mod real;
 mod simulated;
