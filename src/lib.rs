@@ -22,6 +22,7 @@
 //! | [`spatial`], [`model`] | transforms and inertia; the robot: modified DH or URDF, limits, declared friction |
 //! | [`parameters`], [`dynamics`] | names and base parameters; inverse dynamics, regressor and adjoint, batched over samples |
 //! | [`trajectory`], [`excitation`] | Fourier series and others; the problem, the search, its result |
+//! | [`identification`] | from measured logs to base and physical parameters, and their validation |
 //! | [`io`], [`app`] | documents to and from these; use cases with progress, cancellation and stable error codes |
 //! | `service`, `cli` | the same over HTTP and on the command line (features of the same names, on by default) |
 //!
@@ -67,6 +68,7 @@ pub mod cli;
 pub mod docs;
 pub mod dynamics;
 pub mod excitation;
+pub mod identification;
 pub mod io;
 pub mod model;
 pub mod parameters;
@@ -74,3 +76,6 @@ pub mod parameters;
 pub mod service;
 pub mod spatial;
 pub mod trajectory;
+
+// Links the library that the semidefinite solver calls.
+use openblas_src as _;

@@ -16,6 +16,9 @@ pub enum Code {
     MethodNotAllowed,
     RobotExists,
     RobotReadOnly,
+    UnknownIdentification,
+    InvalidLog,
+    NoModel,
     NoResult,
     NoTrajectory,
     IdempotencyKeyReused,
@@ -34,7 +37,7 @@ pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 
 impl Code {
-    pub const ALL: [Code; 21] = {
+    pub const ALL: [Code; 24] = {
         use Code::*;
         [
             MalformedDocument,
@@ -47,6 +50,9 @@ impl Code {
             MethodNotAllowed,
             RobotExists,
             RobotReadOnly,
+            UnknownIdentification,
+            InvalidLog,
+            NoModel,
             NoResult,
             NoTrajectory,
             IdempotencyKeyReused,
@@ -76,6 +82,14 @@ impl Code {
             Code::UnknownRobot => ("unknown_robot", 404, EXIT_BAD_INPUT, "There is no such robot"),
             Code::UnknownJob => ("unknown_job", 404, EXIT_BAD_INPUT, "There is no such job"),
             Code::UnknownExcitation => ("unknown_excitation", 404, EXIT_BAD_INPUT, "There is no such excitation"),
+            Code::UnknownIdentification => (
+                "unknown_identification",
+                404,
+                EXIT_BAD_INPUT,
+                "There is no such identification",
+            ),
+            Code::InvalidLog => ("invalid_log", 422, EXIT_BAD_INPUT, "A log cannot be used"),
+            Code::NoModel => ("no_model", 409, EXIT_BAD_INPUT, "There is no model that is a physical robot"),
             Code::MethodNotAllowed => (
                 "method_not_allowed",
                 405,

@@ -62,7 +62,7 @@ fn read_request(arguments: &Arguments) -> Result<ExcitationRequest, Error> {
 }
 
 /// Puts the robot of the command line into the request, with what was wrong with its numbers.
-fn put_robot(request: &mut Parsed, robot: Parsed) {
+pub(super) fn put_robot(request: &mut Parsed, robot: Parsed) {
     let Some(fields) = request.value.as_object_mut() else { return };
     fields.insert("robot".into(), robot.value);
     request.problems.retain(|p| !p.pointer.starts_with("/robot"));
@@ -74,7 +74,7 @@ fn put_robot(request: &mut Parsed, robot: Parsed) {
 }
 
 /// The first Ctrl-C (or SIGTERM) ends the search and keeps the best found, the second ends the program.
-fn cancel_on_interrupt() -> Result<CancelFlag, Error> {
+pub(super) fn cancel_on_interrupt() -> Result<CancelFlag, Error> {
     let cancel = CancelFlag::default();
     let flag = cancel.clone();
     let set = ctrlc::set_handler(move || {

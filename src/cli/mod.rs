@@ -6,11 +6,13 @@
 mod base_parameters;
 mod excite;
 mod files;
+mod identify;
 #[cfg(feature = "service")]
 mod openapi;
 mod render;
 #[cfg(feature = "service")]
 mod serve;
+mod validate;
 
 use crate::app::Error;
 use clap::{Parser, Subcommand};
@@ -52,6 +54,10 @@ const EXIT_STATUS: &str =
 enum Command {
     /// Design an excitation trajectory.
     Excite(excite::Arguments),
+    /// Identify the parameters of a robot from logs.
+    Identify(identify::Arguments),
+    /// Hold an identified model against logs.
+    Validate(validate::Arguments),
     /// Print the base parameters of a robot.
     BaseParameters(base_parameters::Arguments),
     /// Serve the HTTP interface.
@@ -79,6 +85,8 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
     let json = arguments.json;
     match arguments.command {
         Command::Excite(arguments) => excite::run(&arguments, json),
+        Command::Identify(arguments) => identify::run(&arguments, json),
+        Command::Validate(arguments) => validate::run(&arguments, json),
         Command::BaseParameters(arguments) => base_parameters::run(&arguments, json),
         #[cfg(feature = "service")]
         Command::Serve(arguments) => serve::run(&arguments),

@@ -1,7 +1,7 @@
 //! What people and programs see.
 
 use crate::app::{Error, Problem};
-use crate::io::DesignDocument;
+use crate::io::{DesignDocument, IdentifyDocument, JointErrors, ValidateDocument};
 use std::fmt::Write;
 
 /// To standard error: a problem document with `--json`, else lines for people.
@@ -54,4 +54,55 @@ pub fn summary(design: &DesignDocument) -> String {
         let _ = writeln!(text, "  note: {note}");
     }
     text
+}
+
+/// An identification in a page: verdict, parameters, errors per joint.
+pub fn identification(found: &IdentifyDocument) -> String {
+    let mut text = String::new();
+    let q = &found.quality;
+    let _ = writeln!(text, "{}: {} ({})", found.robot, q.verdict, q.reason);
+    let condition = q.condition_number.map_or("infinite".to_string(), |c| format!("{c:.1}"));
+    let _ = writeln!(text, "  rank {} of {}, condition number {condition}", q.rank, q.columns);
+    for p in found.base_parameters.iter().chain(found.offsets.iter().flatten()) {
+        match (p.value, p.relative_std_dev_percent) {
+            (Some(value), Some(percent)) => {
+                let _ = writeln!(text, "  {:10} {value:12.5} {:12} {percent:8.2} %", p.name, p.unit);
+            }
+            _ => {
+                let _ = writeln!(text, "  {:10} not determined by the log", p.name);
+            }
+        }
+    }
+    if let Some(f) = &found.feasibility {
+        let _ = writeln!(text, "  physical parameters: {}, fit {:.4} times that of the base parameters", f.status, f.rms_ratio);
+    }
+    let logs = found.rms.identification.iter().map(|l| ("identification", l)).chain(found.rms.validation.iter().map(|l| ("validation", l)));
+    for (role, log) in logs {
+        let _ = writeln!(text, "  {role} {}", log.name);
+        errors(&mut text, "base", &log.base);
+        if let Some(physical) = &log.physical {
+            errors(&mut text, "physical", physical);
+        }
+    }
+    for log in &found.log_report {
+        for f in &log.findings {
+            let _ = writeln!(text, "  {}: {} {}: {}", log.file, f.count, f.code, f.detail);
+        }
+    }
+    text
+}
+
+/// A validation in a few lines.
+pub fn validation(found: &ValidateDocument) -> String {
+    let mut text = format!("{}\n", found.robot);
+    for log in &found.logs {
+        let _ = writeln!(text, "  {}", log.name);
+        errors(&mut text, "model", &log.errors);
+    }
+    text
+}
+
+fn errors(text: &mut String, what: &str, errors: &JointErrors) {
+    let list: Vec<String> = errors.rms.iter().zip(&errors.percent).map(|(r, p)| format!("{r:.3} ({p:.1} %)")).collect();
+    let _ = writeln!(text, "    {what:9} {}   sum {:.3}", list.join("  "), errors.sum);
 }

@@ -15,6 +15,8 @@ pub struct Config {
     pub longest_wait: Duration,
     /// Largest document accepted (bytes). URDF files with many links reach a few hundred kilobytes.
     pub largest_document: usize,
+    /// Largest multipart body accepted, all its logs together (bytes). Two hours of seven joints at 1 kHz are 1.3 GB of text.
+    pub largest_upload: usize,
 }
 
 impl Default for Config {
@@ -25,6 +27,7 @@ impl Default for Config {
             kept_jobs: 1000,
             longest_wait: Duration::from_secs(600),
             largest_document: 8 << 20,
+            largest_upload: 2 << 30,
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::config::Config;
 use super::problem::internal_error;
-use crate::app::{CancelFlag, Code, Error, Excited, excite};
+use super::work::{Outcome, Told, Work};
+use crate::app::{CancelFlag, Code, Error, Excited, Step};
 use crate::excitation::Progress;
-use crate::io::ExcitationRequest;
 use std::collections::{HashMap, VecDeque};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -46,6 +46,7 @@ pub struct Status {
     pub sequence: u64,
     pub state: State,
     pub progress: Option<Progress>,
+    pub step: Option<Step>,
     pub started: Option<SystemTime>,
     pub finished: Option<SystemTime>,
     pub error: Option<Error>,
@@ -56,26 +57,32 @@ pub struct Job {
     pub id: String,
     pub created: SystemTime,
     cancel: CancelFlag,
-    request: ExcitationRequest,
-    result: OnceLock<Excited>,
+    work: Mutex<Option<Work>>,
+    kind: &'static str,
+    result_address: String,
+    result: OnceLock<Outcome>,
     status: watch::Sender<Status>,
 }
 
 impl Job {
-    fn new(request: ExcitationRequest) -> Self {
+    fn new(work: Work) -> Self {
+        let id = Uuid::new_v4().to_string();
         let status = Status {
             sequence: 1,
             state: State::Queued,
             progress: None,
+            step: None,
             started: None,
             finished: None,
             error: None,
         };
         Self {
-            id: Uuid::new_v4().to_string(),
+            kind: work.kind(),
+            result_address: work.result_address(&id),
+            id,
             created: SystemTime::now(),
             cancel: CancelFlag::default(),
-            request,
+            work: Mutex::new(Some(work)),
             result: OnceLock::new(),
             status: watch::channel(status).0,
         }
@@ -89,8 +96,26 @@ impl Job {
         self.status.subscribe()
     }
 
-    pub fn result(&self) -> Option<&Excited> {
+    pub fn outcome(&self) -> Option<&Outcome> {
         self.result.get()
+    }
+
+    /// The design, if this job was to make one and has.
+    pub fn excited(&self) -> Option<&Excited> {
+        match self.outcome() {
+            Some(Outcome::Excited(excited)) => Some(excited),
+            _ => None,
+        }
+    }
+
+    /// `excitation`, `identification` or `validation`.
+    pub fn kind(&self) -> &'static str {
+        self.kind
+    }
+
+    /// Where the result is.
+    pub fn result_address(&self) -> String {
+        self.result_address.clone()
     }
 
     pub fn cancel_requested(&self) -> bool {
@@ -137,11 +162,24 @@ impl Job {
         if !begun {
             return;
         }
-        let excited = excite(&self.request, &self.cancel, &|p| self.change(|s| s.progress = Some(*p)));
-        let cancelled = excited.document.status == "Cancelled";
-        // Set before the final state is told: whoever sees that finds the result.
-        let _ = self.result.set(excited);
-        self.finish(if cancelled { State::Cancelled } else { State::Finished }, None);
+        // Taken out: uploaded files go when the work is done, whatever becomes of the job.
+        let Some(work) = self.work.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+        let tell = |told: Told| {
+            self.change(|s| match told {
+                Told::Search(progress) => s.progress = Some(progress),
+                Told::Step(step) => s.step = Some(step),
+            });
+        };
+        match work.run(&self.cancel, &tell) {
+            Ok(outcome) => {
+                let cancelled = outcome.status() == "Cancelled";
+                // Set before the final state is told: whoever sees that finds the result.
+                let _ = self.result.set(outcome);
+                self.finish(if cancelled { State::Cancelled } else { State::Finished }, None);
+            }
+            Err(_) if self.cancel_requested() => self.finish(State::Cancelled, None),
+            Err(error) => self.finish(State::Failed, Some(error)),
+        }
     }
 
     fn finish(&self, state: State, error: Option<Error>) {
@@ -199,7 +237,7 @@ impl Jobs {
     }
 
     /// Puts a job into the queue; with a key that was used before for the same body, hands back the job it began.
-    pub fn submit(&self, request: ExcitationRequest, key: Option<(String, &[u8])>) -> Result<Arc<Job>, Error> {
+    pub fn submit(&self, work: impl Into<Work>, key: Option<(String, &[u8])>) -> Result<Arc<Job>, Error> {
         let key = key.map(|(key, body)| (key, hash(body)));
         let mut table = self.table();
         if let Some((key, body)) = &key
@@ -220,7 +258,7 @@ impl Jobs {
                 "the server is shutting down and takes no new jobs",
             ));
         };
-        let job = Arc::new(Job::new(request));
+        let job = Arc::new(Job::new(work.into()));
         queue
             .try_send(job.clone())
             .map_err(|_| Error::new(Code::TooManyJobs, "too many jobs are waiting already"))?;

@@ -9,6 +9,8 @@ mod problem;
 mod router;
 mod state;
 mod telemetry;
+mod upload;
+mod work;
 
 pub use config::Config;
 pub use router::{openapi_json, router};

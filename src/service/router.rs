@@ -1,6 +1,7 @@
 //! All routes. A route and its documentation are registered together.
 
 use super::api;
+use super::config::Config;
 use super::problem::{Failure, internal_error};
 use super::state::Service;
 use super::telemetry::identify_and_log;
@@ -28,6 +29,7 @@ use utoipa_swagger_ui::SwaggerUi;
     ),
     tags(
         (name = "excitation", description = "Trajectories that excite the dynamics of an arm"),
+        (name = "identification", description = "From logs to parameters, and models against logs"),
         (name = "jobs", description = "Work that goes on: state, progress, cancelling"),
         (name = "robots", description = "Robots that come with the program, and the lab's own"),
         (name = "health", description = "For whoever watches the process"),
@@ -35,11 +37,20 @@ use utoipa_swagger_ui::SwaggerUi;
 )]
 struct ApiDocument;
 
-fn documented() -> (Router<Service>, Document) {
+fn documented(largest_upload: usize) -> (Router<Service>, Document) {
+    let uploads = OpenApiRouter::new()
+        .routes(routes!(api::identify::post))
+        .routes(routes!(api::identify::post_validation))
+        // Logs are streamed to disk: their bound is not that of documents, which are held in memory.
+        .layer(DefaultBodyLimit::max(largest_upload));
     OpenApiRouter::with_openapi(ApiDocument::openapi())
         .routes(routes!(api::excitation::post))
         .routes(routes!(api::excitation::get))
         .routes(routes!(api::excitation::trajectory))
+        .merge(uploads)
+        .routes(routes!(api::identify::get))
+        .routes(routes!(api::identify::model))
+        .routes(routes!(api::identify::get_validation))
         .routes(routes!(api::jobs::list))
         .routes(routes!(api::jobs::get, api::jobs::cancel))
         .routes(routes!(api::jobs::events))
@@ -53,14 +64,14 @@ fn documented() -> (Router<Service>, Document) {
 
 /// The interface as an OpenAPI document, as it is checked in under `openapi/`.
 pub fn openapi_json() -> String {
-    let mut text = documented().1.to_pretty_json().expect("an OpenAPI document is plain data");
+    let mut text = documented(Config::default().largest_upload).1.to_pretty_json().expect("an OpenAPI document is plain data");
     text.push('\n');
     text
 }
 
 /// The service as a tower of routes and layers.
 pub fn router(service: Service) -> Router {
-    let (routes, document) = documented();
+    let (routes, document) = documented(service.config().largest_upload);
     let largest = service.config().largest_document;
     routes
         .route("/", get(api::pages::landing))

@@ -4,6 +4,7 @@
 mod server;
 
 mod bad_input;
+mod identify;
 mod jobs;
 mod openapi;
 mod readme;

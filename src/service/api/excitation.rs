@@ -99,7 +99,7 @@ fn finished(job: &Job) -> Option<Result<Excitation, Failure>> {
     if !status.state.is_final() {
         return None;
     }
-    Some(match (job.result(), status.error) {
+    Some(match (job.excited(), status.error) {
         (Some(excited), _) => Ok(Excitation {
             id: job.id.clone(),
             result: excited.document.clone(),
@@ -112,7 +112,7 @@ fn finished(job: &Job) -> Option<Result<Excitation, Failure>> {
 fn find(service: &Service, id: &str) -> Result<Arc<Job>, Failure> {
     let unknown =
         || Error::new(Code::UnknownExcitation, format!("there is no excitation `{id}`")).with_hint("GET /jobs lists them");
-    Ok(service.jobs().get(id).ok_or_else(unknown)?)
+    Ok(service.jobs().get(id).filter(|job| job.kind() == "excitation").ok_or_else(unknown)?)
 }
 
 /// The result of a design.
@@ -207,7 +207,7 @@ fn series_of(job: &Job) -> Result<(FourierSeries, f64), Failure> {
         }
         Some(Err(failure)) => Err(failure),
         Some(Ok(excitation)) => {
-            let series = job.result().and_then(|r| r.series.clone());
+            let series = job.excited().and_then(|r| r.series.clone());
             let none = || {
                 Error::new(
                     Code::NoTrajectory,

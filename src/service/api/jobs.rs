@@ -22,6 +22,7 @@ use tokio_stream::wrappers::ReceiverStream;
 #[schema(as = Job)]
 pub struct JobDocument {
     pub id: String,
+    /// `excitation`, `identification` or `validation`.
     #[schema(example = "excitation")]
     pub kind: &'static str,
     /// `queued`, `running`, `finished`, `cancelled` or `failed`.
@@ -35,6 +36,8 @@ pub struct JobDocument {
     pub started_at: Option<String>,
     pub finished_at: Option<String>,
     pub progress: Option<ProgressDocument>,
+    /// Of an identification.
+    pub step: Option<StepDocument>,
     pub error: Option<Problem>,
     pub links: Links,
 }
@@ -53,6 +56,16 @@ pub struct ProgressDocument {
     pub elapsed_s: f64,
 }
 
+/// Where an identification stands.
+#[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
+#[schema(as = Step)]
+pub struct StepDocument {
+    #[schema(example = "reading logs")]
+    pub what: &'static str,
+    pub done: usize,
+    pub of: usize,
+}
+
 /// Addresses around a job.
 #[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
 pub struct Links {
@@ -60,7 +73,12 @@ pub struct Links {
     pub this: String,
     pub events: String,
     pub result: String,
-    pub trajectory: String,
+    /// Of an excitation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trajectory: Option<String>,
+    /// Of an identification.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
 }
 
 /// A list of jobs, the newest first.
@@ -85,9 +103,9 @@ impl JobDocument {
         };
         Self {
             id: id.clone(),
-            kind: "excitation",
+            kind: job.kind(),
             state: status.state.name(),
-            outcome: job.result().map(|r| r.document.status),
+            outcome: job.outcome().map(|o| o.status()),
             cancel_requested: job.cancel_requested(),
             created_at: rfc3339(job.created),
             started_at: status.started.map(rfc3339),
@@ -100,12 +118,14 @@ impl JobDocument {
                 rounds_finished: p.rounds_finished,
                 elapsed_s: status.started.map_or(0.0, |s| elapsed(s).as_secs_f64()),
             }),
+            step: status.step.as_ref().map(|s| StepDocument { what: s.what, done: s.done, of: s.of }),
             error: status.error.as_ref().map(Problem::from),
             links: Links {
                 this: format!("/jobs/{id}"),
                 events: format!("/jobs/{id}/events"),
-                result: format!("/excitation/{id}"),
-                trajectory: format!("/excitation/{id}/trajectory"),
+                result: job.result_address(),
+                trajectory: (job.kind() == "excitation").then(|| format!("/excitation/{id}/trajectory")),
+                model: (job.kind() == "identification").then(|| format!("/identify/{id}/model")),
             },
         }
     }
@@ -214,7 +234,7 @@ async fn tell(job: Arc<Job>, mut seen: u64, client: mpsc::Sender<Result<Event, I
 
 fn event(job: &Job, status: &Status) -> Event {
     let name = if status.state.is_final() { "end" } else { "progress" };
-    debug_assert!(status.state != JobState::Finished || job.result().is_some());
+    debug_assert!(status.state != JobState::Finished || job.outcome().is_some());
     let data = serde_json::to_string(&JobDocument::at(job, status)).unwrap_or_default();
     Event::default().event(name).id(status.sequence.to_string()).data(data)
 }

@@ -2,6 +2,7 @@
 
 pub mod excitation;
 pub mod health;
+pub mod identify;
 pub mod jobs;
 pub mod pages;
 pub mod query;

@@ -1,0 +1,155 @@
+//! Identification over HTTP.
+
+use crate::server::{Answer, Server};
+use dynident::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
+use dynident::io::{NamedRobots, shipped::Shipped};
+use dynident::parameters::Layout;
+use dynident::trajectory::{FourierSeries, Trajectory};
+use nalgebra::DMatrix;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Two links of 3 kg and 1 kg with friction.
+fn truth(layout: &Layout) -> Vec<f64> {
+    let links = [[3.0, 0.6, 0.03, 0.0, 0.02, 0.0, 0.0, 0.2, 0.0, 0.2], [1.0, 0.2, -0.01, 0.0, 0.01, 0.0, 0.0, 0.06, 0.0, 0.06]];
+    let friction = [[0.3, 0.5], [0.1, 0.2]];
+    (0..2).flat_map(|k| links[k].into_iter().chain(friction[k].into_iter().take(layout.per_link() - 10))).collect()
+}
+
+/// A log of the planar arm: three periods of 5 s at 100 Hz, with a pseudo-random torque noise of ±0.01 N m.
+fn log(phase: f64) -> String {
+    let robot = Shipped.named("planar_two_link").unwrap().robot;
+    let layout = Layout::standard(&robot);
+    let coefficient = |j: usize, l: usize, p: f64| 0.5 * (p + 1.3 * j as f64 + 2.1 * l as f64).sin();
+    let series = FourierSeries {
+        fundamental_hz: 0.2,
+        a: DMatrix::from_fn(2, 3, |j, l| coefficient(j, l, phase)),
+        b: DMatrix::from_fn(2, 3, |j, l| coefficient(j, l, phase + 1.0)),
+        offset: vec![0.1, -0.2],
+    };
+    let motion = series.sample(100.0);
+    let tau = inverse_dynamics_batch(&Chain::new(&robot), &layout, &truth(&layout), &motion, Coulomb::Sign);
+    let mut text = "time,q1,q2,tau1,tau2\n".to_string();
+    for s in 0..1500 {
+        let at = s % 500;
+        let noise = |j: usize| 0.01 * ((s * 7919 + j * 104_729) as f64 * 0.618).sin();
+        let (q, t) = (|j: usize| motion.positions(j)[at], |j: usize| tau[j * motion.stride() + at] + noise(j));
+        writeln!(text, "{:.2},{:.9},{:.9},{:.7},{:.7}", s as f64 / 100.0, q(0), q(1), t(0), t(1)).unwrap();
+    }
+    text
+}
+
+fn multipart(parts: &[(&str, &str, &str)]) -> String {
+    let mut body = String::new();
+    for (name, file, content) in parts {
+        let file = if file.is_empty() { String::new() } else { format!("; filename=\"{file}\"") };
+        write!(body, "--XXboundary\r\nContent-Disposition: form-data; name=\"{name}\"{file}\r\n\r\n{content}\r\n").unwrap();
+    }
+    body + "--XXboundary--\r\n"
+}
+
+fn post(server: &Server, path: &str, wait: bool, parts: &[(&str, &str, &str)]) -> Answer {
+    let mut headers = vec![("content-type", "multipart/form-data; boundary=XXboundary")];
+    if wait {
+        headers.push(("prefer", "wait=60"));
+    }
+    server.send("POST", path, &headers, &multipart(parts))
+}
+
+fn identify(server: &Server) -> Value {
+    let request = json!({"robot": "planar_two_link", "prediction_points": 20}).to_string();
+    let parts = [("request", "", request.as_str()), ("log", "run.csv", &log(0.3)), ("validation", "other.csv", &log(2.0))];
+    let answer = post(server, "/identify", true, &parts);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    answer.json()
+}
+
+#[test]
+fn an_uploaded_log_becomes_parameters_errors_and_a_report() {
+    let server = Server::start();
+    let found = identify(&server);
+    assert_eq!(found["quality"]["verdict"], "good");
+    let robot = Shipped.named("planar_two_link").unwrap().robot;
+    let base = dynident::parameters::BaseParameters::exact(&robot);
+    let expected = base.project(&truth(&Layout::standard(&robot)));
+    for (c, parameter) in found["base_parameters"].as_array().unwrap().iter().enumerate() {
+        let number = |key: &str| parameter[key].as_f64().unwrap();
+        assert_eq!(parameter["name"], base.names[c]);
+        // The noise is no Gaussian, but bounded by 0.01 N m: five of its deviations hold all of it.
+        assert!((number("value") - expected[c]).abs() < 5.0 * number("std_dev"), "{parameter}");
+    }
+    assert_eq!(found["rms"]["validation"][0]["name"], "other.csv");
+    for log in ["identification", "validation"] {
+        for kind in ["base", "physical"] {
+            assert!(found["rms"][log][0][kind]["rms"][0].as_f64().unwrap() < 0.012, "{}", found["rms"]);
+        }
+    }
+    assert_eq!(found["log_report"][0]["rows"], 1500);
+    assert_eq!(found["predictions"].as_array().unwrap().len(), 4);
+    for margin in found["feasibility"]["margins"].as_array().unwrap() {
+        assert!(margin["margin"].as_f64().unwrap() > -1e-9, "{margin}");
+    }
+}
+
+#[test]
+fn the_model_is_handed_out_and_validates_as_json_and_urdf() {
+    let server = Server::start();
+    let found = identify(&server);
+    let id = found["id"].as_str().unwrap();
+    let model = server.get(&format!("/identify/{id}/model"));
+    assert_eq!(model.status, 200);
+    let request = json!({"model": model.json()}).to_string();
+    let answer = post(&server, "/validate", true, &[("request", "", &request), ("log", "other.csv", &log(2.0))]);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    let rms = &found["rms"]["validation"][0]["physical"]["rms"];
+    for j in 0..2 {
+        let difference = answer.json()["logs"][0]["rms"][j].as_f64().unwrap() - rms[j].as_f64().unwrap();
+        assert!(difference.abs() < 1e-9, "{difference}");
+    }
+    let urdf = server.get(&format!("/identify/{id}/model?format=urdf"));
+    assert_eq!(urdf.header("content-type"), Some("application/xml"));
+    let gravity = Shipped.named("planar_two_link").unwrap().robot.gravity();
+    let request = json!({"model": {"urdf": urdf.text, "gravity": gravity.as_slice()}}).to_string();
+    let answer = post(&server, "/validate", true, &[("request", "", &request), ("log", "other.csv", &log(2.0))]);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    assert!((answer.json()["logs"][0]["rms"][0].as_f64().unwrap() - rms[0].as_f64().unwrap()).abs() < 1e-9);
+    assert_eq!(server.get(&format!("/identify/{id}/model?format=step")).status, 400);
+    assert_eq!(server.get(&format!("/excitation/{id}")).status, 404);
+    assert_eq!(server.get("/identify/nothing").problem()["code"], "unknown_identification");
+}
+
+#[test]
+fn without_prefer_the_answer_is_a_job_whose_result_is_found_later() {
+    let server = Server::start();
+    let request = json!({"robot": "planar_two_link"}).to_string();
+    let answer = post(&server, "/identify", false, &[("request", "", &request), ("log", "run.csv", &log(0.3))]);
+    assert_eq!(answer.status, 202);
+    let job = answer.json();
+    assert_eq!(job["kind"], "identification");
+    let result = server.send("GET", job["links"]["result"].as_str().unwrap(), &[("prefer", "wait=60")], "");
+    assert_eq!(result.status, 200);
+    let job = server.get(job["links"]["self"].as_str().unwrap()).json();
+    assert_eq!((&job["state"], &job["outcome"]), (&json!("finished"), &json!("Converged")));
+}
+
+#[test]
+fn bad_requests_and_bad_logs_are_told_with_all_that_is_wrong() {
+    let server = Server::start();
+    let bad = json!({"robot": "planar_two_link", "period_s": -1, "estimater": "wls", "columns": {"torque": {"sign": [1, 2]}},
+        "feasible": {"bounds": [{"link": 3, "mass": [2, 1]}]}});
+    let errors = post(&server, "/identify", true, &[("request", "", &bad.to_string()), ("log", "a.csv", "x")]).errors();
+    let pointers: Vec<&str> = errors.iter().map(|e| e.split(':').next().unwrap()).collect();
+    for expected in ["/estimater", "/period_s", "/columns/torque/sign/1", "/feasible/bounds/0/link", "/feasible/bounds/0/mass"] {
+        assert!(pointers.contains(&expected), "{expected} in {errors:?}");
+    }
+    let good = json!({"robot": "planar_two_link"}).to_string();
+    let answer = post(&server, "/identify", true, &[("request", "", &good), ("log", "a.csv", "time,q1\n0,1\n")]);
+    assert_eq!(answer.status, 422);
+    assert_eq!(answer.problem()["code"], "invalid_log");
+    let detail = answer.problem()["detail"].as_str().unwrap().to_string();
+    assert!(detail.starts_with("a.csv, line 1:") && detail.contains("`q2`") && detail.contains("`tau1`"), "{detail}");
+    assert_eq!(post(&server, "/identify", true, &[("log", "a.csv", "x")]).status, 400);
+    assert_eq!(post(&server, "/identify", true, &[("request", "", &good)]).status, 422);
+    assert_eq!(post(&server, "/identify", true, &[("request", "", &good), ("lag", "a", "x")]).status, 400);
+    assert_eq!(server.post_json("/identify", &good).status, 415);
+}

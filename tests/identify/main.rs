@@ -1,0 +1,12 @@
+//! From log to parameters.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod estimates;
+mod filter;
+mod logs;
+mod periods;
+mod physical;
+mod real;
+mod simulated;
