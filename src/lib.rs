@@ -5,3 +5,6 @@ pub mod parameters;
 pub mod dynamics;
 pub mod trajectory;
 pub mod excitation;
+pub mod effects;
+pub mod residual;
+pub mod simulate;

@@ -1,0 +1,103 @@
+//! Measured torque along a motion, as the tracing sees it.
+
+use crate::dynamics::Motion;
+use crate::effects::Span;
+use std::sync::Arc;
+
+/// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike.
+pub type ColumnFilter = Arc<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
+
+/// One stretch of motion with its torque: the average over the periods of a log, or the log itself.
+#[derive(Clone)]
+pub struct Stretch {
+    pub name: String,
+    /// N samples, before the filter.
+    pub motion: Motion,
+    /// Mean torque over the periods, after the filter; n × M (M = N without filter) [N·m or N].
+    pub torque: Vec<Vec<f64>>,
+    /// Torque of every period; P × n × M. Empty where the log does not repeat.
+    pub periods: Vec<Vec<Vec<f64>>>,
+    /// When every period began on the log's clock [s].
+    pub starts: Vec<f64>,
+    /// Time between samples of the motion [s].
+    pub interval: f64,
+    /// Whether the sample after the last is the first.
+    pub periodic: bool,
+    /// Rows that count; n × M.
+    pub usable: Vec<Vec<bool>>,
+    pub filter: Option<ColumnFilter>,
+}
+
+impl std::fmt::Debug for Stretch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Stretch({}, {} samples, {} periods)", self.name, self.motion.samples(), self.periods.len())
+    }
+}
+
+impl Stretch {
+    pub fn joints(&self) -> usize {
+        self.torque.len()
+    }
+
+    /// Rows per joint.
+    pub fn rows(&self) -> usize {
+        self.torque[0].len()
+    }
+
+    /// How many measurements each value of the mean torque stands for.
+    pub fn repetitions(&self) -> usize {
+        self.periods.len().max(1)
+    }
+
+    /// `values` over the motion as they enter the rows.
+    pub(crate) fn shaped(&self, values: Vec<f64>) -> Vec<f64> {
+        match &self.filter {
+            Some(filter) => filter(&values),
+            None => values,
+        }
+    }
+
+    /// Rows of `joint` that can be compared with a model whose (distorted) motion is `motion`: usable ones, but not those at a reversal,
+    /// where a fraction of a sample decides on the sign of Coulomb friction.
+    ///
+    /// A filtered stretch keeps them: there the jump is filtered alike on both sides.
+    pub(crate) fn kept(&self, motion: &Motion, joint: usize) -> Vec<bool> {
+        let mut keep = self.usable[joint].clone();
+        if self.filter.is_some() {
+            return keep;
+        }
+        let v = motion.velocities(joint);
+        let n = v.len();
+        let next = |s: usize| if s + 1 < n { Some(s + 1) } else { self.periodic.then_some(0) };
+        for s in 0..n {
+            let Some(t) = next(s) else { continue };
+            if v[s] * v[t] <= 0.0 {
+                let before = if s > 0 { Some(s - 1) } else { self.periodic.then_some(n - 1) };
+                [before, Some(s), Some(t), next(t)].into_iter().flatten().for_each(|at| keep[at] = false);
+            }
+        }
+        keep
+    }
+
+    /// Means over the periods in `which`, n × M.
+    pub(crate) fn mean_over(&self, which: &[usize]) -> Vec<Vec<f64>> {
+        let scale = 1.0 / which.len() as f64;
+        let mean = |j: usize, s: usize| which.iter().map(|&p| self.periods[p][j][s]).sum::<f64>() * scale;
+        (0..self.joints()).map(|j| (0..self.rows()).map(|s| mean(j, s)).collect()).collect()
+    }
+}
+
+/// Travel and speed of every joint over all stretches.
+pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
+    let extreme = |j: usize, f: fn(&Motion, usize) -> &[f64], low: bool| {
+        let values = stretches.iter().flat_map(|s| f(&s.motion, j).iter().copied());
+        if low { values.fold(f64::INFINITY, f64::min) } else { values.fold(f64::NEG_INFINITY, f64::max) }
+    };
+    (0..stretches[0].joints())
+        .map(|j| {
+            let range = extreme(j, Motion::positions, false) - extreme(j, Motion::positions, true);
+            let speed = extreme(j, Motion::velocities, false).max(-extreme(j, Motion::velocities, true));
+            Span { range, speed, interval: stretches[0].interval }
+        })
+        .collect()
+}
