@@ -2,6 +2,7 @@
 
 use crate::dynamics::Motion;
 use crate::effects::Span;
+use crate::identification::{Log, PreparedLog};
 use std::sync::Arc;
 
 /// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike.
@@ -100,4 +101,42 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
             Span { range, speed, interval: stretches[0].interval }
         })
         .collect()
+}
+
+impl Stretch {
+    /// From a prepared log and the record it was prepared from, which has the periods one by one.
+    pub fn new(prepared: &PreparedLog, log: &Log) -> Self {
+        let n = prepared.samples();
+        let (mut periods, mut starts) = (Vec::new(), vec![prepared.start_s]);
+        if let Some(p) = prepared.periods.as_ref().filter(|p| p.count >= 2) {
+            let unfolded: Vec<Vec<f64>> = log.tau.iter().map(|t| p.unfold(t)).collect();
+            let rows = |k: usize| unfolded.iter().map(|t| prepared.row_filter.torque_rows(&t[k * n..(k + 1) * n])).collect();
+            periods = (0..p.count).map(rows).collect();
+            starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
+        }
+        let filter = prepared.row_filter.clone();
+        let plain = filter.torque.is_none() && filter.columns.is_none() && filter.edges == 0 && filter.decimation == 1;
+        Self {
+            name: prepared.name.clone(),
+            motion: prepared.motion.clone(),
+            torque: prepared.torque.iter().map(|t| prepared.row_filter.torque_rows(t)).collect(),
+            periods,
+            starts,
+            interval: 1.0 / prepared.rate_hz,
+            periodic: prepared.is_periodic() && plain,
+            usable: (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect(),
+            filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
+        }
+    }
+}
+
+/// Rows whose samples are data as far as the filter reaches, and where the joint moves fast enough for its direction to be known.
+fn usable_rows(prepared: &PreparedLog, joint: usize) -> Vec<bool> {
+    let reach = prepared.row_filter.torque.as_ref().map_or(0, |f| f.settling_samples());
+    let speed = prepared.motion.velocities(joint);
+    let n = prepared.samples();
+    let mut gaps = vec![0usize];
+    prepared.usable.iter().enumerate().for_each(|(s, &u)| gaps.push(gaps[s] + usize::from(!u)));
+    let intact = |s: usize| gaps[(s + reach + 1).min(n)] == gaps[s.saturating_sub(reach)];
+    prepared.row_filter.rows(n).map(|s| intact(s) && speed[s].abs() >= prepared.dead_zone[joint]).collect()
 }
