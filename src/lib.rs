@@ -8,3 +8,5 @@ pub mod excitation;
 pub mod effects;
 pub mod residual;
 pub mod simulate;
+pub mod identification;
+pub mod io;

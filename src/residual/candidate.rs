@@ -142,6 +142,9 @@ pub(crate) fn score(data: &Data, system: &System, candidate: &Candidate) -> Opti
         let columns = columns_of(data, system, candidate, batch);
         let (own, rest, right) = system.projected(&columns);
         let k = own.nrows() / batch.len();
+        if k == 0 {
+            return None;
+        }
         for (i, shape) in batch.iter().enumerate() {
             let part = |m: &DMatrix<f64>| m.view((i * k, i * k), (k, k)).into_owned();
             let reduced = reduce(&part(&own), &part(&rest), &right.rows(i * k, k).into_owned());

@@ -1,6 +1,7 @@
 //! What the tracing hands back: the `residual` part of an answer.
 
 use super::{AugmentedModel, DataFault, NoiseModel};
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -123,4 +124,6 @@ pub struct Outcome {
     pub report: ResidualReport,
     pub model: AugmentedModel,
     pub noise: Vec<NoiseModel>,
+    /// Inverse covariance of [`AugmentedModel::vector`].
+    pub information: DMatrix<f64>,
 }

@@ -120,6 +120,18 @@ impl<'a> Data<'a> {
         here
     }
 
+    /// Inverse covariance of the parameters: the normal matrix with the prior's part.
+    pub fn information(&self, system: &System) -> DMatrix<f64> {
+        let p = system.covariance.nrows();
+        let mut normal = system.blocks.iter().flatten().map(Block::normal).fold(DMatrix::zeros(p, p), |a, b| a + b);
+        if let Some(prior) = self.prior {
+            let k = prior.mean.len();
+            let mut corner = normal.view_mut((0, 0), (k, k));
+            corner += &prior.information;
+        }
+        normal
+    }
+
     /// Mean square of the whitened residuals plus the prior's share.
     fn cost(&self, system: &System) -> f64 {
         let rows: usize = (0..self.noise.len()).map(|j| system.rows(j)).sum();

@@ -11,7 +11,6 @@ use super::system::{Data, Prior, System};
 use super::{AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, RmsPair, Stretch, Verdict};
 use super::remainder;
 use crate::model::Robot;
-use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// What can be asked of the tracing.
@@ -66,7 +65,14 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         rms_before: before_rms,
         rms_after: rms(&selected.system.model, stretches, held_out),
     };
-    Outcome { report, model: selected.system.model, noise: data.noise }
+    Outcome { report, information: data.information(&selected.system), model: selected.system.model, noise: data.noise }
+}
+
+impl Outcome {
+    /// The model and what is known about it, for tracing what changes afterwards. The remainder's stand-in terms stay out of it.
+    pub fn existing(&self) -> (AugmentedModel, Prior) {
+        (self.model.clone(), Prior { mean: self.model.vector(), information: self.information.clone() })
+    }
 }
 
 fn verdict(findings: usize, something_left: bool) -> Verdict {
@@ -231,6 +237,3 @@ pub(super) fn joint_names(robot: &Robot, joints: &[usize]) -> Vec<String> {
     let name = |j: usize| robot.joints()[j].name.clone();
     if joints.is_empty() { (0..robot.joint_count()).map(name).collect() } else { joints.iter().map(|&j| name(j)).collect() }
 }
-
-#[allow(dead_code)]
-fn unused(_: DVector<f64>) {}

@@ -1,0 +1,27 @@
+//! From measured motion and torque to the parameters of the robot.
+//!
+//! ```text
+//! Log ── prepare ──▶ PreparedLog ── Observation::new ──▶ rows per joint ── estimate ──▶ Estimate
+//! ```
+//!
+//! [`prepare`] averages periods, takes derivatives and measures the noise; [`Observation`] is the paper's (8), one block per joint,
+//! to which further columns may be added ([`Observation::push_column`]); [`estimate`] solves (9) and says how far the answer can be
+//! trusted.
+
+pub mod filter;
+mod least_squares;
+mod log;
+mod noise;
+mod normal;
+mod observation;
+pub mod preprocess;
+mod robust;
+mod solution;
+
+pub use least_squares::{Estimate, Estimator, JointFit, estimate};
+pub use log::Log;
+pub use noise::NoiseSpectrum;
+pub use normal::{JointNormal, normal_equations};
+pub use observation::{JointRows, Observation};
+pub use preprocess::{PreparedLog, PreprocessOptions, prepare};
+pub use solution::{RANK_TOLERANCE, Solution};

@@ -1,0 +1,156 @@
+//! The observation matrix: the paper's (8), joint by joint.
+//!
+//! Row j of the regressor is zero except in the columns of joint j and of the links it carries, so W is kept as one dense block per
+//! joint. Rows that are left out (gaps, dead zone) are zero rows: they weigh nothing and keep the others evenly spaced in time.
+
+use super::PreparedLog;
+use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
+use crate::model::Robot;
+use crate::parameters::{BaseParameters, Layout};
+use nalgebra::{DMatrix, DVector};
+
+/// The rows of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointRows {
+    /// Model column of every column of `matrix`.
+    pub columns: Vec<usize>,
+    /// R × w, filtered and decimated like the torque.
+    pub matrix: DMatrix<f64>,
+    /// R.
+    pub torque: DVector<f64>,
+    /// Which rows are data; the others are zero.
+    pub used: Vec<bool>,
+}
+
+impl JointRows {
+    pub fn used_rows(&self) -> usize {
+        self.used.iter().filter(|&&u| u).count()
+    }
+
+    /// Predicted torque for parameters of the whole model, R.
+    pub fn predict(&self, values: &DVector<f64>) -> DVector<f64> {
+        &self.matrix * DVector::from_iterator(self.columns.len(), self.columns.iter().map(|&c| values[c]))
+    }
+
+    /// Measured minus predicted torque, R; zero in rows that are not used.
+    pub fn residual(&self, values: &DVector<f64>) -> DVector<f64> {
+        &self.torque - self.predict(values)
+    }
+}
+
+/// All rows that one log gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    pub joints: Vec<JointRows>,
+    /// Number of model columns p: base parameters first, then whatever was added.
+    pub columns: usize,
+    /// Sample of the prepared log that every row stands for, R.
+    pub samples: Vec<usize>,
+}
+
+/// Doubles that regressor columns may take before they are filtered and decimated (32 MB): longer logs go through in several
+/// passes over the kinematics, which is cheap.
+const BLOCK_BUDGET: usize = 4 << 20;
+
+impl Observation {
+    /// Columns of the base parameters `base` of `robot` over a prepared log.
+    pub fn new(robot: &Robot, base: &BaseParameters, log: &PreparedLog) -> Self {
+        Self::of_columns(robot, &base.kept, log)
+    }
+
+    /// Columns of the standard parameters `wanted` (indices into [`Layout::standard`]), in that order.
+    pub fn of_columns(robot: &Robot, wanted: &[usize], log: &PreparedLog) -> Self {
+        let layout = Layout::standard(robot);
+        let samples: Vec<usize> = log.row_filter.rows(log.samples()).collect();
+        let mut joints: Vec<JointRows> = (0..log.joints())
+            .map(|j| {
+                let used = used_rows(robot, log, j, &samples);
+                let torque = masked(log.row_filter.torque_rows(&log.torque[j]), &used);
+                JointRows { columns: Vec::new(), matrix: DMatrix::zeros(samples.len(), 0), torque, used }
+            })
+            .collect();
+        let mut data: Vec<Vec<f64>> = vec![Vec::new(); joints.len()];
+        let batch = (BLOCK_BUDGET / (log.samples() * log.joints()).max(1)).clamp(1, wanted.len().max(1));
+        let chain = Chain::new(robot);
+        for (start, part) in wanted.chunks(batch).enumerate().map(|(i, part)| (i * batch, part)) {
+            let set = ColumnSet::new(robot, &layout, part);
+            let mut blocks = RowBlocks::new(&set, log.samples());
+            blocks.fill(&chain, &set, &log.motion, Coulomb::Sign);
+            for (j, rows) in joints.iter_mut().enumerate() {
+                for (column, &output) in blocks.block(j).chunks_exact(blocks.stride()).zip(set.row(j)) {
+                    rows.columns.push(start + output);
+                    let column = log.row_filter.column_rows(&column[..log.samples()]);
+                    data[j].extend(masked(column, &rows.used).iter());
+                }
+            }
+        }
+        for (rows, data) in joints.iter_mut().zip(data) {
+            rows.matrix = DMatrix::from_vec(samples.len(), rows.columns.len(), data);
+        }
+        Self { joints, columns: wanted.len(), samples }
+    }
+
+    /// Adds one model column that acts on the given joints, and returns its number. Each entry is (joint, N values at the samples of
+    /// `log`); they go through the same filter, decimation and row selection as the regressor.
+    pub fn push_column(&mut self, log: &PreparedLog, entries: &[(usize, &[f64])]) -> usize {
+        let number = self.columns;
+        self.columns += 1;
+        for &(j, values) in entries {
+            let column = self.column_rows(log, j, values);
+            let rows = &mut self.joints[j];
+            rows.columns.push(number);
+            let at = rows.matrix.ncols();
+            let mut matrix = std::mem::replace(&mut rows.matrix, DMatrix::zeros(0, 0)).insert_column(at, 0.0);
+            matrix.set_column(at, &column);
+            rows.matrix = matrix;
+        }
+        number
+    }
+
+    /// Adds one constant column per joint (torque offsets), and returns the number of the first.
+    pub fn push_offsets(&mut self, log: &PreparedLog) -> usize {
+        let ones = vec![1.0; log.samples()];
+        let first = self.columns;
+        for j in 0..self.joints.len() {
+            self.push_column(log, &[(j, &ones)]);
+        }
+        first
+    }
+
+    /// Rows of a column of joint `j`, without adding it: N values in, R values out.
+    pub fn column_rows(&self, log: &PreparedLog, j: usize, values: &[f64]) -> DVector<f64> {
+        masked(log.row_filter.column_rows(values), &self.joints[j].used)
+    }
+
+    /// W (R n × p): the rows of joint 0, then those of joint 1, and so on, and the torques in the same order.
+    pub fn dense(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let r = self.samples.len();
+        let mut w = DMatrix::zeros(r * self.joints.len(), self.columns);
+        let mut tau = DVector::zeros(r * self.joints.len());
+        for (j, rows) in self.joints.iter().enumerate() {
+            tau.rows_mut(j * r, r).copy_from(&rows.torque);
+            for (at, &c) in rows.columns.iter().enumerate() {
+                w.view_mut((j * r, c), (r, 1)).copy_from(&rows.matrix.column(at));
+            }
+        }
+        (w, tau)
+    }
+}
+
+/// Rows of joint `j` that are data: their sample is usable (and so is everything the filter reaches), and the joint moves fast
+/// enough for its direction to be known, where the model has a Coulomb term.
+fn used_rows(robot: &Robot, log: &PreparedLog, j: usize, samples: &[usize]) -> Vec<bool> {
+    let reach = log.row_filter.torque.as_ref().map_or(0, |f| f.settling_samples());
+    let slowest = if robot.friction().coulomb { log.dead_zone[j] } else { 0.0 };
+    let speed = log.motion.velocities(j);
+    let mut broken = vec![0usize];
+    for (s, &usable) in log.usable.iter().enumerate() {
+        broken.push(broken[s] + usize::from(!usable));
+    }
+    let intact = |s: usize| broken[(s + reach + 1).min(log.samples())] == broken[s.saturating_sub(reach)];
+    samples.iter().map(|&s| intact(s) && speed[s].abs() >= slowest).collect()
+}
+
+fn masked(values: Vec<f64>, used: &[bool]) -> DVector<f64> {
+    DVector::from_iterator(values.len(), values.iter().zip(used).map(|(&v, &u)| if u { v } else { 0.0 }))
+}

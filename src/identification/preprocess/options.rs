@@ -1,0 +1,70 @@
+//! What can be asked of preprocessing.
+
+/// How a log becomes rows of the observation matrix. The default decides everything from the data and says why.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PreprocessOptions {
+    pub period: Period,
+    pub method: Method,
+    /// Zero-phase low-pass on positions before differences are taken (not used by the Fourier fit).
+    pub position_filter: Option<FilterSpec>,
+    /// Zero-phase low-pass on torques; with [`Method::ParallelFilter`] on every regressor column as well.
+    pub torque_filter: Option<FilterSpec>,
+    /// Time dropped at both ends of a record that was filtered and does not repeat [s].
+    pub discard_edges_s: Option<f64>,
+    /// Every how-manieth row is kept.
+    pub decimation: Option<usize>,
+    /// Speed below which a joint's rows are left out, because the sign of its velocity is not known there [rad/s or m/s].
+    pub dead_zone: Option<f64>,
+}
+
+/// The paper's chain (section 4.3): average over periods, order 20 at 2 Hz on positions, order 12 at 1.6 Hz on torques, central differences.
+impl PreprocessOptions {
+    pub fn paper(period_s: f64) -> Self {
+        Self { period: Period::Known { period_s, order: None }, method: Method::Paper, ..Self::default() }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Period {
+    /// From the positions' autocorrelation.
+    #[default]
+    Detect,
+    /// Stated by the request or by the excitation, whose highest harmonic is `order`.
+    Known { period_s: f64, order: Option<usize> },
+    /// The log is taken as one stretch.
+    None,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Fourier fit where the log repeats, parallel filter otherwise.
+    #[default]
+    Automatic,
+    /// Average over periods, derivatives from the harmonics that stand above the noise, torque as it is.
+    FourierFit,
+    /// One zero-phase filter for torque and every regressor column alike (Gautier's parallel filtering), then decimation.
+    ParallelFilter,
+    /// See [`PreprocessOptions::paper`].
+    Paper,
+}
+
+/// Butterworth, run forwards and backwards.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilterSpec {
+    pub order: usize,
+    pub cutoff_hz: f64,
+}
+
+/// One decision of preprocessing, for the answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    pub what: &'static str,
+    pub value: String,
+    pub why: String,
+}
+
+impl Choice {
+    pub fn new(what: &'static str, value: impl Into<String>, why: impl Into<String>) -> Self {
+        Self { what, value: value.into(), why: why.into() }
+    }
+}

@@ -1,0 +1,330 @@
+//! The chain from log to [`PreparedLog`].
+
+use super::cutoff::signal_cutoff;
+use super::fourier_fit::fourier_fit;
+use super::{Choice, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, RowFilter, Scatter, detect_period};
+use crate::dynamics::Motion;
+use crate::identification::Log;
+use crate::identification::filter::{LowPass, Padding, central_difference, central_difference_periodic, zero_phase};
+
+/// The paper's filters (section 4.3).
+const PAPER_POSITION: FilterSpec = FilterSpec { order: 20, cutoff_hz: 2.0 };
+const PAPER_TORQUE: FilterSpec = FilterSpec { order: 12, cutoff_hz: 1.6 };
+/// Order of the parallel filter and its position filter: run both ways it falls by 48 dB per octave, and rings little.
+const PARALLEL_ORDER: usize = 4;
+/// Velocities nearer to zero than three of their standard deviations have no known sign.
+const SIGN_SIGMAS: f64 = 3.0;
+
+/// Prepares `log` for a robot with `joints` joints.
+///
+/// # Errors
+/// Wrong number of joints, a period that the log does not hold, filters that the sample rate does not allow, options out of range.
+pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<PreparedLog, PreprocessError> {
+    if log.joints() != joints || log.tau.len() != joints {
+        return Err(PreprocessError::WrongJoints { log: log.name.clone(), expected: joints, actual: log.joints().min(log.tau.len()) });
+    }
+    let chain = Chain { log, options };
+    chain.check()?;
+    let mut choices = Vec::new();
+    let record = chain.record(&mut choices)?;
+    let (mut motion, velocity_std) = chain.differentiate(&record, &mut choices)?;
+    let still = hold_still(&mut motion, &velocity_std);
+    let row_filter = chain.row_filter(&record, &mut choices)?;
+    let dead_zone = chain.dead_zone(&velocity_std, &still, &mut choices);
+    let samples = record.usable.len();
+    let rows = row_filter.rows(samples).len();
+    if rows < 8 {
+        return Err(PreprocessError::NothingLeft { log: log.name.clone(), rows, samples });
+    }
+    let first = record.periods.as_ref().map_or(0, |p| p.first);
+    Ok(PreparedLog {
+        name: log.name.clone(),
+        rate_hz: record.rate_hz,
+        start_s: log.start_s + first as f64 / log.rate_hz,
+        motion,
+        torque: record.tau,
+        usable: record.usable,
+        periods: record.periods,
+        scatter: record.scatter,
+        row_filter,
+        dead_zone,
+        choices,
+    })
+}
+
+/// Joints whose velocity is noise and nothing else are taken to stand still: their friction must not be fitted to noise.
+fn hold_still(motion: &mut Motion, velocity_std: &[f64]) -> Vec<bool> {
+    let samples = motion.samples();
+    let still = |(j, std): (usize, &f64)| {
+        let square: f64 = motion.velocities(j).iter().map(|v| v * v).sum();
+        (square / samples as f64).sqrt() <= SIGN_SIGMAS * std
+    };
+    let still: Vec<bool> = velocity_std.iter().enumerate().map(still).collect();
+    for j in (0..still.len()).filter(|&j| still[j]) {
+        let mean = motion.positions(j).iter().sum::<f64>() / samples as f64;
+        (0..samples).for_each(|s| motion.set(j, s, [mean, 0.0, 0.0]));
+    }
+    still
+}
+
+/// One stretch or one mean period, before derivatives.
+struct Record {
+    rate_hz: f64,
+    q: Vec<Vec<f64>>,
+    tau: Vec<Vec<f64>>,
+    usable: Vec<bool>,
+    periods: Option<Periods>,
+    /// Highest harmonic of the excitation, where known.
+    order: Option<usize>,
+    /// Variance of the mean positions, where periods scatter.
+    position_variance: Option<Vec<f64>>,
+    scatter: Option<Scatter>,
+}
+
+struct Chain<'a> {
+    log: &'a Log,
+    options: &'a PreprocessOptions,
+}
+
+impl Chain<'_> {
+    fn check(&self) -> Result<(), PreprocessError> {
+        let refuse = |field, value, problem| Err(PreprocessError::Option { log: self.log.name.clone(), field, value, problem });
+        if let Period::Known { period_s, .. } = self.options.period
+            && !(period_s.is_finite() && period_s > 0.0)
+        {
+            return refuse("period_s", period_s, "not a positive time");
+        }
+        if let Some(v) = self.options.discard_edges_s.filter(|v| !(v.is_finite() && *v >= 0.0)) {
+            return refuse("discard_edges_s", v, "not a time");
+        }
+        if let Some(v) = self.options.dead_zone.filter(|v| !(v.is_finite() && *v >= 0.0)) {
+            return refuse("dead_zone", v, "not a speed");
+        }
+        if self.options.decimation == Some(0) {
+            return refuse("decimation", 0.0, "not a count: 1 keeps every row");
+        }
+        Ok(())
+    }
+
+    /// Cuts the log into periods where it has them, and takes their mean.
+    fn record(&self, choices: &mut Vec<Choice>) -> Result<Record, PreprocessError> {
+        let (period, order, source) = match self.options.period {
+            Period::None => (None, None, "the request asks for one stretch"),
+            Period::Known { period_s, order } => (Some(period_s), order, "given"),
+            Period::Detect => (detect_period(self.log), None, "found in the positions' autocorrelation"),
+        };
+        let stated = matches!(self.options.period, Period::Known { .. });
+        let periods = period.and_then(|p| Periods::find(self.log, p));
+        match periods {
+            Some(periods) => Ok(self.averaged(periods, order, source, choices)),
+            None if stated => Err(PreprocessError::NoWholePeriod {
+                log: self.log.name.clone(),
+                period_s: period.unwrap_or(f64::NAN),
+                duration_s: self.log.duration_s(),
+            }),
+            None => {
+                let why = if self.options.period == Period::None { source } else { "nothing in the positions repeats twice" };
+                choices.push(Choice::new("period", "none", why));
+                Ok(self.whole())
+            }
+        }
+    }
+
+    fn whole(&self) -> Record {
+        Record {
+            rate_hz: self.log.rate_hz,
+            q: self.log.q.clone(),
+            tau: self.log.tau.clone(),
+            usable: self.log.usable.clone(),
+            periods: None,
+            order: None,
+            position_variance: None,
+            scatter: None,
+        }
+    }
+
+    fn averaged(&self, periods: Periods, order: Option<usize>, source: &str, choices: &mut Vec<Choice>) -> Record {
+        let (k, n) = (periods.count, periods.samples);
+        let usable = periods.usable(self.log);
+        let mean = |columns: &[Vec<f64>]| columns.iter().map(|x| periods.mean(&periods.unfold(x), &usable)).collect::<Vec<_>>();
+        let (q, tau) = (mean(&self.log.q), mean(&self.log.tau));
+        let position_variance = (k > 1).then(|| {
+            let variance = |(x, mean): (&Vec<f64>, &Vec<f64>)| {
+                let sum: f64 = periods.unfold(x).iter().enumerate().filter(|(s, _)| usable[*s]).map(|(s, v)| (v - mean[s % n]).powi(2)).sum();
+                sum / ((k - 1) * n) as f64 / k as f64
+            };
+            self.log.q.iter().zip(&q).map(variance).collect()
+        });
+        let torque = || self.log.tau.iter().map(|x| periods.unfold(x)).collect();
+        let scatter = (k > 1).then(|| Scatter::new(&periods, torque(), &tau, usable.clone()));
+        let left = self.log.duration_s() - k as f64 * periods.period_s;
+        choices.push(Choice::new("period", format!("{:.6} s", periods.period_s), source));
+        choices.push(Choice::new(
+            "averaging",
+            format!("{k} periods of {n} samples from {:.3} s on", self.log.start_s + periods.first as f64 / self.log.rate_hz),
+            format!("noise falls by the square root of {k}; {:.3} s at the ends belong to no whole period that repeats", left.max(0.0)),
+        ));
+        Record {
+            rate_hz: n as f64 / periods.period_s,
+            q,
+            tau,
+            usable: (0..n).map(|i| (i..k * n).step_by(n).any(|s| usable[s])).collect(),
+            periods: Some(periods),
+            order,
+            position_variance,
+            scatter,
+        }
+    }
+
+    fn method(&self, record: &Record) -> Method {
+        match self.options.method {
+            Method::Automatic if record.periods.is_some() => Method::FourierFit,
+            Method::Automatic => Method::ParallelFilter,
+            chosen => chosen,
+        }
+    }
+
+    /// q, qd, qdd, and the standard deviation of the velocities where it is known.
+    fn differentiate(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<f64>), PreprocessError> {
+        match self.method(record) {
+            Method::FourierFit => self.by_fourier(record, choices),
+            method => self.by_filter(record, method, choices),
+        }
+    }
+
+    fn by_fourier(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<f64>), PreprocessError> {
+        let Some(periods) = &record.periods else {
+            return Err(PreprocessError::NotPeriodic { log: self.log.name.clone() });
+        };
+        let variance = |j: usize| record.position_variance.as_ref().map(|v| v[j]);
+        let fits: Vec<_> =
+            record.q.iter().enumerate().map(|(j, q)| fourier_fit(q, periods.period_s, variance(j), record.order)).collect();
+        let motion = Motion::from_fn(fits.len(), record.usable.len(), |j, s| [fits[j].q[s], fits[j].qd[s], fits[j].qdd[s]]);
+        let highest = fits.iter().map(|f| f.highest).max().unwrap_or(0);
+        let kept: Vec<usize> = fits.iter().map(|f| f.kept).collect();
+        let worst = fits.iter().map(|f| f.acceleration_std).fold(0.0, f64::max);
+        choices.push(Choice::new(
+            "derivatives",
+            format!("Fourier fit, harmonics per joint {kept:?}, highest {highest} ({:.2} Hz)", highest as f64 / periods.period_s),
+            format!(
+                "the log repeats; harmonics that stand above the position noise are kept and differentiated exactly, which leaves at most \
+                 {worst:.2e} rad/s² (m/s²) of noise in the accelerations"
+            ),
+        ));
+        Ok((motion, fits.iter().map(|f| f.velocity_std).collect()))
+    }
+
+    fn by_filter(&self, record: &Record, method: Method, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<f64>), PreprocessError> {
+        let periodic = record.periods.is_some();
+        let (spec, why) = match (self.options.position_filter, method) {
+            (Some(spec), _) => (spec, "given"),
+            (None, Method::Paper) => (PAPER_POSITION, "the paper's section 4.3"),
+            (None, _) => (self.parallel_default(), "half again as high as the positions stand above their noise, and no higher than a rigid model holds"),
+        };
+        let filter = self.design(spec, record.rate_hz, "position_filter")?;
+        let padding = padding(periodic);
+        let step = 1.0 / record.rate_hz;
+        let difference = if periodic { central_difference_periodic } else { central_difference };
+        let mut motion = Motion::zeros(record.q.len(), record.usable.len());
+        let mut velocity_std = Vec::new();
+        for (j, raw) in record.q.iter().enumerate() {
+            let q = zero_phase(&filter, raw, padding, filter.settling_samples());
+            velocity_std.push(velocity_noise(raw, &q, &filter));
+            let qd = difference(&q, step);
+            let qdd = difference(&qd, step);
+            (0..q.len()).for_each(|s| motion.set(j, s, [q[s], qd[s], qdd[s]]));
+        }
+        choices.push(Choice::new("derivatives", format!("{}, then central differences", describe(spec)), why));
+        Ok((motion, velocity_std))
+    }
+
+    fn parallel_default(&self) -> FilterSpec {
+        FilterSpec { order: PARALLEL_ORDER, cutoff_hz: signal_cutoff(self.log) }
+    }
+
+    fn design(&self, spec: FilterSpec, rate_hz: f64, what: &'static str) -> Result<LowPass, PreprocessError> {
+        LowPass::butterworth(spec.order, spec.cutoff_hz, rate_hz)
+            .map_err(|source| PreprocessError::Filter { log: self.log.name.clone(), what, source })
+    }
+
+    fn row_filter(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<RowFilter, PreprocessError> {
+        let periodic = record.periods.is_some();
+        let (spec, on_columns, why) = match (self.options.torque_filter, self.method(record)) {
+            (Some(spec), Method::Paper) => (Some(spec), false, "given"),
+            (Some(spec), _) => (Some(spec), true, "given; the same for torque and every regressor column, which leaves the equation as it is"),
+            (None, Method::Paper) => (Some(PAPER_TORQUE), false, "the paper's section 4.3: torque alone is filtered"),
+            (None, Method::ParallelFilter) => (
+                Some(self.options.position_filter.unwrap_or_else(|| self.parallel_default())),
+                true,
+                "as for the positions; the same filter for torque and every regressor column leaves the equation as it is",
+            ),
+            (None, _) => (None, false, "averaging is all the filter that least squares needs; the noise of the mean is known from the periods"),
+        };
+        choices.push(Choice::new("row_filter", spec.map_or("none".to_string(), describe), why));
+        let filter = spec.map(|spec| self.design(spec, record.rate_hz, "torque_filter")).transpose()?;
+        let mut rows = RowFilter {
+            columns: filter.clone().filter(|_| on_columns),
+            torque: filter,
+            padding: padding(periodic),
+            ..RowFilter::none()
+        };
+        self.edges_and_decimation(record, &mut rows, choices);
+        Ok(rows)
+    }
+
+    fn edges_and_decimation(&self, record: &Record, rows: &mut RowFilter, choices: &mut Vec<Choice>) {
+        let settling = rows.torque.as_ref().map_or(0, LowPass::settling_samples);
+        let (edges, why) = match self.options.discard_edges_s {
+            Some(seconds) => ((seconds * record.rate_hz).round() as usize, "given"),
+            None if record.periods.is_some() => (0, "a period has no ends"),
+            None => (settling, "what the filter remembers of the padding beyond the record, down to a thousandth"),
+        };
+        rows.edges = edges;
+        choices.push(Choice::new("edges", format!("{:.3} s", edges as f64 / record.rate_hz), why));
+        let (decimation, why) = match (self.options.decimation, &rows.torque) {
+            (Some(d), _) => (d, "given".to_string()),
+            // Four samples per cycle of the cut-off: twice what the filtered signals need, so nothing is lost.
+            (None, Some(filter)) if record.periods.is_none() => {
+                let d = (record.rate_hz / (4.0 * filter.cutoff_hz)).floor().max(1.0) as usize;
+                (d, "rows closer together than a quarter of the filter's cut-off period say nothing new".to_string())
+            }
+            (None, _) => (1, "every sample of the mean period counts".to_string()),
+        };
+        rows.decimation = decimation;
+        choices.push(Choice::new("decimation", decimation.to_string(), why));
+    }
+
+    fn dead_zone(&self, velocity_std: &[f64], still: &[bool], choices: &mut Vec<Choice>) -> Vec<f64> {
+        let (mut zone, why) = match (self.options.dead_zone, self.options.method) {
+            (Some(v), _) => (vec![v; velocity_std.len()], "given"),
+            (None, Method::Paper) => (vec![0.0; velocity_std.len()], "the paper has none"),
+            (None, _) => (
+                velocity_std.iter().map(|s| SIGN_SIGMAS * s).collect(),
+                "three standard deviations of the velocity: closer to zero its sign, and with it the Coulomb torque, is not known",
+            ),
+        };
+        // A joint that never moves has no friction to mistake, and its rows tell of gravity.
+        zone.iter_mut().zip(still).filter(|(_, still)| **still).for_each(|(z, _)| *z = 0.0);
+        let text: Vec<String> = zone.iter().map(|v| format!("{v:.2e}")).collect();
+        choices.push(Choice::new("dead_zone", format!("[{}] rad/s (m/s)", text.join(", ")), why));
+        zone
+    }
+}
+
+fn padding(periodic: bool) -> Padding {
+    if periodic { Padding::Periodic } else { Padding::Odd }
+}
+
+fn describe(spec: FilterSpec) -> String {
+    format!("zero-phase Butterworth, order {} at {:.3} Hz", spec.order, spec.cutoff_hz)
+}
+
+/// Standard deviation of the velocity that is left after filtering, from what the filter took out: for white noise of variance σ²
+/// per sample, taken out above the cut-off, the velocity keeps `σ² 2/f_s ∫₀^fc (2πf)² df = σ² 8π² fc³ / 3 f_s`.
+fn velocity_noise(raw: &[f64], filtered: &[f64], filter: &LowPass) -> f64 {
+    let removed = raw.iter().zip(filtered).map(|(r, f)| (r - f).powi(2)).sum::<f64>() / raw.len() as f64;
+    let share = 1.0 - 2.0 * filter.cutoff_hz / filter.rate_hz;
+    let variance = removed / share.max(0.1);
+    let pi = std::f64::consts::PI;
+    (variance * 8.0 * pi * pi * filter.cutoff_hz.powi(3) / (3.0 * filter.rate_hz)).sqrt()
+}

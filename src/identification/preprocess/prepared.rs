@@ -1,0 +1,63 @@
+//! What preprocessing hands on.
+
+use super::{Choice, Periods, RowFilter, Scatter};
+use crate::dynamics::Motion;
+
+/// A log ready for least squares: one motion, the torques that belong to it, and how rows are made of both.
+///
+/// `motion` and `torque` are on the same uniform grid of N samples. Torque is *not* filtered here: [`PreparedLog::row_filter`] is
+/// what both torque and regressor columns go through, and whatever adds columns sends them the same way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PreparedLog {
+    pub name: String,
+    /// Samples of `motion` per second; for a log that repeats, N samples to the period.
+    pub rate_hz: f64,
+    /// Time of sample 0 on the log's own clock [s].
+    pub start_s: f64,
+    /// q, qd, qdd: averaged over periods where the log repeats.
+    pub motion: Motion,
+    /// Per joint, N torques [N m or N], averaged like the motion.
+    pub torque: Vec<Vec<f64>>,
+    /// Samples that are data; false inside gaps of the record, and where a caller leaves an interval out.
+    pub usable: Vec<bool>,
+    /// `None` for a log taken as one stretch.
+    pub periods: Option<Periods>,
+    /// Noise measured without a model; `None` with fewer than two periods.
+    pub scatter: Option<Scatter>,
+    pub row_filter: RowFilter,
+    /// Per joint: rows below this speed are left out [rad/s or m/s].
+    pub dead_zone: Vec<f64>,
+    /// Every decision, and why.
+    pub choices: Vec<Choice>,
+}
+
+impl PreparedLog {
+    pub fn joints(&self) -> usize {
+        self.torque.len()
+    }
+
+    pub fn samples(&self) -> usize {
+        self.usable.len()
+    }
+
+    /// True when the motion is one period of something that goes round: filters and derivatives then have no ends.
+    pub fn is_periodic(&self) -> bool {
+        self.periods.is_some()
+    }
+
+    /// Periods that a sample of torque is the mean of.
+    pub fn averaged(&self) -> usize {
+        self.periods.as_ref().map_or(1, |p| p.count)
+    }
+
+    /// Time of sample `s` on the log's own clock [s].
+    pub fn time(&self, s: usize) -> f64 {
+        self.start_s + s as f64 / self.rate_hz
+    }
+
+    /// Leaves samples out of everything that is made from this log from now on (an interval in contact, say).
+    pub fn leave_out(&mut self, samples: std::ops::Range<usize>) {
+        let end = samples.end.min(self.usable.len());
+        self.usable[samples.start.min(end)..end].fill(false);
+    }
+}

@@ -1,0 +1,30 @@
+//! Huber's weights: rows far off count by their distance, not by its square.
+
+use super::Observation;
+use super::normal::{JointNormal, normal_equations};
+use nalgebra::DVector;
+
+/// Residual, in standard deviations, from which on a row's weight falls (Huber 1964: 95 % efficiency on normal noise).
+const KNEE: f64 = 1.345;
+
+/// Normal equations with every row weighted by `min(1, 1.345 σⱼ/|e|)`.
+pub(super) fn robust_normals(observations: &[Observation], values: &DVector<f64>, sigma: &[f64]) -> Vec<JointNormal> {
+    let weighted: Vec<Observation> = observations
+        .iter()
+        .map(|observation| {
+            let mut copy = observation.clone();
+            for (rows, &s) in copy.joints.iter_mut().zip(sigma) {
+                let residual = rows.residual(values);
+                for (r, e) in residual.iter().enumerate() {
+                    let weight = (KNEE * s / e.abs()).min(1.0).sqrt();
+                    if weight < 1.0 {
+                        rows.torque[r] *= weight;
+                        rows.matrix.row_mut(r).scale_mut(weight);
+                    }
+                }
+            }
+            copy
+        })
+        .collect();
+    normal_equations(&weighted)
+}

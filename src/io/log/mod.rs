@@ -1,0 +1,15 @@
+//! Reading logs: CSV, plain or gzip, in one pass.
+//!
+//! [`read_log`] streams the rows into columns of doubles, [`clean`](time_base) lays them onto a uniform grid in time, and whatever was
+//! found on the way (garbage, repeats, gaps, jitter) is told in the [`LogReport`] with the line numbers and what was done.
+
+mod columns;
+mod error;
+mod reader;
+mod report;
+mod time_base;
+
+pub use columns::{Columns, JointColumns, TimeUnit, Transformation};
+pub use error::LogError;
+pub use reader::{Source, read_log, read_log_file};
+pub use report::{Finding, FindingKind, LogReport};

@@ -1,0 +1,89 @@
+//! What was found while reading a log, and what was done about it.
+
+/// The answer's account of one log file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LogReport {
+    pub file: String,
+    /// Data rows in the file, the header not counted.
+    pub rows: usize,
+    /// Rows whose values went into the record.
+    pub rows_used: usize,
+    /// Samples of the uniform record.
+    pub samples: usize,
+    pub rate_hz: f64,
+    pub duration_s: f64,
+    /// True when the values were interpolated onto the uniform grid.
+    pub resampled: bool,
+    pub findings: Vec<Finding>,
+}
+
+/// One kind of irregularity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    pub kind: FindingKind,
+    pub count: usize,
+    /// The first few line numbers (the header is line 1).
+    pub lines: Vec<u64>,
+    /// What it is and what was done, in words.
+    pub detail: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FindingKind {
+    GarbageRow,
+    RepeatedRow,
+    RepeatedTime,
+    TimeOutOfOrder,
+    MissingTime,
+    MissingSample,
+    Gap,
+    Jitter,
+}
+
+impl FindingKind {
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::GarbageRow => "garbage_row",
+            Self::RepeatedRow => "repeated_row",
+            Self::RepeatedTime => "repeated_time",
+            Self::TimeOutOfOrder => "time_out_of_order",
+            Self::MissingTime => "missing_time",
+            Self::MissingSample => "missing_sample",
+            Self::Gap => "gap",
+            Self::Jitter => "jitter",
+        }
+    }
+}
+
+/// Counts one kind of irregularity and remembers where it was first seen.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Tally {
+    pub count: usize,
+    pub lines: Vec<u64>,
+    /// What the first one looked like.
+    pub first: Option<String>,
+}
+
+impl Tally {
+    /// Enough to find them by hand, few enough to read.
+    const LINES: usize = 10;
+
+    pub fn add(&mut self, line: u64, what: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.lines.len() < Self::LINES {
+            self.lines.push(line);
+        }
+        if self.first.is_none() {
+            self.first = Some(what());
+        }
+    }
+
+    pub fn finding(&self, kind: FindingKind, detail: impl FnOnce(&str) -> String) -> Option<Finding> {
+        (self.count > 0).then(|| Finding {
+            kind,
+            count: self.count,
+            lines: self.lines.clone(),
+            detail: detail(self.first.as_deref().unwrap_or("")),
+        })
+    }
+}

@@ -1,0 +1,3 @@
+//! Files and documents on one side, domain types on the other.
+
+pub mod log;

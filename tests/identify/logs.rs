@@ -1,0 +1,162 @@
+//! Reading log files, good and bad.
+
+use dynident::identification::Log;
+use dynident::io::log::{Columns, FindingKind, JointColumns, LogError, LogReport, Source, TimeUnit, Transformation, read_log};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use nalgebra::DMatrix;
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+fn joints(n: usize) -> Vec<String> {
+    (1..=n).map(|j| format!("A{j}")).collect()
+}
+
+fn read(text: impl AsRef<[u8]>, columns: &Columns, n: usize) -> Result<(Log, LogReport), LogError> {
+    read_log(Source { name: "a.csv".to_string(), bytes: text.as_ref() }, columns, &joints(n))
+}
+
+/// One joint, 100 Hz, q = sin t, tau = cos t.
+fn rows(count: usize) -> Vec<String> {
+    (0..count)
+        .map(|i| {
+            let t = i as f64 / 100.0;
+            format!("{t:.4},{:.9},{:.9}", t.sin(), t.cos())
+        })
+        .collect()
+}
+
+fn file(rows: &[String]) -> String {
+    format!("time,q1,tau1\n{}\n", rows.join("\n"))
+}
+
+fn count(report: &LogReport, kind: FindingKind) -> usize {
+    report.findings.iter().find(|f| f.kind == kind).map_or(0, |f| f.count)
+}
+
+/// Largest error against q = sin t [rad].
+fn worst(log: &Log) -> f64 {
+    let error = |(s, q): (usize, &f64)| if log.usable[s] { (q - (log.start_s + s as f64 / log.rate_hz).sin()).abs() } else { 0.0 };
+    log.q[0].iter().enumerate().map(error).fold(0.0, f64::max)
+}
+
+#[test]
+fn prop_a_clean_log_is_read_as_it_stands_plain_or_gzip() {
+    let text = file(&rows(200));
+    let (log, report) = read(&text, &Columns::default(), 1).unwrap();
+    assert_eq!((log.rate_hz, log.samples(), report.rows_used, report.resampled), (100.0, 200, 200, false));
+    assert!(report.findings.is_empty());
+    assert!(worst(&log) < 1e-9);
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::default());
+    gzip.write_all(text.as_bytes()).unwrap();
+    let (zipped, _) = read(gzip.finish().unwrap(), &Columns::default(), 1).unwrap();
+    assert_eq!(zipped, log);
+}
+
+#[test]
+fn prop_irregular_rows_are_counted_named_and_dealt_with() {
+    let mut rows = rows(1000);
+    rows[500] = "5.0000,oops,1".to_string();
+    rows[600] = "6.0000,1.0".to_string();
+    rows[700] = "7.0000,NaN,1".to_string();
+    rows.insert(800, rows[799].clone());
+    rows.insert(300, "0.5000,0.1,0.2".to_string());
+    let (log, report) = read(file(&rows), &Columns::default(), 1).unwrap();
+    assert_eq!(count(&report, FindingKind::GarbageRow), 3);
+    assert_eq!(count(&report, FindingKind::RepeatedRow), 1);
+    assert_eq!(count(&report, FindingKind::TimeOutOfOrder), 1);
+    assert_eq!(count(&report, FindingKind::MissingSample), 3);
+    let garbage = report.findings.iter().find(|f| f.kind == FindingKind::GarbageRow).unwrap();
+    // The header is line 1, and one row was put in before.
+    assert_eq!(garbage.lines, [503, 603, 703]);
+    assert_eq!((log.rate_hz, log.samples()), (100.0, 1000));
+    // Cubic interpolation over two steps: h⁴ max|q''''| / 16.
+    assert!(worst(&log) < 0.02f64.powi(4), "{}", worst(&log));
+}
+
+#[test]
+fn prop_jitter_is_resampled_and_a_gap_is_marked() {
+    let stamp = |i: usize| i as f64 / 100.0 + 0.003 * (i as f64 * 1.7).sin();
+    let jittered: Vec<String> =
+        (0..1000).filter(|i| !(400..450).contains(i)).map(|i| (stamp(i), i)).map(|(t, _)| format!("{t:.7},{:.9},{:.9}", t.sin(), t.cos())).collect();
+    let (log, report) = read(file(&jittered), &Columns::default(), 1).unwrap();
+    assert!(report.resampled);
+    assert_eq!(count(&report, FindingKind::Gap), 1);
+    assert!(count(&report, FindingKind::Jitter) > 0);
+    assert!((log.rate_hz - 100.0).abs() < 0.1, "{}", log.rate_hz);
+    let unusable = log.usable.iter().filter(|&&u| !u).count();
+    assert!((48..=52).contains(&unusable), "{unusable}");
+    assert!(worst(&log) < 2e-6, "{}", worst(&log));
+}
+
+#[test]
+fn prop_columns_map_headers_units_signs_offsets_and_rate() {
+    let mut text = "tick;motor;current;other\n".to_string();
+    for i in 0..100 {
+        writeln!(text, "{};{};{};x", 2 * i, 180.0 + i as f64, -2.0 * i as f64).unwrap();
+    }
+    let columns = Columns {
+        time: Some("tick".to_string()),
+        time_unit: TimeUnit::Milliseconds,
+        position: JointColumns {
+            headers: vec!["motor".to_string()],
+            transformation: Transformation { factor: vec![std::f64::consts::PI / 180.0], coupling: None, offset: vec![-1.0] },
+        },
+        torque: JointColumns {
+            headers: vec!["current".to_string()],
+            transformation: Transformation { factor: vec![-0.5], coupling: None, offset: vec![] },
+        },
+        ..Columns::default()
+    };
+    let (log, _) = read(&text, &columns, 1).unwrap();
+    assert_eq!(log.rate_hz, 500.0);
+    assert!((log.q[0][0] - (std::f64::consts::PI - 1.0)).abs() < 1e-15);
+    assert_eq!(log.tau[0][10], 10.0);
+}
+
+#[test]
+fn prop_a_coupling_matrix_mixes_the_columns() {
+    let text = format!("q1,q2,tau1,tau2\n{}", "1,2,10,20\n3,5,30,50\n".repeat(20));
+    let columns = Columns {
+        sample_rate_hz: Some(50.0),
+        position: JointColumns {
+            transformation: Transformation { coupling: Some(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 2.0])), ..Default::default() },
+            ..Default::default()
+        },
+        ..Columns::default()
+    };
+    let (log, report) = read(&text, &columns, 2).unwrap();
+    assert_eq!((log.q[0][1], log.q[1][1]), (3.0, 13.0));
+    assert_eq!((log.tau[1][1], report.rate_hz), (50.0, 50.0));
+}
+
+#[test]
+fn prop_files_that_are_no_logs_are_refused_with_place_and_remedy() {
+    let message = |text: &[u8], columns: &Columns| read(text, columns, 1).unwrap_err().to_string();
+    let default = Columns::default();
+    assert!(message(b"", &default).contains("is empty"));
+    assert!(message(b"time,q1,tau1\n", &default).contains("is empty"));
+    assert!(message(b"1,2,3\n4,5,6\n", &default).contains("no header"));
+    let missing = message(file(&rows(100)).replace("tau1", "torque_of_axis").as_bytes(), &default);
+    assert!(missing.contains("`tau1` (joint A1)") && missing.contains("`torque_of_axis`") && missing.contains("columns"), "{missing}");
+    assert!(message(file(&rows(100)).replace("time", "nothing").as_bytes(), &default).contains("sample_rate_hz"));
+    assert!(message(file(&rows(100)).replace("tau1", "q1").as_bytes(), &default).contains("tau1"));
+    let mut garbage = rows(100);
+    (0..20).for_each(|i| garbage[3 * i] = "a,b,c".to_string());
+    let text = message(file(&garbage).as_bytes(), &default);
+    assert!(text.contains("20 of 100 rows") && text.contains("line 2") && text.contains("`b` in column 2"), "{text}");
+    let twice = [rows(100), rows(100)].concat();
+    assert!(message(file(&twice).as_bytes(), &default).contains("time goes back"));
+    assert!(message(file(&rows(5)).as_bytes(), &default).contains("5 usable rows"));
+    let milliseconds = file(&rows(100)).replace("0.", "").replace("time", "time");
+    assert!(read(milliseconds.as_bytes(), &default, 1).is_err());
+}
+
+#[test]
+fn prop_a_compressed_file_that_was_cut_off_is_named_as_such() {
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::default());
+    gzip.write_all(file(&rows(5000)).as_bytes()).unwrap();
+    let whole = gzip.finish().unwrap();
+    let error = read(&whole[..whole.len() / 2], &Columns::default(), 1).unwrap_err();
+    assert!(matches!(error, LogError::CutOff { line, .. } if line > 1), "{error}");
+}
