@@ -2,7 +2,7 @@
 
 use crate::dynamics::Motion;
 use crate::model::Robot;
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 /// One stretch of motion, with the torques that the present model predicts for it: all that a column can be made of.
 #[derive(Debug, Clone, Copy)]
@@ -155,6 +155,17 @@ pub trait Effect: Sync + Send {
 
     /// What is reported: the coefficients in the order of the columns, then the shape parameters; for a distortion its parameters.
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo>;
+
+    /// The physically consistent coefficients nearest to these, in the metric of their information matrix. The same unless said otherwise.
+    fn consistent(&self, coefficients: &[f64], _information: &DMatrix<f64>) -> Vec<f64> {
+        coefficients.to_vec()
+    }
+
+    /// Which of the coefficients, then shapes (for a distortion its parameters), are positive by their physical meaning. One that the data say is
+    /// negative is an imitation.
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[]
+    }
 
     /// Reported values from coefficients and shape; differentiable, for the standard deviations. The identity unless said otherwise.
     fn reported(&self, _form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {

@@ -39,6 +39,10 @@ impl Effect for JointElasticity {
         &[1e-7]
     }
 
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
         let (effort, position) = (joint.effort_unit(), joint.position_unit());

@@ -28,6 +28,10 @@ impl Effect for LoadDependentFriction {
         vec![Column::on(j, values.collect())]
     }
 
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
     fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {
         vec![ParameterInfo::new("coefficient", "1")]
     }

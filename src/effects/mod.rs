@@ -26,10 +26,12 @@ mod torque_delay;
 mod torque_gain;
 mod torque_offset;
 mod transmission_coupling;
+mod unexplained;
 
 pub use effect::{About, Column, Effect, Kind, ParameterInfo, Scene, Shape, Span, World};
 pub(crate) use effect::{own_joint, times_position_unit};
 pub use payload::consistent_payload;
+pub(crate) use unexplained::{Unexplained, products, variable, variable_name};
 
 /// Every effect that a search tries, in the order of the table in the documentation.
 pub fn all() -> &'static [&'static dyn Effect] {

@@ -53,6 +53,10 @@ impl Effect for Payload {
         named.map(|(n, u)| ParameterInfo::new(n, u)).into_iter().chain(inertia).collect()
     }
 
+    fn consistent(&self, coefficients: &[f64], information: &DMatrix<f64>) -> Vec<f64> {
+        consistent_payload(coefficients, information).to_vec()
+    }
+
     /// Mass, centre of mass in the last link's frame, inertia about the centre of mass.
     fn reported(&self, _form: usize, coefficients: &[f64], _shape: &[f64]) -> Vec<f64> {
         let body = LinkInertia::from_parameters(coefficients);
@@ -90,8 +94,7 @@ fn nearest(estimate: &[f64; 10], information: &DMatrix<f64>, start: Matrix4<f64>
     let mut damping = 1e-3;
     let mut r = residual(&x);
     for _ in 0..200 {
-        let jacobian = DMatrix::from_fn(10, 10, |_, _| 0.0);
-        let jacobian = (0..10).fold(jacobian, |mut jac, c| {
+        let jacobian = (0..10).fold(DMatrix::zeros(10, 10), |mut jac, c| {
             let step = 1e-6 * x[c].abs().max(1e-3);
             let mut there = x;
             there[c] += step;

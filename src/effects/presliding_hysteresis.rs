@@ -38,6 +38,10 @@ impl Effect for PreslidingHysteresis {
         vec![Column::on(j, values.collect())]
     }
 
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
         vec![ParameterInfo::new("amplitude", joint.effort_unit()), ParameterInfo::new("width", joint.position_unit())]

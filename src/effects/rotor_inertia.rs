@@ -25,6 +25,10 @@ impl Effect for RotorInertia {
         vec![own_joint(scene, joints[0], |[_, _, a]| a)]
     }
 
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let unit = if robot.joints()[joints[0]].is_revolute() { "kg m^2".into() } else { times_position_unit(robot, joints[0], " s^2/rad") };
         vec![ParameterInfo::new("inertia", unit)]

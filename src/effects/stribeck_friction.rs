@@ -41,6 +41,10 @@ impl Effect for StribeckFriction {
         vec![own_joint(scene, joints[0], bump)]
     }
 
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
         let mut list = vec![

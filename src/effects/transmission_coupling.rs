@@ -6,12 +6,12 @@ use crate::model::Robot;
 /// Friction and inertia of the motor speed `v = qd_i + k qd_j` on joint i, and k times that on joint j:
 /// `tau_i += FV v + FS sign v + Ia v̇`, `tau_j += k (FV v + FS sign v + Ia v̇)`.
 ///
-/// Forms: k = 1, k = −1, k free.
+/// Forms: k = 1, k = −1, k free and positive, k free and negative.
 pub struct TransmissionCoupling;
 
 impl TransmissionCoupling {
     fn ratio(form: usize, shape: &[f64]) -> f64 {
-        [1.0, -1.0, shape.first().copied().unwrap_or(1.0)][form]
+        [1.0, -1.0].get(form).copied().unwrap_or_else(|| shape[0])
     }
 }
 
@@ -35,12 +35,16 @@ impl Effect for TransmissionCoupling {
     }
 
     fn forms(&self) -> usize {
-        3
+        4
     }
 
     fn shapes(&self, form: usize, _joints: &[usize], _spans: &[Span]) -> Vec<Shape> {
-        let free = Shape { low: -3.0, high: 3.0, grid: vec![-2.0, -1.4, -0.7, -0.4, 0.4, 0.7, 1.4, 2.0] };
-        if form == 2 { vec![free] } else { Vec::new() }
+        // Near zero the second joint takes no part, and what is left is the first joint's own inertia.
+        match form {
+            2 => vec![Shape { low: 0.25, high: 3.0, grid: vec![0.4, 0.7, 1.4, 2.0] }],
+            3 => vec![Shape { low: -3.0, high: -0.25, grid: vec![-2.0, -1.4, -0.7, -0.4] }],
+            _ => Vec::new(),
+        }
     }
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
@@ -53,6 +57,10 @@ impl Effect for TransmissionCoupling {
         vec![both(v), both(sign), both(a)]
     }
 
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0, 1, 2]
+    }
+
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
         let revolute = joint.is_revolute();
@@ -61,7 +69,7 @@ impl Effect for TransmissionCoupling {
             ParameterInfo::new("coulomb", joint.effort_unit()),
             ParameterInfo::new("inertia", if revolute { "kg m^2" } else { "kg" }),
         ];
-        if form == 2 {
+        if form >= 2 {
             list.push(ParameterInfo::new("ratio", "1"));
         }
         list

@@ -93,6 +93,10 @@ fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshol
         return None;
     }
     let term = after.model.terms.last().expect("the candidate was added");
+    if !is_physical(after) {
+        trace_rejection("not physical", scored, p_value);
+        return None;
+    }
     let columns = columns_of(data, before, &scored.candidate, std::slice::from_ref(&term.shape));
     let held_out = held_out_gain(data, before, &columns);
     let linear = before.reduced(&columns).gain.min(scored.gain);
@@ -104,6 +108,22 @@ fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshol
     }
     let Scored { candidate, fair_gain, evidence, .. } = scored;
     Some(Accepted { effect: candidate.effect.code(), joints: candidate.joints.clone(), gain: *fair_gain, evidence: *evidence, p_value, held_out })
+}
+
+/// Whether the last term's parameters lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
+fn is_physical(system: &System) -> bool {
+    let at = system.model.terms.len() - 1;
+    let term = &system.model.terms[at];
+    let covariance = system.term_covariance(at);
+    let k = term.coefficients.len();
+    let values: Vec<f64> = term.coefficients.iter().chain(&term.shape[..term.free_shapes]).copied().collect();
+    let inside = term.bounds.iter().take(term.free_shapes).enumerate().all(|(i, [low, high])| {
+        let margin = 1e-6 * (high - low);
+        !margin.is_finite() || (values[k + i] > low + margin && values[k + i] < high - margin)
+    });
+    let significant = |i: usize| values[i] > -3.0 * covariance[(i, i)].max(0.0).sqrt();
+    let positive = term.effect.positive(term.form);
+    inside && positive.iter().all(|&i| significant(i)) && positive.iter().any(|&i| values[i] > 0.0) | positive.is_empty()
 }
 
 fn trace_rejection(why: &str, scored: &Scored, p: f64) {

@@ -69,6 +69,9 @@ impl Stretch {
         }
         let v = motion.velocities(joint);
         let n = v.len();
+        // Slower than a thousandth of the top speed the sign is a matter of the derivative's own ripple.
+        let slowest = 1e-3 * v.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+        keep.iter_mut().zip(v).for_each(|(k, v)| *k &= v.abs() >= slowest);
         let next = |s: usize| if s + 1 < n { Some(s + 1) } else { self.periodic.then_some(0) };
         for s in 0..n {
             let Some(t) = next(s) else { continue };

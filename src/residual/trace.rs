@@ -37,12 +37,13 @@ pub type Traced = Outcome;
 pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options: &TraceOptions) -> Traced {
     let start = options.existing.as_ref().map_or_else(|| AugmentedModel::declared(robot), |(model, _)| model.clone());
     let prior = options.existing.as_ref().map(|(_, prior)| prior);
-    let (cleaned, between) = between::separate(robot, stretches, &start, prior, options.chance);
+    let (cleaned, between) = between::separate(robot, stretches, options.chance);
+    let measured = stretches;
     let stretches = &cleaned[..];
     let data = Data { stretches, noise: floor(robot, stretches, &start, prior), prior };
     let first = data.fit(start.clone());
     let lack_of_fit = fits(&data, &first);
-    let threshold = Threshold { chance: options.chance, share: 0.05, generalises: 0.3, most_effects: options.most_effects };
+    let threshold = Threshold { chance: options.chance, share: 0.05, generalises: 0.5, most_effects: options.most_effects };
     let list = candidates(&start, &spans(stretches), prior.is_some());
     let selected = select(&data, start.clone(), &list, &threshold);
     let (selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
@@ -51,7 +52,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let verdict = verdict(selected.accepted.len() + between.len(), rest.is_some());
     let before_rms = rms(&first.model, stretches, held_out);
     let findings = findings(&data, held_out, &start, &selected.system, &selected.accepted, &contests);
-    let mut all: Vec<Finding> = between.into_iter().map(|b: BetweenFinding| b.finding(robot, &before_rms)).collect();
+    let mut all: Vec<Finding> = between_findings(robot, between, &first.model, measured, stretches, held_out);
     all.extend(findings);
     let report = ResidualReport {
         noise_floor: data.noise.iter().map(|n| n.std_dev).collect(),
@@ -73,6 +74,25 @@ impl Outcome {
     pub fn existing(&self) -> (AugmentedModel, Prior) {
         (self.model.clone(), Prior { mean: self.model.vector(), information: self.information.clone() })
     }
+}
+
+/// Drift and contacts as findings; the error before is that of the data as measured.
+fn between_findings(
+    robot: &Robot,
+    between: Vec<BetweenFinding>,
+    model: &AugmentedModel,
+    measured: &[Stretch],
+    cleaned: &[Stretch],
+    held_out: &[Stretch],
+) -> Vec<Finding> {
+    if between.is_empty() {
+        return Vec::new();
+    }
+    let (before, after) = (rms(model, measured, held_out), rms(model, cleaned, held_out));
+    between.into_iter().map(|mut b| {
+        b.rms = Some((before.clone(), after.clone()));
+        b.finding(robot, &before)
+    }).collect()
 }
 
 fn verdict(findings: usize, something_left: bool) -> Verdict {
@@ -205,9 +225,14 @@ fn findings(
 }
 
 fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
-    let term = &last.model.terms[at];
     let robot = &last.model.robot;
-    let values = reported(term, &last.term_covariance(at));
+    let covariance = last.term_covariance(at);
+    let mut term = last.model.terms[at].clone();
+    let k = term.coefficients.len();
+    if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
+        term.coefficients = term.effect.consistent(&term.coefficients, &information);
+    }
+    let values = reported(&term, &covariance);
     let names = term.effect.parameters(term.form, robot, &term.joints);
     let parameters = names
         .into_iter()
