@@ -6,7 +6,7 @@ use crate::model::Robot;
 
 /// `tau_j += Σ c f(u) g(v)` with f and g from a small dictionary: waves of a position, powers of anything.
 ///
-/// `joints` is `[row, variable (, variable)]`, variables coded as of [`variable_name`]; the shape holds centre and half range per variable, then
+/// `joints` is `[row, variable (, variable (, second row))]`, variables coded as of [`variable_name`]; the shape holds centre and half range per variable, then
 /// the numbers of the products taken (all of them where none is named), and is not estimated.
 pub(crate) struct Unexplained;
 
@@ -73,7 +73,7 @@ impl Effect for Unexplained {
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let n = scene.robot.joint_count();
-        let codes = &joints[1..];
+        let codes = &joints[1..joints.len().min(3)];
         let count = |i: usize| functions(codes[i] < n);
         let values: Vec<Vec<f64>> = codes.iter().map(|&c| variable(scene, c)).collect();
         let table: Vec<Vec<Vec<f64>>> = (0..codes.len())
@@ -83,11 +83,14 @@ impl Effect for Unexplained {
             })
             .collect();
         let named = &shape[2 * codes.len()..];
-        let wanted: Vec<usize> = if named.is_empty() { (0..products(codes, n)).collect() } else { named.iter().map(|&k| k as usize).collect() };
+        let per_row = products(codes, n);
+        let all = per_row * if joints.len() > 3 { 2 } else { 1 };
+        let wanted: Vec<usize> = if named.is_empty() { (0..all).collect() } else { named.iter().map(|&k| k as usize).collect() };
         let product = |k: usize| {
-            let (a, b) = (k % count(0), k / count(0));
+            let row = if k < per_row { joints[0] } else { joints[3] };
+            let (a, b) = (k % per_row % count(0), k % per_row / count(0));
             let second = |s: usize| if codes.len() > 1 { table[1][b][s] } else { 1.0 };
-            Column::on(joints[0], (0..scene.samples()).map(|s| table[0][a][s] * second(s)).collect())
+            Column::on(row, (0..scene.samples()).map(|s| table[0][a][s] * second(s)).collect())
         };
         wanted.into_iter().map(product).collect()
     }

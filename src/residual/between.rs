@@ -256,6 +256,11 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
         let l = levels[j][to] - levels[j][from];
         ((sums[j][to] - sums[j][from]) / l.max(f64::MIN_POSITIVE), l.max(f64::MIN_POSITIVE).sqrt().recip())
     };
+    // A touch that stays below the noise of every joint is slow drift of something else.
+    let felt = (0..n).any(|j| level(j).0.abs() > noise[j].std_dev);
+    if !felt || to - from > rows {
+        return None;
+    }
     // Joints that feel it: four standard deviations, one joint in 16 000 by chance.
     let joints: Vec<usize> = (0..n).filter(|&j| level(j).0.abs() > 4.0 * level(j).1).collect();
     let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &level);

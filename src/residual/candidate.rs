@@ -154,7 +154,7 @@ pub(crate) fn score(data: &Data, system: &System, candidate: &Candidate) -> Opti
         }
     }
     let (gain, rank, coefficients, shape) = best?;
-    (rank > 0).then(|| appraise(system, candidate, candidate.term(coefficients.as_slice(), shape), gain, rank, grid.len()))
+    (rank > 0).then(|| appraise(system, candidate, candidate.term(coefficients.as_slice(), shape), gain, rank, grid.len(), None))
 }
 
 /// Refines the shape of a scored candidate: golden section along each shape in turn, between the neighbours on the grid.
@@ -183,7 +183,7 @@ pub(crate) fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
         return scored.clone();
     }
     let term = scored.candidate.term(reduced.coefficients.as_slice(), &shape);
-    appraise(system, &scored.candidate, term, reduced.gain, reduced.rank, scored.tried)
+    appraise(system, &scored.candidate, term, reduced.gain, reduced.rank, scored.tried, None)
 }
 
 /// One shape needs one round; of two, the second round catches the turn of the first.
@@ -215,10 +215,17 @@ fn golden_section(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 }
 
 /// Weighs a gain against what it costs.
-pub(crate) fn appraise(system: &System, candidate: &Candidate, term: Term, gain: f64, rank: usize, tried: usize) -> Scored {
+pub(crate) fn appraise(
+    system: &System,
+    candidate: &Candidate,
+    term: Term,
+    gain: f64,
+    rank: usize,
+    tried: usize,
+    after: Option<&System>,
+) -> Scored {
     let cost = rank + if candidate.is_distortion() { 0 } else { candidate.shapes.len() };
-    let left = dispersion(system, candidate, gain);
-    let fair_gain = gain / left.max(1.0);
+    let fair_gain = gain / dispersion(system, candidate, gain, after);
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
     let evidence = fair_gain - cost as f64 * (rows as f64).ln() - 2.0 * (tried as f64).ln();
     Scored { candidate: candidate.clone(), term, gain, cost, tried, fair_gain, evidence }
@@ -234,12 +241,19 @@ pub(crate) fn reach(candidate: &Candidate, joints: usize) -> Vec<usize> {
     }
 }
 
-/// Mean square of the whitened residual of the joints reached, once `gain` is taken off.
-pub(crate) fn dispersion(system: &System, candidate: &Candidate, gain: f64) -> f64 {
+/// What a gain is measured against, on the joints reached: the mean square of the whitened residual once the gain is taken off, where the part
+/// that is not noise counts for as many rows as go together in it, because a misfit is smooth and its rows are no independent witnesses.
+/// Without periods all of the residual may be misfit. `after` is the model with the candidate, where it has been fitted.
+pub(crate) fn dispersion(system: &System, candidate: &Candidate, gain: f64, after: Option<&System>) -> f64 {
     let joints = reach(candidate, system.model.robot.joint_count());
     let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
     let sum: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
-    (sum - gain) / rows.max(1) as f64
+    let left = (sum - gain) / rows.max(1) as f64;
+    let persistence = || after.unwrap_or(system).persistence(&joints);
+    if !system.noise_is_measured {
+        return left.max(f64::MIN_POSITIVE) * persistence();
+    }
+    if left <= 1.0 { 1.0 } else { 1.0 + (left - 1.0) * persistence() }
 }
 
 /// How likely a gain as large as this is without the effect: χ² of as many degrees of freedom as parameters.

@@ -5,6 +5,7 @@
 
 use super::system::{Data, System, Whitened, pseudo_inverse, reduce};
 use nalgebra::{DMatrix, DVector};
+use std::ops::AddAssign;
 
 /// Gain of a block of columns on data left out.
 #[derive(Debug, Clone, Copy)]
@@ -60,13 +61,11 @@ fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
     folds.iter().map(|fold| fold_gain(&total, fold, p)).sum()
 }
 
-use std::ops::AddAssign;
-
 /// Decrease of the sum of squares on the fold, by the effect, both models fitted without the fold. `r'r − 2 x'b + x'G x` each.
 fn fold_gain(total: &(DMatrix<f64>, DVector<f64>), fold: &(DMatrix<f64>, DVector<f64>), base: usize) -> f64 {
     let (normal, right) = (&total.0 - &fold.0, &total.1 - &fold.1);
     let cost = |size: usize| {
-        let inverse = pseudo_inverse(&normal.view((0, 0), (size, size)).into_owned(), 1e-9).0;
+        let inverse = pseudo_inverse(&normal.view((0, 0), (size, size)).into_owned(), 1e-9);
         let x = inverse * right.rows(0, size);
         let g = fold.0.view((0, 0), (size, size));
         (x.transpose() * g * &x)[0] - 2.0 * x.dot(&fold.1.rows(0, size))

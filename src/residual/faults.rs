@@ -248,7 +248,7 @@ impl Projection {
             })
             .collect();
         let normal = blocks.iter().map(|b| b.tr_mul(b)).fold(DMatrix::zeros(p, p), |a, b| a + b);
-        let inverse = pseudo_inverse(&normal, 1e-10).0;
+        let inverse = pseudo_inverse(&normal, 1e-10);
         let tau = DMatrix::from_fn(samples, n, |s, j| torque[j][s]);
         let mut cross = DMatrix::zeros(p, n * n);
         for (a, block) in blocks.iter().enumerate() {

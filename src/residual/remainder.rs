@@ -21,7 +21,7 @@ struct Smooth {
 }
 
 /// Products of functions in one smooth dependence: matching pursuit stops earlier when the next does not pay.
-const MOST_PRODUCTS: usize = 6;
+const MOST_PRODUCTS: usize = 10;
 /// Effects that name a cause are preferred to a function that does not, unless the odds are 20 000 to 1 (2 ln of that).
 const PREFERENCE: f64 = 20.0;
 const MOST_FUNCTIONS: usize = 3;
@@ -121,6 +121,8 @@ fn function_jobs(n: usize, rows: &[usize]) -> Vec<Vec<usize>> {
         jobs.extend((0..2 * n).chain([2 * n + row]).map(|v| vec![row, v]));
         jobs.extend((0..n).flat_map(|a| (a + 1..n).map(move |b| vec![row, a, b])));
         jobs.extend((0..n).chain([2 * n + row]).map(|a| vec![row, a, n + row]));
+        // Two joints that act on each other: both rows, a function of both positions.
+        jobs.extend((0..n).filter(|&other| other != row).map(|other| vec![row, row.min(other), row.max(other), other]));
     }
     jobs
 }
@@ -130,7 +132,8 @@ const DICTIONARY: f64 = 121.0;
 
 /// One function, by matching pursuit over its products.
 fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> Option<Smooth> {
-    let mut shape = scaling(data, system, &job[1..])?;
+    let codes = &job[1..job.len().min(3)];
+    let mut shape = scaling(data, system, codes)?;
     let columns: Vec<_> = data
         .stretches
         .iter()
@@ -139,7 +142,7 @@ fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> Option<Smoot
         .collect();
     let (own, rest, right) = system.projected(&system.whitened(data, &columns));
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
-    let count = products(&job[1..], system.model.robot.joint_count());
+    let count = products(codes, system.model.robot.joint_count()) * if job.len() > 3 { 2 } else { 1 };
     let price = (rows as f64).ln() + 2.0 * (count as f64).ln();
     let (chosen, gain, coefficients) = pursue(&own, &rest, &right, price);
     if chosen.is_empty() {
@@ -250,7 +253,7 @@ fn describe(data: &Data, with: &System, from: usize) -> Remainder {
     let mut plain = with.model.clone();
     let functions: Vec<Term> = plain.terms.drain(from..).collect();
     let without = data.fit(plain);
-    let mut rows: Vec<usize> = functions.iter().map(|t| t.joints[0]).collect();
+    let mut rows: Vec<usize> = functions.iter().flat_map(|t| std::iter::once(t.joints[0]).chain(t.joints.get(3).copied())).collect();
     let mut seen = std::collections::BTreeSet::new();
     rows.retain(|r| seen.insert(*r));
     let excess = |system: &System, j: usize| (system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j)).max(0.0);
@@ -276,8 +279,9 @@ fn describe(data: &Data, with: &System, from: usize) -> Remainder {
 
 /// Variables of a function, the one that predicts more alone first.
 fn by_strength(data: &Data, without: &System, term: &Term) -> Vec<usize> {
-    let gain = |code: usize| score(data, without, &[term.joints[0], code], 1.0).map_or(0.0, |s| s.gain);
-    let mut codes: Vec<(f64, usize)> = term.joints[1..].iter().map(|&c| (gain(c), c)).collect();
+    let rows = std::iter::once(term.joints[0]).chain(term.joints.get(3).copied());
+    let gain = |code: usize| rows.clone().filter_map(|row| score(data, without, &[row, code], 1.0)).map(|s| s.gain).sum::<f64>();
+    let mut codes: Vec<(f64, usize)> = term.joints[1..term.joints.len().min(3)].iter().map(|&c| (gain(c), c)).collect();
     codes.sort_by(|a, b| b.0.total_cmp(&a.0));
     codes.into_iter().map(|c| c.1).collect()
 }

@@ -29,7 +29,7 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
     let Some(mine) = candidates.iter().find(|c| c.is_same_effect(&own) && c.form == own.form) else { return Contest::default() };
     let tried = mine.grid().len();
     let cost = own.parameters() - mine.shapes.len();
-    let finding = appraise(&without, mine, own.clone(), loss, cost, tried);
+    let finding = appraise(&without, mine, own.clone(), loss, cost, tried, Some(&selected.system));
     let others: Vec<_> = scan(data, &without, candidates).into_iter().filter(|s| !s.candidate.is_same_effect(&own)).collect();
     // The linearised gain errs by a fraction: what comes near is fitted properly.
     let near: Vec<_> = others.iter().filter(|s| s.evidence > 0.7 * finding.evidence - 2.0 * NOT_EXCLUDED).take(6).collect();
@@ -38,10 +38,11 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
         .filter_map(|s| {
             let mut model = without.model.clone();
             model.terms.push(s.term.clone());
-            let gain = data.chi_square(&without) - data.chi_square(&data.fit(model));
+            let fitted = data.fit(model);
+            let gain = data.chi_square(&without) - data.chi_square(&fitted);
             let free = s.candidate.shapes.len().min(s.cost);
             let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
-            let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried);
+            let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));
             let evidence = finding.evidence - there.evidence;
             (evidence < NOT_EXCLUDED).then(|| Rival {
                 effect: s.candidate.effect.code().into(),

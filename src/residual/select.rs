@@ -1,6 +1,6 @@
 //! Forward and backward selection, one effect at a time.
 
-use super::candidate::{Candidate, Scored, appraise, chance, columns_of, dispersion, hypotheses, reach, scan};
+use super::candidate::{Candidate, Scored, appraise, chance, columns_of, hypotheses, reach, scan};
 use super::crossval::{HeldOutGain, held_out_gain};
 use super::system::{Data, System};
 use super::{AugmentedModel, Term};
@@ -10,7 +10,6 @@ use rayon::prelude::*;
 #[derive(Debug, Clone)]
 pub(crate) struct Accepted {
     pub effect: &'static str,
-    pub joints: Vec<usize>,
     /// Decrease of the weighted sum of squares, fair to what is left.
     pub gain: f64,
     pub evidence: f64,
@@ -65,11 +64,8 @@ fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Thre
             model.terms.push(s.term.clone());
             let there = data.fit(model);
             let gain = before - data.chi_square(&there);
-            let mut scored = appraise(system, &s.candidate, s.term.clone(), gain, s.cost, s.tried);
-            // `cost` already counts the shapes.
-            let surplus = scored.cost - s.cost;
-            scored.cost = s.cost;
-            scored.evidence += surplus as f64 * (rows(system) as f64).ln();
+            let rank = if s.term.is_distortion() { s.cost } else { s.cost - s.candidate.shapes.len().min(s.cost) };
+            let scored = appraise(system, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&there));
             (scored, there)
         })
         .collect();
@@ -80,21 +76,15 @@ fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Thre
     })
 }
 
-fn rows(system: &System) -> usize {
-    (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum()
-}
-
 /// Whether a fitted candidate has earned its place.
 fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshold: &Threshold, tried: f64) -> Option<Accepted> {
     let p_value = (chance(scored.fair_gain, scored.cost) * tried).min(1.0);
     let enough = scored.evidence > 0.0 && p_value < threshold.chance && explains_a_share(before, scored, threshold.share);
     if !enough {
-        trace_rejection("evidence", scored, p_value);
         return None;
     }
     let term = after.model.terms.last().expect("the candidate was added");
     if !is_physical(after) {
-        trace_rejection("not physical", scored, p_value);
         return None;
     }
     let columns = columns_of(data, before, &scored.candidate, std::slice::from_ref(&term.shape));
@@ -103,11 +93,10 @@ fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshol
     let generalises = held_out.blocks > threshold.generalises * linear;
     let repeats = held_out.periods.is_none_or(|g| g > 0.0);
     if !(generalises && repeats) {
-        trace_rejection(&format!("held out {held_out:?} of {linear}"), scored, p_value);
         return None;
     }
     let Scored { candidate, fair_gain, evidence, .. } = scored;
-    Some(Accepted { effect: candidate.effect.code(), joints: candidate.joints.clone(), gain: *fair_gain, evidence: *evidence, p_value, held_out })
+    Some(Accepted { effect: candidate.effect.code(), gain: *fair_gain, evidence: *evidence, p_value, held_out })
 }
 
 /// Whether the last term's parameters lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
@@ -126,17 +115,12 @@ fn is_physical(system: &System) -> bool {
     inside && positive.iter().all(|&i| significant(i)) && positive.iter().any(|&i| values[i] > 0.0) | positive.is_empty()
 }
 
-fn trace_rejection(why: &str, scored: &Scored, p: f64) {
-    if std::env::var("TRACE_DEBUG").is_ok() {
-        eprintln!("   rejected {:?} gain {:.1} evidence {:.1} p {:.1e}: {why}", scored.term, scored.gain, scored.evidence, p);
-    }
-}
-
 /// An effect that explains a sliver of a large misfit is a part of an approximation, not its cause.
 fn explains_a_share(system: &System, scored: &Scored, share: f64) -> bool {
     let joints = reach(&scored.candidate, system.model.robot.joint_count());
     let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
-    let excess = (dispersion(system, &scored.candidate, 0.0) - 1.0) * rows as f64;
+    let sum: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
+    let excess = sum - rows as f64;
     scored.gain > share * excess
 }
 

@@ -101,7 +101,9 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
         .map(|j| {
             let range = extreme(j, Motion::positions, false) - extreme(j, Motion::positions, true);
             let speed = extreme(j, Motion::velocities, false).max(-extreme(j, Motion::velocities, true));
-            Span { range, speed, interval: stretches[0].interval }
+            // Rows, not samples, limit what can be told apart where a filter thins them out.
+            let thinned = stretches[0].motion.samples() as f64 / stretches[0].rows().max(1) as f64;
+            Span { range, speed, interval: stretches[0].interval * thinned }
         })
         .collect()
 }
@@ -140,6 +142,10 @@ fn usable_rows(prepared: &PreparedLog, joint: usize) -> Vec<bool> {
     let n = prepared.samples();
     let mut gaps = vec![0usize];
     prepared.usable.iter().enumerate().for_each(|(s, &u)| gaps.push(gaps[s] + usize::from(!u)));
-    let intact = |s: usize| gaps[(s + reach + 1).min(n)] == gaps[s.saturating_sub(reach)];
+    // Single samples that were interpolated do not spoil a row that a filter makes of hundreds; a twentieth of them does.
+    let intact = |s: usize| {
+        let (from, to) = (s.saturating_sub(reach), (s + reach + 1).min(n));
+        20 * (gaps[to] - gaps[from]) <= if reach > 0 { to - from } else { 0 }
+    };
     prepared.row_filter.rows(n).map(|s| intact(s) && speed[s].abs() >= prepared.dead_zone[joint]).collect()
 }

@@ -137,7 +137,9 @@ pub(super) fn residual_noise(robot: &Robot, stretches: &[Stretch], model: &Augme
                 let scale = data.noise[j].innovation;
                 let rows = |b: &Vec<super::system::Block>| b[j].residual.iter().map(|r| r * scale).collect();
                 let residuals: Vec<Vec<f64>> = system.blocks.iter().map(rows).collect();
-                NoiseModel::from_residual(&residuals, system.rows(j), system.spent(j))
+                // White: how far the rows go together is weighed effect by effect, or slow effects would pass for noise.
+                let coloured = NoiseModel::from_residual(&residuals, system.rows(j), system.spent(j));
+                NoiseModel { autoregression: Vec::new(), innovation: coloured.std_dev, ..coloured }
             })
             .collect();
     }
@@ -226,7 +228,10 @@ fn findings(
 
 fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
     let robot = &last.model.robot;
-    let covariance = last.term_covariance(at);
+    let term_joints = &last.model.terms[at].joints;
+    // Misfit that is left widens the deviations as it narrows the evidence.
+    let joints: Vec<usize> = if term_joints.is_empty() { (0..robot.joint_count()).collect() } else { term_joints.clone() };
+    let covariance = last.term_covariance(at) * last.inflation(&joints);
     let mut term = last.model.terms[at].clone();
     let k = term.coefficients.len();
     if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
