@@ -1,12 +1,85 @@
-//! dynident
-pub mod spatial;
-pub mod model;
-pub mod parameters;
+//! Identification of the dynamics of serial robot arms.
+//!
+//! The equations of motion of an arm are linear in its parameters,
+//!
+//! ```text
+//! tau = Y(q, qd, qdd) phi = Y_b(q, qd, qdd) pi_b,     pi_b = K phi
+//! ```
+//!
+//! with the standard parameters `phi` (mass, first moments, inertia, friction of every link) and the smaller set `pi_b` of base
+//! parameters that motion can tell apart. To measure `pi_b` the arm moves along a periodic trajectory whose stacked regressor is well
+//! conditioned: of all finite Fourier series
+//!
+//! ```text
+//! q_i(t) = offset_i + Σ_l a_il/(ω l) sin(ω l t) − b_il/(ω l) cos(ω l t)
+//! ```
+//!
+//! that start and end at rest and stay within every limit, [`excitation::search`] looks for the one with the least
+//! `cond(Y_b) = σ_max/σ_min`, or another criterion. The method and the notation are described in [`docs`].
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`spatial`], [`model`] | transforms and inertia; the robot: modified DH or URDF, limits, declared friction |
+//! | [`parameters`], [`dynamics`] | names and base parameters; inverse dynamics, regressor and adjoint, batched over samples |
+//! | [`trajectory`], [`excitation`] | Fourier series and others; the problem, the search, its result |
+//! | [`identification`] | from measured logs to base and physical parameters, and their validation |
+//! | [`effects`], [`residual`], [`simulate`] | what a rigid model lacks, how it is found in what the model leaves, a virtual robot to try it on |
+//! | [`io`], [`app`] | documents to and from these; use cases with progress, cancellation and stable error codes |
+//! | `service`, `cli` | the same over HTTP and on the command line (features of the same names, on by default) |
+//!
+//! # A first trajectory
+//!
+//! ```
+//! use dynident::excitation::{Control, Halt, Problem, ProblemSpec, Progress, SearchOptions, search};
+//! use dynident::excitation::{Criterion, Form, Start};
+//! use dynident::io::{NamedRobots, shipped::Shipped};
+//!
+//! /// Never ends the search and looks at nothing.
+//! struct Alone;
+//! impl Control for Alone {
+//!     fn halt(&self) -> Option<Halt> {
+//!         None
+//!     }
+//!     fn progress(&self, _: &Progress) {}
+//! }
+//!
+//! let robot = Shipped.named("planar_two_link").unwrap().robot;
+//! let problem = Problem::new(ProblemSpec {
+//!     robot,
+//!     order: 3,
+//!     fundamental_hz: 0.2,
+//!     sample_rate_hz: 50.0,
+//!     criterion: Criterion::ConditionNumber,
+//!     form: Form::Paper,
+//!     start: Start::Zero,
+//!     start_position: None,
+//!     torque_noise: None,
+//! })?;
+//! let options = SearchOptions { max_evaluations: Some(500), ..SearchOptions::default() };
+//! let design = search(&problem, &options, &Alone);
+//! // Every limit is met between the samples too.
+//! assert!(design.margins.iter().all(|m| m.margin >= 0.0));
+//! assert!(design.criteria.unwrap().condition_number < 60.0);
+//! # Ok::<(), dynident::model::ModelError>(())
+//! ```
+
+pub mod app;
+#[cfg(feature = "cli")]
+pub mod cli;
+pub mod docs;
 pub mod dynamics;
-pub mod trajectory;
 pub mod excitation;
 pub mod effects;
 pub mod residual;
 pub mod simulate;
 pub mod identification;
 pub mod io;
+pub mod model;
+pub mod parameters;
+#[cfg(feature = "service")]
+pub mod service;
+pub mod spatial;
+pub mod trajectory;
+
+// Links the library that the semidefinite solver calls.
+use openblas_src as _;

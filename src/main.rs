@@ -1,1 +1,5 @@
-fn main(){}
+//! The `dynident` program.
+
+fn main() -> std::process::ExitCode {
+    dynident::cli::main()
+}

@@ -26,7 +26,14 @@ impl MotionGradient {
         let stride = samples.div_ceil(LANES) * LANES;
         let zeros = vec![0.0; joints * stride];
         let work = Kinematics::new(joints);
-        Self { stride, q: zeros.clone(), qd: zeros.clone(), qdd: zeros, adjoint: work.clone(), work }
+        Self {
+            stride,
+            q: zeros.clone(),
+            qd: zeros.clone(),
+            qdd: zeros,
+            adjoint: work.clone(),
+            work,
+        }
     }
 
     /// `[∂F/∂q, ∂F/∂qd, ∂F/∂qdd]` of a joint at a sample.
@@ -50,7 +57,10 @@ impl MotionGradient {
             let mut blocks = weights.block(j).rchunks_exact(self.stride);
             if columns.coulomb[j].is_some() {
                 let w = blocks.next().expect("the block has its Coulomb column");
-                to.iter_mut().zip(w).zip(qd).for_each(|((g, w), &v)| *g += w * coulomb.slope(v));
+                to.iter_mut()
+                    .zip(w)
+                    .zip(qd)
+                    .for_each(|((g, w), &v)| *g += w * coulomb.slope(v));
             }
             if columns.viscous[j].is_some() {
                 let w = blocks.next().expect("the block has its viscous column");
@@ -121,7 +131,13 @@ fn turn<R: Real>(dy: Vec3<R>, y: Vec3<R>) -> R {
 
 /// One backward step: from the adjoint of link k to that of link k−1, and `∂F/∂(q_k, qd_k, qdd_k)`.
 #[inline(always)]
-fn back_through<R: Real>(chain: &Chain, work: &Kinematics<R>, adjoint: &mut Kinematics<R>, k: usize, [q, qd, _qdd]: [R; 3]) -> [R; 3] {
+fn back_through<R: Real>(
+    chain: &Chain,
+    work: &Kinematics<R>,
+    adjoint: &mut Kinematics<R>,
+    k: usize,
+    [q, qd, _qdd]: [R; 3],
+) -> [R; 3] {
     let link = &chain.links[k];
     let here = &work.links[k];
     let (sin, cos) = (here.sin, here.cos);
@@ -140,7 +156,12 @@ fn back_through<R: Real>(chain: &Chain, work: &Kinematics<R>, adjoint: &mut Kine
         to.lever += lever;
         to_p += lever.cross(before.axis);
     }
-    let LinkMotion { angular_velocity: dw, angular_acceleration: ddw, acceleration: da, .. } = adjoint.links[k];
+    let LinkMotion {
+        angular_velocity: dw,
+        angular_acceleration: ddw,
+        acceleration: da,
+        ..
+    } = adjoint.links[k];
     let c = here.carried_velocity;
     let two = R::splat(2.0);
     let (to_carried, to_qd, to_qdd);
@@ -167,8 +188,7 @@ fn back_through<R: Real>(chain: &Chain, work: &Kinematics<R>, adjoint: &mut Kine
     }
     if k > 0 {
         let to = &mut adjoint.links[k - 1];
-        to.angular_velocity +=
-            link.out_of_frame(to_carried, sin, cos) + gx * w.dot(p) + p * w.dot(gx) + -(w * (two * p.dot(gx)));
+        to.angular_velocity += link.out_of_frame(to_carried, sin, cos) + gx * w.dot(p) + p * w.dot(gx) + -(w * (two * p.dot(gx)));
         to.angular_acceleration += link.out_of_frame(ddw, sin, cos) + p.cross(gx);
         to.acceleration += gx;
     }

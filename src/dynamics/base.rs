@@ -16,7 +16,9 @@ pub fn numeric_base_parameters(robot: &Robot, seed: u64) -> NumericBase {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = |half: f64| rng.random_range(-half..half);
     let samples = 2 * layout.len();
-    let motion = Motion::from_fn(robot.joint_count(), samples, |_, _| [draw(std::f64::consts::PI), draw(2.0), draw(5.0)]);
+    let motion = Motion::from_fn(robot.joint_count(), samples, |_, _| {
+        [draw(std::f64::consts::PI), draw(2.0), draw(5.0)]
+    });
     let columns = ColumnSet::all(robot, &layout);
     let mut rows = RowBlocks::new(&columns, samples);
     rows.fill(&Chain::new(robot), &columns, &motion, Coulomb::Sign);

@@ -51,15 +51,18 @@ impl Motion {
     pub fn zeros(joints: usize, samples: usize) -> Self {
         let stride = samples.div_ceil(LANES) * LANES;
         let zeros = vec![0.0; joints * stride];
-        Self { joints, samples, stride, q: zeros.clone(), qd: zeros.clone(), qdd: zeros }
+        Self {
+            joints,
+            samples,
+            stride,
+            q: zeros.clone(),
+            qd: zeros.clone(),
+            qdd: zeros,
+        }
     }
 
     /// From functions of (joint, sample).
-    pub fn from_fn(
-        joints: usize,
-        samples: usize,
-        mut state: impl FnMut(usize, usize) -> [f64; 3],
-    ) -> Self {
+    pub fn from_fn(joints: usize, samples: usize, mut state: impl FnMut(usize, usize) -> [f64; 3]) -> Self {
         let mut motion = Self::zeros(joints, samples);
         for j in 0..joints {
             for s in 0..samples {

@@ -32,7 +32,10 @@ impl Chain {
                 }
             })
             .collect();
-        Self { links, base_acceleration: (-robot.gravity()).into() }
+        Self {
+            links,
+            base_acceleration: (-robot.gravity()).into(),
+        }
     }
 
     pub fn joint_count(&self) -> usize {

@@ -5,7 +5,7 @@ use crate::model::Robot;
 use crate::parameters::Layout;
 use nalgebra::Vector3;
 
-/// Energies of the arm [J].
+/// Energies of the arm (J).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energy {
     pub kinetic: f64,
@@ -23,7 +23,10 @@ impl Energy {
 ///
 /// `T = Σ ½ m v·v + v·(ω × h) + ½ ω·I ω`, `U = −Σ g·(m p + h)`, all about the link origins.
 pub fn energy(robot: &Robot, layout: &Layout, phi: &[f64], q: &[f64], qd: &[f64]) -> Energy {
-    let mut total = Energy { kinetic: 0.0, potential: 0.0 };
+    let mut total = Energy {
+        kinetic: 0.0,
+        potential: 0.0,
+    };
     let poses = forward_kinematics(robot, q);
     for (k, pose) in poses.iter().enumerate() {
         let (mut v, mut w) = (Vector3::zeros(), Vector3::zeros());

@@ -83,7 +83,10 @@ struct Wrench<R> {
 
 impl<R: Real> Wrench<R> {
     fn zero() -> Self {
-        Self { force: Vec3::zero(), moment: Vec3::zero() }
+        Self {
+            force: Vec3::zero(),
+            moment: Vec3::zero(),
+        }
     }
 }
 
@@ -95,7 +98,12 @@ fn run_packs(chain: &Chain, bodies: &[Body], motion: &Motion, tau: &mut [f64]) {
     let mut wrenches = vec![Wrench::zero(); n];
     for at in (0..stride).step_by(LANES) {
         let q = |k| load(&motion.q, stride, k, at);
-        work.run_motion(chain, &q, |k| load(&motion.qd, stride, k, at), |k| load(&motion.qdd, stride, k, at));
+        work.run_motion(
+            chain,
+            &q,
+            |k| load(&motion.qd, stride, k, at),
+            |k| load(&motion.qdd, stride, k, at),
+        );
         pass_down(chain, bodies, &work, q, &mut wrenches, |k, v| {
             let start = k * stride + at;
             v.store(&mut tau[start..start + LANES]);

@@ -53,7 +53,11 @@ impl Link {
     /// The inverse of [`Self::into_frame`].
     #[inline(always)]
     pub fn out_of_frame<R: Real>(&self, x: Vec3<R>, sin: R, cos: R) -> Vec3<R> {
-        let y = if self.revolute { Vec3::new(cos * x.x - sin * x.y, sin * x.x + cos * x.y, x.z) } else { x };
+        let y = if self.revolute {
+            Vec3::new(cos * x.x - sin * x.y, sin * x.x + cos * x.y, x.z)
+        } else {
+            x
+        };
         y.rotated(&self.rotation)
     }
 
@@ -61,7 +65,11 @@ impl Link {
     #[inline(always)]
     pub fn offset<R: Real>(&self, q: R) -> Vec3<R> {
         let fixed = Vec3::splat(self.translation);
-        if self.revolute { fixed } else { fixed + self.sliding_axis() * q }
+        if self.revolute {
+            fixed
+        } else {
+            fixed + self.sliding_axis() * q
+        }
     }
 
     /// The joint's z axis in frame k−1.
@@ -83,7 +91,10 @@ impl<R: Real> Kinematics<R> {
             carried_velocity: v,
         };
         let twist = JointTwist { axis: v, lever: v };
-        Self { links: vec![motion; joints], twists: vec![twist; joints * (joints + 1) / 2] }
+        Self {
+            links: vec![motion; joints],
+            twists: vec![twist; joints * (joints + 1) / 2],
+        }
     }
 
     /// Fills everything for one sample. `q`, `qd`, `qdd` hand out the value of joint k.
@@ -101,7 +112,11 @@ impl<R: Real> Kinematics<R> {
         let mut acceleration = Vec3::splat(chain.base_acceleration);
         for (k, link) in chain.links.iter().enumerate() {
             let (position, qd, qdd) = (q(k), qd(k), qdd(k));
-            let (sin, cos) = if link.revolute { position.sin_cos() } else { (R::zero(), R::splat(1.0)) };
+            let (sin, cos) = if link.revolute {
+                position.sin_cos()
+            } else {
+                (R::zero(), R::splat(1.0))
+            };
             let p = link.offset(position);
             let at_origin = acceleration + turning.cross(p) + velocity.cross(velocity.cross(p));
             let carried = link.into_frame(velocity, sin, cos);
@@ -144,7 +159,11 @@ impl<R: Real> Kinematics<R> {
                     lever: link.into_frame(before.lever + before.axis.cross(p), sin, cos),
                 };
             }
-            let (axis, lever) = if link.revolute { (one, Vec3::zero()) } else { (Vec3::zero(), one) };
+            let (axis, lever) = if link.revolute {
+                (one, Vec3::zero())
+            } else {
+                (Vec3::zero(), one)
+            };
             self.twists[pair(k, k)] = JointTwist { axis, lever };
         }
     }

@@ -95,7 +95,13 @@ impl RowBlocks {
             offsets.push(offsets[j] + columns.row(j).len() * stride);
         }
         let data = vec![0.0; offsets[columns.joints()]];
-        Self { stride, samples, offsets, data, work: Kinematics::new(columns.joints()) }
+        Self {
+            stride,
+            samples,
+            offsets,
+            data,
+            work: Kinematics::new(columns.joints()),
+        }
     }
 
     pub fn samples(&self) -> usize {

@@ -82,39 +82,42 @@ fn scaled_gram(v: &DMatrix<f64>, d: &DVector<f64>) -> DMatrix<f64> {
     scaled * v.transpose()
 }
 
-/// Every criterion of one design, none smoothed.
+/// Every criterion of one design, none smoothed. The optimality criteria are in units of torque noise: with the noise given per
+/// joint they are standard deviations to expect from one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criteria {
     pub condition_number: f64,
     /// Condition number after scaling every column of Y_b to length one: what remains when units are chosen freely.
     pub scaled_condition_number: f64,
+    /// `det(M)^(−1/(2b))`
     pub d_optimality: f64,
+    /// `sqrt(tr(M⁻¹)/b)`
     pub a_optimality: f64,
+    /// `sqrt(tr(M⁻¹ C)/n)`
     pub i_optimality: f64,
 }
 
 impl Criteria {
-    /// From the observation matrix Y_b (rows × b), by singular values, and the mean of `Y_bᵀ Y_b` over the workspace.
-    pub fn of(y_b: &DMatrix<f64>, workspace: &DMatrix<f64>, joints: usize) -> Self {
-        let r = y_b.clone().qr().r();
-        let size = r.ncols() as f64;
-        let svd = r.clone().svd(false, true);
-        let s = &svd.singular_values;
-        let v_t = svd.v_t.as_ref().expect("asked for");
-        let rotated = v_t * workspace * v_t.transpose();
-        let trace_of_errors: f64 = s.iter().enumerate().map(|(i, s)| rotated[(i, i)] / (s * s)).sum();
-        let mut scaled = r;
-        for mut column in scaled.column_iter_mut() {
+    /// From the observation matrix Y_b (rows × b), the same with every row over its joint's noise, and the mean of `Y_bᵀ Y_b` over
+    /// the workspace; by singular values of the triangular factor.
+    pub fn of(y_b: &DMatrix<f64>, whitened: &DMatrix<f64>, workspace: &DMatrix<f64>, joints: usize) -> Self {
+        let mut r = y_b.clone().qr().r();
+        let condition_number = ratio(&r.singular_values());
+        for mut column in r.column_iter_mut() {
             let norm = column.norm();
             column /= norm.max(f64::MIN_POSITIVE);
         }
-        let scaled_values = scaled.singular_values();
+        let size = r.ncols() as f64;
+        let svd = whitened.clone().qr().r().svd(false, true);
+        let (s, v_t) = (&svd.singular_values, svd.v_t.as_ref().expect("asked for"));
+        let rotated = v_t * workspace * v_t.transpose();
+        let squared_error: f64 = s.iter().enumerate().map(|(i, s)| rotated[(i, i)] / (s * s)).sum();
         Self {
-            condition_number: ratio(s),
-            scaled_condition_number: ratio(&scaled_values),
+            condition_number,
+            scaled_condition_number: ratio(&r.singular_values()),
             d_optimality: (-s.map(f64::ln).sum() / size).exp(),
             a_optimality: (s.map(|s| 1.0 / (s * s)).sum() / size).sqrt(),
-            i_optimality: (trace_of_errors / joints as f64).sqrt(),
+            i_optimality: (squared_error / joints as f64).sqrt(),
         }
     }
 
@@ -137,7 +140,7 @@ mod tests {
     use super::*;
 
     fn gram(seed: f64) -> DMatrix<f64> {
-        let w = DMatrix::from_fn(30, 6, |r, c| ((r * 7 + c * 13) as f64 * seed).sin());
+        let w = DMatrix::from_fn(30, 6, |r, c| ((3 * r * r + 5 * c * c + 7 * r * c) as f64 * seed).sin());
         w.tr_mul(&w)
     }
 
@@ -148,7 +151,10 @@ mod tests {
             SmoothCriterion::ConditionNumber { power: 3.0 },
             SmoothCriterion::DOptimality,
             SmoothCriterion::AOptimality,
-            SmoothCriterion::IOptimality { workspace: &workspace, joints: 2 },
+            SmoothCriterion::IOptimality {
+                workspace: &workspace,
+                joints: 2,
+            },
         ];
         let direction = gram(0.31);
         for criterion in all {
@@ -158,7 +164,10 @@ mod tests {
             let difference = (at(h) - at(-h)) / (2.0 * h);
             let exact = g.dot(&direction);
             // Central differences with h = 1e-6: rounding 1e-16/h and truncation h², both below 1e-9 of values of order one.
-            assert!((difference - exact).abs() < 1e-8 * exact.abs().max(1.0), "{criterion:?} {difference} {exact}");
+            assert!(
+                (difference - exact).abs() < 1e-8 * exact.abs().max(1.0),
+                "{criterion:?} {difference} {exact}"
+            );
         }
     }
 

@@ -32,7 +32,7 @@ pub struct Margin {
     pub peak: f64,
     /// Proven bound on the extreme over all time: `middle ± half range / cos(π L / N)` of N equispaced values.
     pub certified_peak: f64,
-    /// Time of the extreme [s].
+    /// Time of the extreme (s).
     pub at_s: f64,
     /// `1 −` (how much of the way from the middle of the allowed range to the limit the certified peak takes); never negative.
     pub margin: f64,
@@ -45,7 +45,12 @@ pub fn margins(problem: &Problem, series: &FourierSeries) -> Vec<Margin> {
     let mut all = Vec::new();
     for (joint, limits) in problem.robot().joints().iter().map(|j| j.limits).enumerate() {
         let symmetric = |v: Option<f64>| v.map(|v| [-v, v]);
-        let ranges = [limits.position, symmetric(limits.velocity), symmetric(limits.acceleration), symmetric(limits.jerk)];
+        let ranges = [
+            limits.position,
+            symmetric(limits.velocity),
+            symmetric(limits.acceleration),
+            symmetric(limits.jerk),
+        ];
         for (quantity, range) in Quantity::ALL.into_iter().zip(ranges) {
             let Some(range) = range else { continue };
             let bound = (problem.spec().form == Form::Paper).then(|| triangle_bound(problem, series, joint, quantity, range));
@@ -71,7 +76,13 @@ fn value(series: &FourierSeries, joint: usize, quantity: Quantity, t: f64) -> f6
     }
 }
 
-fn both_sides(series: &FourierSeries, joint: usize, quantity: Quantity, [low, high]: [f64; 2], bound_used: Option<f64>) -> [Margin; 2] {
+fn both_sides(
+    series: &FourierSeries,
+    joint: usize,
+    quantity: Quantity,
+    [low, high]: [f64; 2],
+    bound_used: Option<f64>,
+) -> [Margin; 2] {
     let order = series.order();
     // 1/cos(πL/N) − 1 < 1e-5: a tenth of a permille of the 0.1 % that a proof may cost.
     let points = 710 * order;

@@ -1,16 +1,22 @@
-//! Excitation trajectories.
+//! Excitation trajectories: the Fourier series that makes all base parameters visible, within every limit.
+//!
+//! [`Problem`] is what is asked, [`search`] solves it, [`Design`] is the answer. The paper's section 3.3 and (12)–(14), corrected.
 
 mod criterion;
+mod descent;
 mod evaluator;
 mod gauge;
 mod margins;
+mod moves;
 mod problem;
 mod report;
-pub mod search;
+mod search;
 mod solver;
-mod workspace;
 mod variables;
-pub mod experiment;
+mod workspace;
 
 pub use criterion::Criteria;
+pub use margins::{Margin, Quantity, margins};
 pub use problem::{Criterion, Form, Problem, ProblemSpec, Start};
+pub use report::{Design, Outcome, Predicted, StartReport, assess};
+pub use search::{Control, Halt, Progress, SearchOptions, search};

@@ -77,6 +77,7 @@ impl Problem {
         series_problems(&spec, &mut found);
         limit_problems(&spec, &mut found);
         let start_position = start_position(&spec, &mut found);
+        noise_problems(&spec, &mut found);
         if !found.is_empty() {
             return Err(ModelError(found));
         }
@@ -84,7 +85,14 @@ impl Problem {
         let base = BaseParameters::exact(&spec.robot);
         let chain = Chain::new(&spec.robot);
         let samples = sample_count(1.0 / spec.fundamental_hz, spec.sample_rate_hz);
-        Ok(Self { spec, start_position, layout, base, chain, samples })
+        Ok(Self {
+            spec,
+            start_position,
+            layout,
+            base,
+            chain,
+            samples,
+        })
     }
 
     pub fn robot(&self) -> &Robot {
@@ -105,6 +113,29 @@ impl Problem {
 
     pub fn chain(&self) -> &Chain {
         &self.chain
+    }
+
+    /// Why no motion at all is possible, if so: a joint that starts on its limit would have to leave it.
+    pub fn no_room(&self) -> Option<String> {
+        let joints = self.spec.robot.joints().iter().enumerate();
+        let mut stuck = joints.filter(|(j, joint)| {
+            let rest = self.rest_position(*j);
+            joint.limits.position.is_some_and(|[low, high]| rest <= low || rest >= high)
+        });
+        stuck.next().map(|(_, joint)| {
+            format!(
+                "joint `{}` starts on its position limit and has nowhere to go: choose another start_position, or start: free",
+                joint.name
+            )
+        })
+    }
+
+    /// Standard deviation of the torque noise of every joint, as asked or one unit.
+    pub fn torque_noise(&self) -> Vec<f64> {
+        self.spec
+            .torque_noise
+            .clone()
+            .unwrap_or_else(|| vec![1.0; self.spec.robot.joint_count()])
     }
 
     /// Samples in one period.
@@ -129,7 +160,10 @@ impl Problem {
 fn positive(pointer: &str, value: f64, unit: &str, found: &mut Vec<FieldProblem>) -> bool {
     let good = value.is_finite() && value > 0.0;
     if !good {
-        found.push(FieldProblem::new(pointer, format!("is {value}; it must be a positive number of {unit}")));
+        found.push(FieldProblem::new(
+            pointer,
+            format!("is {value}; it must be a positive number of {unit}"),
+        ));
     }
     good
 }
@@ -137,14 +171,19 @@ fn positive(pointer: &str, value: f64, unit: &str, found: &mut Vec<FieldProblem>
 fn series_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
     let fundamental = positive("/fourier/fundamental_hz", spec.fundamental_hz, "Hz", found);
     let rate = positive("/sample_rate_hz", spec.sample_rate_hz, "Hz", found);
-    let least = if spec.start == Start::Zero { 2 } else { 1 };
-    if spec.order < least || (spec.order < 2 && spec.start == Start::Free) {
+    if spec.order < 2 {
         found.push(
-            FieldProblem::new("/fourier/order", format!("is {}: rest at the start leaves nothing free below order 2", spec.order))
-                .with_hint("use 5 as in the paper, at least 2"),
+            FieldProblem::new(
+                "/fourier/order",
+                format!("is {}: rest at the start leaves nothing free below order 2", spec.order),
+            )
+            .with_hint("use 5 as in the paper, at least 2"),
         );
     } else if spec.order > HIGHEST_ORDER {
-        found.push(FieldProblem::new("/fourier/order", format!("is {}, the highest accepted is {HIGHEST_ORDER}", spec.order)));
+        found.push(FieldProblem::new(
+            "/fourier/order",
+            format!("is {}, the highest accepted is {HIGHEST_ORDER}", spec.order),
+        ));
     }
     if !(fundamental && rate) {
         return;
@@ -152,13 +191,23 @@ fn series_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
     let samples = sample_count(1.0 / spec.fundamental_hz, spec.sample_rate_hz);
     if samples > MOST_SAMPLES {
         found.push(
-            FieldProblem::new("/sample_rate_hz", format!("gives {samples} samples per period, the most accepted is {MOST_SAMPLES}"))
-                .with_hint("the condition number needs no more than some 100 samples per harmonic: lower the rate"),
+            FieldProblem::new(
+                "/sample_rate_hz",
+                format!("gives {samples} samples per period, the most accepted is {MOST_SAMPLES}"),
+            )
+            .with_hint("the condition number needs no more than some 100 samples per harmonic: lower the rate"),
         );
     } else if samples <= 2 * spec.order {
         found.push(
-            FieldProblem::new("/fourier/order", format!("{} harmonics need more than {} samples per period, there are {samples}", spec.order, 2 * spec.order))
-                .with_hint("raise sample_rate_hz, lower the order or the fundamental"),
+            FieldProblem::new(
+                "/fourier/order",
+                format!(
+                    "{} harmonics need more than {} samples per period, there are {samples}",
+                    spec.order,
+                    2 * spec.order
+                ),
+            )
+            .with_hint("raise sample_rate_hz, lower the order or the fundamental"),
         );
     }
 }
@@ -166,12 +215,29 @@ fn series_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
 fn limit_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
     for (i, joint) in spec.robot.joints().iter().enumerate() {
         let l = &joint.limits;
-        if l.velocity.is_none() && l.acceleration.is_none() && l.jerk.is_none() && (l.position.is_none() || spec.start == Start::Zero && l.position.is_none()) {
+        if l.velocity.is_none() && l.acceleration.is_none() && l.jerk.is_none() && l.position.is_none() {
             found.push(
-                FieldProblem::new(format!("/robot/joints/{i}/limits"), format!("joint `{}` has no limit on its motion", joint.name))
-                    .with_hint("give at least its velocity limit: without one the best trajectory is infinitely fast"),
+                FieldProblem::new(
+                    format!("/robot/joints/{i}/limits"),
+                    format!("joint `{}` has no limit on its motion", joint.name),
+                )
+                .with_hint("give at least its velocity limit: without one the best trajectory is infinitely fast"),
             );
         }
+    }
+}
+
+fn noise_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
+    let Some(noise) = &spec.torque_noise else { return };
+    let joints = spec.robot.joint_count();
+    if noise.len() != joints {
+        found.push(FieldProblem::new(
+            "/torque_noise",
+            format!("has {} values, the robot has {joints} joints", noise.len()),
+        ));
+    }
+    for (i, &v) in noise.iter().enumerate() {
+        positive(&format!("/torque_noise/{i}"), v, "N m or N", found);
     }
 }
 
@@ -198,9 +264,12 @@ fn start_position(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) -> Vec<f64>
         if !q.is_finite() {
             found.push(FieldProblem::new(pointer, "is not finite"));
         } else if let Some([low, high]) = joint.limits.position
-            && !(low < q && q < high)
+            && !(low <= q && q <= high)
         {
-            let detail = format!("is {q}, not inside the position limits [{low}, {high}] of joint `{}`", joint.name);
+            let detail = format!(
+                "is {q}, not inside the position limits [{low}, {high}] of joint `{}`",
+                joint.name
+            );
             found.push(FieldProblem::new(pointer, detail));
         }
     }

@@ -1,9 +1,12 @@
 //! What a search hands back: the trajectory, what it is worth, how far every limit is away, how it was found.
 
 use super::criterion::Criteria;
-use super::margins::Margin;
-use crate::trajectory::FourierSeries;
-use nalgebra::DVector;
+use super::margins::{Margin, margins};
+use super::problem::Problem;
+use super::workspace::workspace_gram;
+use crate::dynamics::{ColumnSet, Coulomb, RowBlocks};
+use crate::trajectory::{FourierSeries, Trajectory};
+use nalgebra::{DMatrix, DVector};
 
 /// How a search ended. Outcomes are values: every one but [`Outcome::Infeasible`] comes with a trajectory that meets all constraints.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,11 +63,95 @@ pub struct Design {
     pub status: Outcome,
     /// Meets every constraint; at rest when infeasible.
     pub series: FourierSeries,
-    /// Of the true Y_b (true sign) on the asked samples, computed afresh from `series`; `None` when infeasible.
+    /// Of the true Y_b (true sign) on the asked samples, computed afresh from `series`; `None` without a trajectory.
     pub criteria: Option<Criteria>,
     pub predicted: Option<Predicted>,
     pub margins: Vec<Margin>,
     pub starts: Vec<StartReport>,
     pub evaluations: u64,
     pub rounds: usize,
+}
+
+/// Everything about a found trajectory, computed from its coefficients alone.
+pub(super) fn design(
+    problem: &Problem,
+    series: FourierSeries,
+    status: Outcome,
+    starts: Vec<StartReport>,
+    evaluations: u64,
+    rounds: usize,
+) -> Design {
+    let (criteria, predicted) = assess(problem, &series);
+    let margins = margins(problem, &series);
+    Design {
+        status,
+        criteria: Some(criteria),
+        predicted: Some(predicted),
+        margins,
+        series,
+        starts,
+        evaluations,
+        rounds,
+    }
+}
+
+/// No trajectory: at rest, with the reason.
+pub(super) fn infeasible(problem: &Problem, reason: String) -> Design {
+    let rest = (0..problem.robot().joint_count()).map(|j| problem.rest_position(j)).collect();
+    let spec = problem.spec();
+    Design {
+        status: Outcome::Infeasible(reason),
+        series: FourierSeries::at_rest(rest, spec.order, spec.fundamental_hz),
+        criteria: None,
+        predicted: None,
+        margins: Vec::new(),
+        starts: Vec::new(),
+        evaluations: 0,
+        rounds: 0,
+    }
+}
+
+/// Criteria and predicted accuracy of a series on the problem's samples, with the true sign.
+pub fn assess(problem: &Problem, series: &FourierSeries) -> (Criteria, Predicted) {
+    let motion = series.sample(problem.spec().sample_rate_hz);
+    let columns = ColumnSet::new(problem.robot(), problem.layout(), &problem.base().kept);
+    let mut rows = RowBlocks::new(&columns, motion.samples());
+    rows.fill(problem.chain(), &columns, &motion, Coulomb::Sign);
+    let y_b = rows.observation_matrix(&columns);
+    let torque_noise = problem.torque_noise();
+    let whitened = whiten(&y_b, &torque_noise);
+    let criteria = Criteria::of(&y_b, &whitened, &workspace_gram(problem), problem.robot().joint_count());
+    let std_dev = standard_deviations(&whitened);
+    let prior = problem
+        .layout()
+        .prior(problem.robot())
+        .map(|phi| problem.base().project(phi.as_slice()));
+    let relative_std_dev_percent = prior.map(|pi| std_dev.zip_map(&pi, |s, v| 100.0 * s / v.abs()));
+    (
+        criteria,
+        Predicted {
+            torque_noise,
+            std_dev,
+            relative_std_dev_percent,
+        },
+    )
+}
+
+/// Every row over the noise of its joint; rows go joint by joint within a sample.
+fn whiten(y_b: &DMatrix<f64>, noise: &[f64]) -> DMatrix<f64> {
+    let mut whitened = y_b.clone();
+    for (r, mut row) in whitened.row_iter_mut().enumerate() {
+        row /= noise[r % noise.len()];
+    }
+    whitened
+}
+
+/// `diag((WᵀW)⁻¹)^½` by the triangular factor: row norms of `R⁻¹`.
+fn standard_deviations(w: &DMatrix<f64>) -> DVector<f64> {
+    let r = w.clone().qr().r();
+    let inverse = r.solve_upper_triangular(&DMatrix::identity(r.ncols(), r.ncols()));
+    match inverse {
+        Some(inverse) => DVector::from_iterator(r.ncols(), inverse.row_iter().map(|row| row.norm())),
+        None => DVector::from_element(r.ncols(), f64::INFINITY),
+    }
 }

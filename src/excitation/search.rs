@@ -1,31 +1,43 @@
 //! Global search: local solves from random starts, then around the best points found.
 //!
-//! Work is done in rounds of a fixed number of jobs, each with random numbers of its own made from (seed, round, job). A round's
-//! results are merged in job order when all are done, so the answer depends on the seed and the number of evaluations alone, not on
-//! the number of threads or on which finished first. Rounds end early only when time is up or the caller cancels.
+//! The search goes in epochs. An epoch opens with random starts, keeps a small pool of the best points and goes on from those until
+//! nothing has improved for a while; its best point is polished and kept as a champion. Every third epoch starts from the
+//! champions instead. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job), and
+//! a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
+//! of threads or on which finished first. Only time and cancellation end a round early.
 
-use super::criterion::{SmoothCriterion, true_log_value};
-use super::evaluator::Evaluator;
+use super::descent::{Descended, Descent, FROM_NEIGHBOUR, FROM_RANDOM, POLISH};
+use super::moves::{from_pool, random_numbers, random_start};
 use super::problem::{Criterion, Problem};
-use super::report::{Design, Outcome, StartReport};
-use super::solver::{Ending, Method, StopRule, minimize};
+use super::report::{Design, Outcome, StartReport, design, infeasible};
 use super::variables::Variables;
-use super::workspace::workspace_gram;
-use crate::dynamics::Coulomb;
-use nalgebra::DMatrix;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Mutex;
 
 /// How long and how widely to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchOptions {
     pub seed: u64,
-    /// Random starts.
+    /// Random starts at least made before a search without limits may end.
     pub starts: usize,
     /// Evaluations of the criterion after which no new round begins; the count that makes a run repeatable to the bit.
     pub max_evaluations: Option<u64>,
+    /// Local solves per round, at most so many run at the same time. Part of what makes a run repeatable.
+    pub jobs_per_round: usize,
+    /// Whether some outer limit (of time) will end the search. Without any limit it ends when it has converged.
+    pub until_halted: bool,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            starts: 64,
+            max_evaluations: None,
+            jobs_per_round: 8,
+            until_halted: false,
+        }
+    }
 }
 
 /// Why a search should end now.
@@ -39,14 +51,14 @@ pub enum Halt {
 pub trait Control: Sync {
     /// Asked before every evaluation.
     fn halt(&self) -> Option<Halt>;
-    /// Told after every job.
+    /// Told after every local solve.
     fn progress(&self, progress: &Progress);
 }
 
 /// State of a running search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Value of the criterion at the best point so far (condition number, not its logarithm); infinite before the first.
+    /// Value of the criterion at the best point so far (the condition number, not its logarithm); infinite before the first.
     pub best: f64,
     pub starts_finished: usize,
     pub starts: usize,
@@ -54,185 +66,256 @@ pub struct Progress {
     pub rounds_finished: usize,
 }
 
-/// One stage of a local solve: how smooth, on how many samples, for how long.
-#[derive(Debug, Clone, Copy)]
-struct Stage {
-    /// p of the smoothed condition number.
-    power: f64,
-    /// Velocity at which the smoothed Coulomb column has reached 70 %, as a fraction of each... [rad/s]
-    eps: f64,
-    samples: usize,
-    max_evaluations: u32,
-}
+/// Points that stay in the pool of an epoch: enough for exchange between different basins, few enough to press on.
+const POOL: usize = 8;
+/// Rounds of random starts that open an epoch.
+const OPENING_ROUNDS: usize = 2;
+/// Rounds without improvement of the epoch's best by more than [`NOTICEABLE`] after which it ends: with eight jobs a round, some
+/// hundred local solves that led nowhere.
+const PATIENCE: usize = 12;
+/// Relative improvement that counts; a user cannot tell condition numbers closer than this.
+const NOTICEABLE: f64 = 1e-3;
+/// Points closer in value than this are one local minimum reached twice.
+const SAME: f64 = 1e-4;
 
-/// A point of the search and what it is worth.
 #[derive(Debug, Clone)]
 struct Point {
     x: Vec<f64>,
-    /// Logarithm of the criterion of the true Y_b.
+    /// Logarithm of the criterion.
     value: f64,
     polished: bool,
 }
 
-fn env(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
+/// What a job is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Job {
+    Start,
+    Around,
+    /// Of the epoch's best.
+    Polish,
 }
 
-struct Search<'a> {
-    problem: &'a Problem,
+struct Epoch {
+    pool: Vec<Point>,
+    opening_rounds_left: usize,
+    rounds_without_gain: usize,
+}
+
+impl Epoch {
+    fn fresh() -> Self {
+        Self {
+            pool: Vec::new(),
+            opening_rounds_left: OPENING_ROUNDS,
+            rounds_without_gain: 0,
+        }
+    }
+
+    fn of_champions(champions: &[Point]) -> Self {
+        let mut pool = champions.to_vec();
+        keep_best(&mut pool);
+        Self {
+            pool,
+            opening_rounds_left: 0,
+            rounds_without_gain: 0,
+        }
+    }
+
+    fn job(&self, index: usize) -> Job {
+        if self.opening_rounds_left > 0 || self.pool.is_empty() {
+            Job::Start
+        } else if index == 0 && !self.pool[0].polished {
+            Job::Polish
+        } else {
+            Job::Around
+        }
+    }
+
+    fn best(&self) -> f64 {
+        self.pool.first().map_or(f64::INFINITY, |p| p.value)
+    }
+
+    /// Takes a round's results in; tells whether the epoch is over.
+    fn merge(&mut self, results: Vec<(Job, Point)>) -> bool {
+        let before = self.best();
+        for (job, point) in results {
+            if job == Job::Polish {
+                self.pool[0].polished = true;
+            }
+            self.pool.push(point);
+        }
+        keep_best(&mut self.pool);
+        self.opening_rounds_left = self.opening_rounds_left.saturating_sub(1);
+        let gained = self.best() < before - NOTICEABLE;
+        self.rounds_without_gain = if gained || self.opening_rounds_left > 0 {
+            0
+        } else {
+            self.rounds_without_gain + 1
+        };
+        self.rounds_without_gain >= PATIENCE && self.pool.first().is_some_and(|p| p.polished)
+    }
+}
+
+fn keep_best(pool: &mut Vec<Point>) {
+    pool.retain(|p| p.value.is_finite());
+    pool.sort_by(|a, b| a.value.total_cmp(&b.value));
+    pool.dedup_by(|later, kept| {
+        let same = later.value - kept.value < SAME;
+        kept.polished |= same && later.polished;
+        same
+    });
+    pool.truncate(POOL);
+}
+
+/// What the jobs of a search share.
+struct Run<'a> {
     variables: &'a Variables,
-    workspace: &'a DMatrix<f64>,
+    descent: Descent<'a>,
+    seed: u64,
     control: &'a dyn Control,
-    evaluations: AtomicU64,
+    progress: Mutex<Progress>,
 }
 
-impl Search<'_> {
-    fn criterion(&self, power: f64) -> SmoothCriterion<'_> {
-        match self.problem.spec().criterion {
-            Criterion::ConditionNumber => SmoothCriterion::ConditionNumber { power },
-            Criterion::DOptimality => SmoothCriterion::DOptimality,
-            Criterion::AOptimality => SmoothCriterion::AOptimality,
-            Criterion::IOptimality => {
-                SmoothCriterion::IOptimality { workspace: self.workspace, joints: self.problem.robot().joint_count() }
+impl Run<'_> {
+    fn round(&self, epoch: &Epoch, round: usize, jobs: usize) -> Vec<(Job, Point, Option<StartReport>)> {
+        let results = (0..jobs).into_par_iter().map(|index| self.job(epoch, round, index)).collect();
+        self.progress
+            .lock()
+            .expect("holders of the lock do not panic")
+            .rounds_finished = round + 1;
+        results
+    }
+
+    fn job(&self, epoch: &Epoch, round: usize, index: usize) -> (Job, Point, Option<StartReport>) {
+        let mut rng = random_numbers(self.seed, round, index);
+        let job = epoch.job(index);
+        let (start, stages) = match job {
+            Job::Start => (random_start(self.variables, &mut rng), FROM_RANDOM),
+            Job::Polish => (epoch.pool[0].x.clone(), POLISH),
+            Job::Around => {
+                let pool: Vec<&[f64]> = epoch.pool.iter().map(|p| p.x.as_slice()).collect();
+                (from_pool(self.variables, &pool, &mut rng), FROM_NEIGHBOUR)
             }
-        }
+        };
+        let initial = if job == Job::Start {
+            self.descent.true_value(&start)
+        } else {
+            0.0
+        };
+        let end = self.descent.run(start, &stages);
+        let report = (job == Job::Start).then(|| StartReport {
+            initial: initial.exp(),
+            reached: end.value.exp(),
+            evaluations: end.evaluations,
+            converged: end.converged,
+        });
+        self.tell(&end, job);
+        (
+            job,
+            Point {
+                x: end.x,
+                value: end.value,
+                polished: job == Job::Polish,
+            },
+            report,
+        )
     }
 
-    fn true_value(&self, x: &[f64]) -> f64 {
-        let mut evaluator = Evaluator::new(self.problem, self.variables, self.problem.samples());
-        true_log_value(&self.criterion(1.0), evaluator.gram_at(Coulomb::Sign, x))
-    }
-
-    /// Runs the stages one after the other; (point, evaluations, whether the last stage converged).
-    fn descend(&self, start: Vec<f64>, stages: &[Stage]) -> (Vec<f64>, u32, bool) {
-        let (mut x, mut evaluations, mut converged) = (start, 0, false);
-        for stage in stages {
-            let criterion = self.criterion(stage.power);
-            let mut evaluator = Evaluator::new(self.problem, self.variables, stage.samples);
-            let rule = StopRule { max_evaluations: stage.max_evaluations, least_improvement: 1e-6 };
-            let found = minimize(Method::Slsqp, &x, rule, &mut |x, g| {
-                if self.control.halt().is_some() {
-                    return None;
-                }
-                self.evaluations.fetch_add(1, Ordering::Relaxed);
-                Some(evaluator.evaluate(&criterion, Coulomb::Smooth(stage.eps), x, g))
-            });
-            evaluations += found.evaluations;
-            converged = found.ending == Ending::Converged;
-            x = found.x;
-            if found.ending == Ending::Interrupted {
-                break;
-            }
-        }
-        (x, evaluations, converged)
-    }
-
-    /// Every joint's variables brought onto its limits: radius means the same for all joints.
-    fn normalised(&self, x: &[f64]) -> Vec<f64> {
-        self.variables.from_coefficients(&self.variables.project(x).coefficients)
-    }
-
-    fn random_start(&self, rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let raw: Vec<f64> = (0..self.variables.len()).map(|_| rng.random_range(-1.0..1.0)).collect();
-        self.normalised(&raw)
-    }
-
-    /// A neighbour: every joint's coefficients moved by a normal step of relative length `size`.
-    fn neighbour(&self, from: &[f64], size: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let per_joint = self.variables.per_joint();
-        let mut x = self.normalised(from);
-        for joint in x.chunks_exact_mut(per_joint) {
-            let length = joint.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let step = size * length / (per_joint as f64).sqrt();
-            joint.iter_mut().for_each(|v| *v += step * normal(rng));
-        }
-        x
+    fn tell(&self, end: &Descended, job: Job) {
+        let mut progress = self.progress.lock().expect("holders of the lock do not panic");
+        progress.best = progress.best.min(end.value.exp());
+        progress.starts_finished += usize::from(job == Job::Start);
+        progress.evaluations = self.descent.evaluations();
+        self.control.progress(&progress);
     }
 }
 
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    // Box and Muller; the first draw is kept from zero.
-    let (u, v): (f64, f64) = (1.0 - rng.random::<f64>(), rng.random());
-    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
-}
-
-pub fn experiment_search(problem: &Problem, options: &SearchOptions, control: &dyn Control) -> f64 {
+/// Minimises the criterion over all admissible trajectories.
+///
+/// Ends when `control` says so, when evaluations run out, or, with neither limit in sight, when all starts are used and two epochs in
+/// a row have found nothing better. The result meets every constraint whatever ended the search.
+pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control) -> Design {
+    if let Some(reason) = problem.no_room() {
+        return infeasible(problem, reason);
+    }
     let variables = Variables::new(problem);
-    let workspace = workspace_gram(problem);
-    let s = Search { problem, variables: &variables, workspace: &workspace, control, evaluations: AtomicU64::new(0) };
-    let n1 = env("N1", 200.0) as usize;
-    let batch = env("BATCH", 8.0) as usize;
-    let start_stages = [
-        Stage { power: 2.0, eps: 0.1, samples: n1, max_evaluations: env("C1", 100.0) as u32 },
-        Stage { power: env("P2", 10.0), eps: 0.05, samples: n1, max_evaluations: env("C2", 150.0) as u32 },
-    ];
-    let hop_stages = [
-        Stage { power: env("P2", 10.0), eps: 0.05, samples: n1, max_evaluations: env("C3", 100.0) as u32 },
-        Stage { power: env("P3", 50.0), eps: 0.03, samples: n1, max_evaluations: env("C4", 150.0) as u32 },
-    ];
-    let polish_stages = [
-        Stage { power: 200.0, eps: 0.015, samples: problem.samples(), max_evaluations: 100 },
-        Stage { power: 1000.0, eps: 0.01, samples: problem.samples(), max_evaluations: 150 },
-    ];
-    let gens = env("GEN0", 2.0) as usize;
-    let elite_size = env("ELITE", 6.0) as usize;
-    let mut pool: Vec<Point> = vec![];
-    let mut best_polished = f64::INFINITY;
-    let t0 = std::time::Instant::now();
-    for round in 0.. {
-        if control.halt().is_some() { break; }
-        let pool_ref = &pool;
-        let results: Vec<Point> = (0..batch).into_par_iter().map(|job| {
-            let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-            rng.set_stream((round as u64) << 20 | job as u64);
-            let (x, stages): (Vec<f64>, &[Stage]) = if round < gens || pool_ref.is_empty() {
-                (s.random_start(&mut rng), &start_stages)
-            } else if job == 0 && !pool_ref[0].polished {
-                (pool_ref[0].x.clone(), &polish_stages)
-            } else {
-                // rank-biased elite
-                let u: f64 = rng.random();
-                let at = ((u * u) * pool_ref.len() as f64) as usize;
-                let size = (env("H0", 0.05).ln() + rng.random::<f64>() * (env("H1", 0.5) / env("H0", 0.05)).ln()).exp();
-                let u: f64 = rng.random();
-                if u < env("PJ", 0.3) {
-                    // one joint anew
-                    let pj = s.variables.per_joint();
-                    let j = rng.random_range(0..s.variables.len() / pj);
-                    let mut x = s.normalised(&pool_ref[at].x);
-                    let y = s.random_start(&mut rng);
-                    x[j * pj..(j + 1) * pj].copy_from_slice(&y[j * pj..(j + 1) * pj]);
-                    (x, &hop_stages)
-                } else if u < env("PJ", 0.3) + env("PC", 0.1) && pool_ref.len() > 1 {
-                    let other = rng.random_range(0..pool_ref.len());
-                    let pj = s.variables.per_joint();
-                    let mut x = s.normalised(&pool_ref[at].x);
-                    let y = s.normalised(&pool_ref[other].x);
-                    for j in 0..s.variables.len() / pj { if rng.random::<bool>() { x[j * pj..(j + 1) * pj].copy_from_slice(&y[j * pj..(j + 1) * pj]); } }
-                    (x, &hop_stages)
-                } else {
-                (s.neighbour(&pool_ref[at].x, size, &mut rng), &hop_stages)
-                }
-            };
-            let polished = std::ptr::eq(stages, &polish_stages[..]);
-            let (x, _, _) = s.descend(x, stages);
-            let value = s.true_value(&x);
-            Point { x, value, polished }
-        }).collect();
-        for r in results {
-            if r.polished {
-                best_polished = r.value.min(best_polished);
-                if r.value < pool[0].value { pool[0] = r; } else { pool[0].polished = true; }
-            } else {
-                pool.push(r);
-            }
+    let progress = Progress {
+        best: f64::INFINITY,
+        starts_finished: 0,
+        starts: options.starts,
+        evaluations: 0,
+        rounds_finished: 0,
+    };
+    let descent = Descent::new(problem, &variables, control);
+    let run = Run {
+        variables: &variables,
+        descent,
+        seed: options.seed,
+        control,
+        progress: Mutex::new(progress),
+    };
+    let (mut champions, mut starts) = (Vec::<Point>::new(), Vec::new());
+    let mut epoch = Epoch::fresh();
+    let (mut best, mut epochs_without_gain, mut round) = (f64::INFINITY, 0, 0);
+    let status = loop {
+        let results = run.round(&epoch, round, options.jobs_per_round.max(1));
+        round += 1;
+        starts.extend(results.iter().filter_map(|r| r.2));
+        let over = epoch.merge(results.into_iter().map(|(job, point, _)| (job, point)).collect());
+        if epoch.best() < best - NOTICEABLE {
+            epochs_without_gain = 0;
         }
-        pool.sort_by(|a, b| a.value.total_cmp(&b.value));
-        pool.dedup_by(|a, b| (a.value - b.value).abs() < 1e-3);
-        pool.truncate(elite_size);
-        control.progress(&Progress { best: pool[0].value.exp(), starts_finished: 0, starts: 0, evaluations: s.evaluations.load(Ordering::Relaxed), rounds_finished: round });
-        if std::env::var("V").is_ok() { println!("{:.1}s round {round} best {:.3} pool {:?}", t0.elapsed().as_secs_f64(), pool[0].value.exp(), pool.iter().map(|p| (p.value.exp() * 100.0).round() / 100.0).collect::<Vec<_>>()); }
+        best = best.min(epoch.best());
+        if over {
+            champions.push(epoch.pool[0].clone());
+            epochs_without_gain += 1;
+        }
+        let spent = options.max_evaluations.is_some_and(|most| run.descent.evaluations() >= most);
+        let halt = control.halt();
+        if halt == Some(Halt::Cancelled) {
+            break Outcome::Cancelled;
+        }
+        if halt.is_some() || spent {
+            break if epochs_without_gain > 0 {
+                Outcome::Converged
+            } else {
+                Outcome::BudgetExhausted
+            };
+        }
+        let unlimited = !options.until_halted && options.max_evaluations.is_none();
+        if unlimited && starts.len() >= options.starts && epochs_without_gain >= 2 {
+            break Outcome::Converged;
+        }
+        if over {
+            epoch = if champions.len() % 3 == 2 {
+                Epoch::of_champions(&champions)
+            } else {
+                Epoch::fresh()
+            };
+        }
+    };
+    champions.extend(epoch.pool);
+    keep_best(&mut champions);
+    match champions.first().filter(|p| has_full_rank(problem, p.value)) {
+        Some(best) => design(
+            problem,
+            variables.series(&best.x),
+            status,
+            starts,
+            run.descent.evaluations(),
+            round,
+        ),
+        None if status == Outcome::Cancelled => Design {
+            status,
+            ..infeasible(problem, String::new())
+        },
+        None => infeasible(
+            problem,
+            "no start made all base parameters visible: the order is too low, or the limits leave too little motion".into(),
+        ),
     }
-    pool[0].value.exp()
 }
 
+/// A condition number at the floor that rounding sets, `1/sqrt(ε b)`, is that of a regressor with dependent columns.
+fn has_full_rank(problem: &Problem, log_value: f64) -> bool {
+    problem.spec().criterion != Criterion::ConditionNumber || log_value < -0.5 * (f64::EPSILON * problem.base().len() as f64).ln()
+}

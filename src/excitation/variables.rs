@@ -74,11 +74,18 @@ impl Variables {
         let mut coefficients = raw;
         let mut gauges = Vec::with_capacity(self.joints);
         for (j, set) in self.sets.iter().enumerate() {
-            let gauge = set.gauge(coefficients.column(j).as_slice(), gauge_gradients.column_mut(j).as_mut_slice());
+            let gauge = set.gauge(
+                coefficients.column(j).as_slice(),
+                gauge_gradients.column_mut(j).as_mut_slice(),
+            );
             coefficients.column_mut(j).unscale_mut(gauge.max(f64::MIN_POSITIVE));
             gauges.push(gauge);
         }
-        Projected { coefficients, gauges, gauge_gradients }
+        Projected {
+            coefficients,
+            gauges,
+            gauge_gradients,
+        }
     }
 
     /// `∂F/∂x` from `∂F/∂coefficients`: with `c = u/g(u)`, `∂F/∂u = (∂F/∂c − (∂F/∂c · c) ∇g)/g`.
@@ -127,7 +134,7 @@ impl Variables {
         }
         let grid = 2f64.powi(largest.log2().ceil() as i32 - 40);
         let round = |v: f64, step: f64| (v / step).round() * step;
-        let (a, b) = c.split_at_mut(order);
+        let (a, b) = c[..2 * order].split_at_mut(order);
         for v in a.iter_mut().skip(1) {
             *v = round(*v, grid);
         }
@@ -167,14 +174,26 @@ fn null_space(order: usize, start: Start) -> DMatrix<f64> {
     let row = |f: &dyn Fn(usize) -> f64| DVector::from_fn(size, |i, _| f(i));
     let mut rows = vec![
         row(&|i| if i < order { 1.0 } else { 0.0 }),
-        row(&|i| if (order..2 * order).contains(&i) { (i - order + 1) as f64 } else { 0.0 }),
+        row(&|i| {
+            if (order..2 * order).contains(&i) {
+                (i - order + 1) as f64
+            } else {
+                0.0
+            }
+        }),
     ];
     if fixed {
-        rows.push(row(&|i| if (order..2 * order).contains(&i) { 1.0 / (i - order + 1) as f64 } else { 0.0 }));
+        rows.push(row(&|i| {
+            if (order..2 * order).contains(&i) {
+                1.0 / (i - order + 1) as f64
+            } else {
+                0.0
+            }
+        }));
         rows.push(row(&|i| if i == 2 * order { 1.0 } else { 0.0 }));
     }
     let mut basis: Vec<DVector<f64>> = Vec::new();
-    let mut add = |v: DVector<f64>, out: &mut Vec<DVector<f64>>| {
+    let add = |v: DVector<f64>, out: &mut Vec<DVector<f64>>| {
         let mut rest = v;
         for _ in 0..2 {
             for d in out.iter() {

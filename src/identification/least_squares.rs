@@ -55,7 +55,11 @@ pub struct JointFit {
 impl Estimate {
     /// Infinite for a parameter that the data do not determine.
     pub fn std_dev(&self, c: usize) -> f64 {
-        if self.is_determined(c) { self.covariance[(c, c)].max(0.0).sqrt() } else { f64::INFINITY }
+        if self.is_determined(c) {
+            self.covariance[(c, c)].max(0.0).sqrt()
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// The paper's σ: `100 std_dev/|value|`.
@@ -132,7 +136,10 @@ fn sigmas(normals: &[JointNormal], solution: &Solution, sigma: &[f64]) -> Vec<f6
     let estimate = |(normal, &s): (&JointNormal, &f64)| {
         let freedom = (normal.rows as f64 - spent(normal, solution, s)).max(1.0);
         let least = 1e-8 * (normal.torque_square / normal.rows.max(1) as f64).sqrt();
-        (normal.residual_square(&solution.values) / freedom).sqrt().max(least).max(f64::MIN_POSITIVE.sqrt())
+        (normal.residual_square(&solution.values) / freedom)
+            .sqrt()
+            .max(least)
+            .max(f64::MIN_POSITIVE.sqrt())
     };
     normals.iter().zip(sigma).map(estimate).collect()
 }
@@ -149,8 +156,10 @@ fn assemble(
     iterations: usize,
 ) -> Estimate {
     let values = solution.values.clone();
-    let measured: Vec<Vec<Option<NoiseSpectrum>>> =
-        logs.iter().map(|log| (0..normals.len()).map(|j| NoiseSpectrum::from_scatter(log, j)).collect()).collect();
+    let measured: Vec<Vec<Option<NoiseSpectrum>>> = logs
+        .iter()
+        .map(|log| (0..normals.len()).map(|j| NoiseSpectrum::from_scatter(log, j)).collect())
+        .collect();
     let joints: Vec<JointFit> = normals
         .iter()
         .enumerate()
@@ -160,7 +169,11 @@ fn assemble(
             let spectra: Option<Vec<&NoiseSpectrum>> = measured.iter().map(|log| log[j].as_ref()).collect();
             let part = |o: &Observation| o.joints[j].used_rows();
             let noise = spectra.as_ref().map(|spectra| {
-                let sum: f64 = spectra.iter().zip(observations).map(|(s, o)| s.variance() * part(o) as f64).sum();
+                let sum: f64 = spectra
+                    .iter()
+                    .zip(observations)
+                    .map(|(s, o)| s.variance() * part(o) as f64)
+                    .sum();
                 sum / normal.rows.max(1) as f64
             });
             let effective_rows = match &spectra {
@@ -192,7 +205,11 @@ fn assemble(
 
 /// The paper's (15) with weighted rows: `σ² = Σ (eⱼ/σⱼ)² / (rows − p)` times `(WᵀΣ⁻¹W)⁻¹`.
 fn textbook(normals: &[JointNormal], solution: &Solution, sigma: &[f64]) -> DVector<f64> {
-    let square: f64 = normals.iter().zip(sigma).map(|(n, s)| n.residual_square(&solution.values) / (s * s)).sum();
+    let square: f64 = normals
+        .iter()
+        .zip(sigma)
+        .map(|(n, s)| n.residual_square(&solution.values) / (s * s))
+        .sum();
     let variance = square / total_freedom(normals, solution);
     solution.inverse.diagonal().map(|v| (v.max(0.0) * variance).sqrt())
 }
@@ -200,15 +217,29 @@ fn textbook(normals: &[JointNormal], solution: &Solution, sigma: &[f64]) -> DVec
 impl Estimate {
     /// `A⁻¹ (Σ wⱼ² WⱼᵀRⱼWⱼ) A⁻¹`, with R from the scatter of the periods where that explains the residual, and from the residual's own
     /// correlation where it does not, or where there are no periods.
-    fn take_covariance(&mut self, observations: &[Observation], measured: Vec<Vec<Option<NoiseSpectrum>>>, normals: &[JointNormal]) {
+    fn take_covariance(
+        &mut self,
+        observations: &[Observation],
+        measured: Vec<Vec<Option<NoiseSpectrum>>>,
+        normals: &[JointNormal],
+    ) {
         let spectra: Vec<Vec<NoiseSpectrum>> = measured
             .into_iter()
             .zip(observations)
-            .map(|(log, o)| log.into_iter().enumerate().map(|(j, spectrum)| self.spectrum(o, j, spectrum)).collect())
+            .map(|(log, o)| {
+                log.into_iter()
+                    .enumerate()
+                    .map(|(j, spectrum)| self.spectrum(o, j, spectrum))
+                    .collect()
+            })
             .collect();
         if measured_nowhere(&self.joints) {
             for (j, fit) in self.joints.iter_mut().enumerate() {
-                fit.effective_rows = spectra.iter().zip(observations).map(|(s, o)| s[j].effective_rows(o.joints[j].used_rows())).sum();
+                fit.effective_rows = spectra
+                    .iter()
+                    .zip(observations)
+                    .map(|(s, o)| s[j].effective_rows(o.joints[j].used_rows()))
+                    .sum();
             }
         }
         let p = self.values.len();
@@ -226,7 +257,9 @@ impl Estimate {
 
     fn spectrum(&self, observation: &Observation, j: usize, measured: Option<NoiseSpectrum>) -> NoiseSpectrum {
         let fit = &self.joints[j];
-        let explained = fit.misfit.is_some_and(|m| m < 1.0 + MISFIT_SIGMAS * (2.0 / fit.effective_rows.max(1.0)).sqrt());
+        let explained = fit
+            .misfit
+            .is_some_and(|m| m < 1.0 + MISFIT_SIGMAS * (2.0 / fit.effective_rows.max(1.0)).sqrt());
         match measured {
             Some(spectrum) if explained => spectrum,
             _ => {

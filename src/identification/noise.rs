@@ -22,7 +22,10 @@ pub struct NoiseSpectrum {
 impl NoiseSpectrum {
     /// White noise of `variance` over `rows` rows.
     pub fn white(variance: f64, rows: usize) -> Self {
-        Self { length: rows, lines: vec![variance; rows / 2 + 1] }
+        Self {
+            length: rows,
+            lines: vec![variance; rows / 2 + 1],
+        }
     }
 
     /// From the scatter of the periods, passed through the row filter: measured without a model. `None` without periods.
@@ -34,12 +37,22 @@ impl NoiseSpectrum {
         let mut lines = smoothed_in_octaves(raw);
         if let Some(filter) = &log.row_filter.torque {
             let step = log.rate_hz / log.samples() as f64;
-            lines.iter_mut().enumerate().for_each(|(l, v)| *v *= filter.power(l as f64 * step).powi(2));
+            lines
+                .iter_mut()
+                .enumerate()
+                .for_each(|(l, v)| *v *= filter.power(l as f64 * step).powi(2));
         }
         let rows = log.row_filter.rows(log.samples()).len();
         let d = log.row_filter.decimation;
-        let whole = Self { length: log.samples(), lines };
-        Some(if rows * d == log.samples() { whole.folded(d) } else { whole.folded(d).stretched(rows) })
+        let whole = Self {
+            length: log.samples(),
+            lines,
+        };
+        Some(if rows * d == log.samples() {
+            whole.folded(d)
+        } else {
+            whole.folded(d).stretched(rows)
+        })
     }
 
     /// From a residual of R rows (zero where a row is not used) that has `freedom` degrees of freedom left:
@@ -68,7 +81,9 @@ impl NoiseSpectrum {
         }
         let length = self.length / decimation;
         let at = |l: usize| self.lines[(l % self.length).min(self.length - l % self.length).min(self.lines.len() - 1)];
-        let lines = (0..=length / 2).map(|l| (0..decimation).map(|m| at(l + m * length)).sum::<f64>() / decimation as f64).collect();
+        let lines = (0..=length / 2)
+            .map(|l| (0..decimation).map(|m| at(l + m * length)).sum::<f64>() / decimation as f64)
+            .collect();
         Self { length, lines }
     }
 
@@ -94,14 +109,23 @@ impl NoiseSpectrum {
 
     /// Variance of one row.
     pub fn variance(&self) -> f64 {
-        self.lines.iter().enumerate().map(|(l, s)| s * self.multiplicity(l)).sum::<f64>() / self.length as f64
+        self.lines
+            .iter()
+            .enumerate()
+            .map(|(l, s)| s * self.multiplicity(l))
+            .sum::<f64>()
+            / self.length as f64
     }
 
     /// Number of independent values that R rows of this noise are worth: `(tr R)² / tr R² = R (Σ S)² / (L Σ S²)`.
     pub fn effective_rows(&self, rows: usize) -> f64 {
         let sum: f64 = self.lines.iter().enumerate().map(|(l, s)| s * self.multiplicity(l)).sum();
         let squares: f64 = self.lines.iter().enumerate().map(|(l, s)| s * s * self.multiplicity(l)).sum();
-        if squares == 0.0 { rows as f64 } else { rows as f64 * sum * sum / (squares * self.length as f64) }
+        if squares == 0.0 {
+            rows as f64
+        } else {
+            rows as f64 * sum * sum / (squares * self.length as f64)
+        }
     }
 
     /// `Wᵀ R W` for the rows of one joint, w × w.
@@ -109,7 +133,11 @@ impl NoiseSpectrum {
         let half = self.length / 2 + 1;
         let mut weighted = DMatrix::zeros(2 * half, matrix.ncols());
         for (column, mut out) in matrix.column_iter().zip(weighted.column_iter_mut()) {
-            let padded: Vec<f64> = column.iter().copied().chain(std::iter::repeat_n(0.0, self.length - matrix.nrows())).collect();
+            let padded: Vec<f64> = column
+                .iter()
+                .copied()
+                .chain(std::iter::repeat_n(0.0, self.length - matrix.nrows()))
+                .collect();
             for (l, x) in forward(&padded).iter().enumerate() {
                 let factor = (self.lines[l] * self.multiplicity(l) / self.length as f64).sqrt();
                 out[2 * l] = factor * x.re;
@@ -138,7 +166,12 @@ pub(super) fn passed(observations: &[Observation], spectra: &[Vec<NoiseSpectrum>
     let joints = observations[0].joints.len();
     (0..joints)
         .map(|j| {
-            observations.iter().zip(spectra).map(|(o, s)| s[j].pass(&o.joints[j].matrix)).reduce(|a, b| a + b).expect("at least one log")
+            observations
+                .iter()
+                .zip(spectra)
+                .map(|(o, s)| s[j].pass(&o.joints[j].matrix))
+                .reduce(|a, b| a + b)
+                .expect("at least one log")
         })
         .collect()
 }

@@ -66,7 +66,12 @@ impl Observation {
             .map(|j| {
                 let used = used_rows(robot, log, j, &samples);
                 let torque = masked(log.row_filter.torque_rows(&log.torque[j]), &used);
-                JointRows { columns: Vec::new(), matrix: DMatrix::zeros(samples.len(), 0), torque, used }
+                JointRows {
+                    columns: Vec::new(),
+                    matrix: DMatrix::zeros(samples.len(), 0),
+                    torque,
+                    used,
+                }
             })
             .collect();
         let mut data: Vec<Vec<f64>> = vec![Vec::new(); joints.len()];
@@ -87,7 +92,11 @@ impl Observation {
         for (rows, data) in joints.iter_mut().zip(data) {
             rows.matrix = DMatrix::from_vec(samples.len(), rows.columns.len(), data);
         }
-        Self { joints, columns: wanted.len(), samples }
+        Self {
+            joints,
+            columns: wanted.len(),
+            samples,
+        }
     }
 
     /// Adds one model column that acts on the given joints, and returns its number. Each entry is (joint, N values at the samples of

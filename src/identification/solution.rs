@@ -27,7 +27,10 @@ impl Solution {
     /// `weights` holds `wⱼ = 1/σⱼ²`; `columns` is p.
     pub fn new(normals: &[JointNormal], weights: &[f64], columns: usize) -> Self {
         let (mut gram, mut moment) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
-        normals.iter().zip(weights).for_each(|(normal, &w)| normal.add_to(w, &mut gram, &mut moment));
+        normals
+            .iter()
+            .zip(weights)
+            .for_each(|(normal, &w)| normal.add_to(w, &mut gram, &mut moment));
         Self::of(gram, moment)
     }
 
@@ -42,7 +45,10 @@ impl Solution {
         order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
         let singular_values: Vec<f64> = order.iter().map(|&i| eigen.eigenvalues[i].max(0.0).sqrt()).collect();
         let largest = singular_values.first().copied().unwrap_or(0.0);
-        let rank = singular_values.iter().filter(|&&s| s > RANK_TOLERANCE * largest && s > 0.0).count();
+        let rank = singular_values
+            .iter()
+            .filter(|&&s| s > RANK_TOLERANCE * largest && s > 0.0)
+            .count();
         let mut inverse = DMatrix::zeros(p, p);
         for &i in &order[..rank] {
             let direction = eigen.eigenvectors.column(i).component_div(&divisor);
@@ -51,8 +57,18 @@ impl Solution {
         let mut values = &inverse * &moment;
         // One step of refinement: eigenvectors are good to 1e-15 times the condition of the Gram matrix.
         values += &inverse * (&moment - &gram * &values);
-        let null_directions = order[rank..].iter().map(|&i| eigen.eigenvectors.column(i).into_owned()).collect();
-        Self { values, inverse, singular_values, rank, null_directions, column_scale: scale }
+        let null_directions = order[rank..]
+            .iter()
+            .map(|&i| eigen.eigenvectors.column(i).into_owned())
+            .collect();
+        Self {
+            values,
+            inverse,
+            singular_values,
+            rank,
+            null_directions,
+            column_scale: scale,
+        }
     }
 
     /// Ratio of the extreme singular values of the scaled matrix; infinite when directions are missing.

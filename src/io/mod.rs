@@ -1,3 +1,59 @@
-//! Files and documents on one side, domain types on the other.
+//! Documents and files at the edge: JSON, URDF and CSV to and from the types of the core.
+//!
+//! Reading collects everything that is wrong with a document ([`Findings`]) before it gives up, so that one round of corrections is
+//! enough: the reader's own findings (unknown fields, wrong types) and the core's (limits the wrong way round, too many harmonics)
+//! end in one list, each with a JSON pointer, what is wrong, and the remedy.
 
+mod base_document;
+mod columns_document;
+mod cursor;
+mod design_document;
+mod excitation_request;
+mod identify_document;
+mod identify_request;
+mod json;
+mod robot;
 pub mod log;
+mod model_document;
+pub mod shipped;
+mod trajectory_table;
+mod validate_request;
+
+pub use base_document::{BaseParameterDocument, BaseParametersDocument};
+pub use cursor::{Cursor, Fields, Findings};
+pub use design_document::{
+    Coefficients, CriteriaDocument, DesignDocument, MarginDocument, PredictedDocument, SearchDocument, StartDocument,
+};
+pub use excitation_request::{ExcitationRequest, Search, read_excitation_request};
+pub use identify_document::*;
+pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
+pub use json::{Malformed, Parsed, parse};
+pub use model_document::{robot_value, urdf};
+pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
+pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_json};
+pub use validate_request::{ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
+
+/// Every object that requests may have, by its name in the OpenAPI document, with the fields that its reader knows.
+pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
+    ("ExcitationRequest", excitation_request::REQUEST_FIELDS),
+    ("Fourier", excitation_request::FOURIER_FIELDS),
+    ("Constraints", excitation_request::CONSTRAINT_FIELDS),
+    ("Search", excitation_request::SEARCH_FIELDS),
+    ("IdentifyRequest", identify_request::IDENTIFY_FIELDS),
+    ("ValidateRequest", validate_request::VALIDATE_FIELDS),
+    ("Model", validate_request::MODEL_FIELDS),
+    ("Preprocess", identify_request::PREPROCESS_FIELDS),
+    ("Filter", identify_request::FILTER_FIELDS),
+    ("Feasible", identify_request::FEASIBLE_FIELDS),
+    ("LinkBounds", identify_request::BOUND_FIELDS),
+    ("Columns", columns_document::COLUMNS_FIELDS),
+    ("ColumnQuantity", columns_document::QUANTITY_FIELDS),
+    ("JointRobot", robot::ROBOT_FIELDS),
+    ("UrdfRobot", robot::URDF_FIELDS),
+    ("Joint", robot::JOINT_FIELDS),
+    ("Mdh", robot::MDH_FIELDS),
+    ("Placement", robot::PLACEMENT_FIELDS),
+    ("Limits", robot::LIMIT_FIELDS),
+    ("LinkPrior", robot::PRIOR_FIELDS),
+    ("Inertia", robot::INERTIA_FIELDS),
+];

@@ -17,11 +17,18 @@ pub struct FieldProblem {
 
 impl FieldProblem {
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
-        Self { pointer: pointer.into(), detail: detail.into(), hint: None }
+        Self {
+            pointer: pointer.into(),
+            detail: detail.into(),
+            hint: None,
+        }
     }
 
     pub fn with_hint(self, hint: impl Into<String>) -> Self {
-        Self { hint: Some(hint.into()), ..self }
+        Self {
+            hint: Some(hint.into()),
+            ..self
+        }
     }
 }
 

@@ -17,13 +17,13 @@ pub enum JointKind {
 /// The joint variable adds to `theta` (revolute) or `r` (prismatic). Craig writes `a` for Khalil's `d` and `d` for Khalil's `r`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mdh {
-    /// Angle from z_{j-1} to z_j about x_{j-1} [rad].
+    /// Angle from z_{j-1} to z_j about x_{j-1} (rad).
     pub alpha: f64,
-    /// Distance from z_{j-1} to z_j along x_{j-1} [m].
+    /// Distance from z_{j-1} to z_j along x_{j-1} (m).
     pub d: f64,
-    /// Angle from x_{j-1} to x_j about z_j at q = 0 [rad].
+    /// Angle from x_{j-1} to x_j about z_j at q = 0 (rad).
     pub theta: f64,
-    /// Distance from x_{j-1} to x_j along z_j at q = 0 [m].
+    /// Distance from x_{j-1} to x_j along z_j at q = 0 (m).
     pub r: f64,
 }
 
@@ -69,7 +69,10 @@ pub struct Joint {
 impl Joint {
     /// A joint placed by modified DH parameters, without limits or priors.
     pub fn from_mdh(name: impl Into<String>, kind: JointKind, mdh: Mdh) -> Self {
-        Self { mdh: Some(mdh), ..Self::from_placement(name, kind, mdh.placement()) }
+        Self {
+            mdh: Some(mdh),
+            ..Self::from_placement(name, kind, mdh.placement())
+        }
     }
 
     /// A joint whose z axis sits at `placement` in the previous link frame, without limits or priors.
@@ -101,11 +104,17 @@ impl Joint {
             JointKind::Revolute => {
                 let (s, c) = q.sin_cos();
                 let turn = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
-                Transform { rotation: self.placement.rotation * turn, translation: self.placement.translation }
+                Transform {
+                    rotation: self.placement.rotation * turn,
+                    translation: self.placement.translation,
+                }
             }
             JointKind::Prismatic => {
                 let along = self.placement.rotation * Vector3::z();
-                Transform { rotation: self.placement.rotation, translation: self.placement.translation + along * q }
+                Transform {
+                    rotation: self.placement.rotation,
+                    translation: self.placement.translation + along * q,
+                }
             }
         }
     }

@@ -17,7 +17,13 @@ pub struct Limits {
 
 impl Limits {
     pub fn unlimited() -> Self {
-        Self { position: None, velocity: None, acceleration: None, jerk: None, effort: None }
+        Self {
+            position: None,
+            velocity: None,
+            acceleration: None,
+            jerk: None,
+            effort: None,
+        }
     }
 
     /// Every problem these limits have, as `(field, what is wrong)`.

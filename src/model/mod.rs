@@ -9,8 +9,9 @@ mod joint;
 mod limits;
 mod robot;
 mod urdf;
+mod urdf_elements;
 
-pub use error::{ModelError, FieldProblem};
+pub use error::{FieldProblem, ModelError};
 pub use joint::{Joint, JointKind, LinkPrior, Mdh};
 pub use limits::Limits;
 pub use robot::{Friction, Robot};

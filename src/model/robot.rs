@@ -1,7 +1,7 @@
 //! The robot itself: built once, checked once, shared by every computation.
 
 use super::limits::LimitProblem;
-use super::{Joint, ModelError, FieldProblem};
+use super::{FieldProblem, Joint, ModelError};
 use nalgebra::Vector3;
 
 /// The longest chain accepted. Redundant arms have 7 joints, dual-arm chains 15; the symbolic and numeric base parameters are
@@ -38,9 +38,18 @@ impl Robot {
         joints: Vec<Joint>,
         friction: Friction,
     ) -> Result<Self, ModelError> {
-        let robot = Self { name: name.into(), gravity, joints, friction };
+        let robot = Self {
+            name: name.into(),
+            gravity,
+            joints,
+            friction,
+        };
         let problems = robot.problems();
-        if problems.is_empty() { Ok(robot) } else { Err(ModelError(problems)) }
+        if problems.is_empty() {
+            Ok(robot)
+        } else {
+            Err(ModelError(problems))
+        }
     }
 
     pub fn name(&self) -> &str {
@@ -66,7 +75,10 @@ impl Robot {
 
     /// The same robot with another declared friction.
     pub fn with_friction(&self, friction: Friction) -> Self {
-        Self { friction, ..self.clone() }
+        Self {
+            friction,
+            ..self.clone()
+        }
     }
 
     /// The same robot where gravity pulls another way [m/s², base frame].
@@ -87,7 +99,10 @@ impl Robot {
         match self.joints.len() {
             0 => found.push(FieldProblem::new("/joints", "is empty: a robot has at least one joint")),
             n if n > MAX_JOINTS => {
-                found.push(FieldProblem::new("/joints", format!("has {n} joints, the most accepted is {MAX_JOINTS}")));
+                found.push(FieldProblem::new(
+                    "/joints",
+                    format!("has {n} joints, the most accepted is {MAX_JOINTS}"),
+                ));
             }
             _ => {}
         }
@@ -106,7 +121,10 @@ impl Robot {
         if name.trim().is_empty() {
             found.push(FieldProblem::new(pointer, "is empty"));
         } else if let Some(first) = self.joints[..i].iter().position(|j| &j.name == name) {
-            found.push(FieldProblem::new(pointer, format!("`{name}` is already the name of joint {}", first + 1)));
+            found.push(FieldProblem::new(
+                pointer,
+                format!("`{name}` is already the name of joint {}", first + 1),
+            ));
         }
     }
 }
@@ -120,8 +138,11 @@ fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
         for (field, v) in [("alpha", mdh.alpha), ("theta", mdh.theta)] {
             if v.is_finite() && v.abs() > 2.0 * std::f64::consts::PI {
                 found.push(
-                    FieldProblem::new(format!("/joints/{i}/mdh/{field}"), format!("is {v} rad, more than a full turn"))
-                        .with_hint("angles are in radians; this looks like degrees"),
+                    FieldProblem::new(
+                        format!("/joints/{i}/mdh/{field}"),
+                        format!("is {v} rad, more than a full turn"),
+                    )
+                    .with_hint("angles are in radians; this looks like degrees"),
                 );
             }
         }
@@ -141,7 +162,10 @@ fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     // Rounding of a product of a few rotations; a matrix that is further off was never a rotation.
     let rigid = (r * r.transpose() - nalgebra::Matrix3::identity()).amax() < 1e-9 && r.determinant() > 0.0;
     if !rigid || !joint.placement.translation.iter().all(|v| v.is_finite()) {
-        found.push(FieldProblem::new(format!("/joints/{i}"), "its place is not a finite rigid transform"));
+        found.push(FieldProblem::new(
+            format!("/joints/{i}"),
+            "its place is not a finite rigid transform",
+        ));
     }
 }
 
@@ -152,11 +176,14 @@ fn limit_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     for (field, problem) in joint.limits.problems() {
         let pointer = format!("/joints/{i}/limits/{field}");
         found.push(match problem {
-            LimitProblem::NotFinite => FieldProblem::new(pointer, "is not finite").with_hint("leave it out or use null for no limit"),
-            LimitProblem::WrongWayRound { low, high } => {
-                FieldProblem::new(pointer, format!("is [{low}, {high}]: the lower limit must be below the upper one"))
-                    .with_hint(format!("did you mean [{high}, {low}]?"))
+            LimitProblem::NotFinite => {
+                FieldProblem::new(pointer, "is not finite").with_hint("leave it out or use null for no limit")
             }
+            LimitProblem::WrongWayRound { low, high } => FieldProblem::new(
+                pointer,
+                format!("is [{low}, {high}]: the lower limit must be below the upper one"),
+            )
+            .with_hint(format!("did you mean [{high}, {low}]?")),
             LimitProblem::NotPositive(v) => {
                 FieldProblem::new(pointer, format!("is {v}, but is a magnitude and must be above zero"))
             }
@@ -193,7 +220,10 @@ fn prior_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     let b = &prior.inertia;
     let pointer = |field: &str| format!("/joints/{i}/prior/{field}");
     if !b.mass.is_finite() || b.mass < 0.0 {
-        found.push(FieldProblem::new(pointer("mass"), format!("is {} kg, a mass is finite and not negative", b.mass)));
+        found.push(FieldProblem::new(
+            pointer("mass"),
+            format!("is {} kg, a mass is finite and not negative", b.mass),
+        ));
     }
     if !b.center_of_mass.iter().all(|v| v.is_finite()) {
         found.push(FieldProblem::new(pointer("center_of_mass"), "is not finite"));
@@ -203,7 +233,10 @@ fn prior_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     }
     for (field, v) in [("viscous", prior.viscous), ("coulomb", prior.coulomb)] {
         if !v.is_finite() || v < 0.0 {
-            found.push(FieldProblem::new(pointer(field), format!("is {v}; friction is finite and not negative")));
+            found.push(FieldProblem::new(
+                pointer(field),
+                format!("is {v}; friction is finite and not negative"),
+            ));
         }
     }
 }

@@ -4,7 +4,8 @@
 //! dynamics want z along every joint, a URDF allows any axis: each link frame is turned so that its z axis is the joint's, and the
 //! turn is kept ([`Joint::description_frame`]) so that results can be handed back in the file's own frames.
 
-use super::{Friction, Joint, JointKind, Limits, LinkPrior, ModelError, FieldProblem, Robot};
+use super::urdf_elements::UrdfElements;
+use super::{FieldProblem, Friction, Joint, JointKind, Limits, LinkPrior, ModelError, Robot};
 use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{HashMap, HashSet};
@@ -26,12 +27,18 @@ pub struct UrdfRobot {
 /// Not XML or not URDF, no movable joint, several chains and no `tip`, joint types a serial arm cannot have, and everything
 /// that [`Robot::new`] refuses.
 pub fn from_urdf(xml: &str, gravity: Vector3<f64>, friction: Friction, tip: Option<&str>) -> Result<UrdfRobot, ModelError> {
-    let file = urdf_rs::read_from_string(xml)
-        .map_err(|e| single("/urdf", format!("is not a readable URDF document: {e}"), "check that the file is complete"))?;
-    let stated = StatedElements::read(xml)?;
+    let stated = UrdfElements::read(xml)?;
+    let file = urdf_rs::read_from_string(&stated.xml).map_err(|e| {
+        single(
+            "/urdf",
+            format!("is not a readable URDF document: {e}"),
+            "check that the file is complete",
+        )
+    })?;
     let tree = Tree::new(&file)?;
     let chain = tree.chain(tip)?;
-    let mut notes = tree.frozen_branches(&chain);
+    let mut notes = stated.notes.clone();
+    notes.extend(tree.frozen_branches(&chain));
     let mut joints = Vec::new();
     // Pose of the present link frame (as the file has it) in the frame of the dynamics before it.
     let mut to_here = Transform::identity();
@@ -61,7 +68,7 @@ fn described_joint(
     placement: Transform,
     turn: Matrix3<f64>,
     body: Option<LinkInertia>,
-    stated: &StatedElements,
+    stated: &UrdfElements,
     notes: &mut Vec<String>,
 ) -> Joint {
     let kind = match joint.joint_type {
@@ -72,14 +79,18 @@ fn described_joint(
     let prior = body.and_then(|b| b.transformed(&Transform::from_rotation(turn.transpose())).physical());
     Joint {
         limits: limits(joint, stated, notes),
-        prior: prior.map(|inertia| LinkPrior { inertia, viscous, coulomb }),
+        prior: prior.map(|inertia| LinkPrior {
+            inertia,
+            viscous,
+            coulomb,
+        }),
         description_frame: turn,
         link_name: joint.child.link.clone(),
         ..Joint::from_placement(joint.name.clone(), kind, placement)
     }
 }
 
-fn limits(joint: &urdf_rs::Joint, stated: &StatedElements, notes: &mut Vec<String>) -> Limits {
+fn limits(joint: &urdf_rs::Joint, stated: &UrdfElements, notes: &mut Vec<String>) -> Limits {
     let attributes = stated.limits.get(joint.name.as_str());
     let has = |name: &str| attributes.is_some_and(|a| a.contains(name));
     let continuous = joint.joint_type == urdf_rs::JointType::Continuous;
@@ -103,7 +114,11 @@ fn limits(joint: &urdf_rs::Joint, stated: &StatedElements, notes: &mut Vec<Strin
     .map(|(name, _)| *name)
     .collect();
     if !missing.is_empty() {
-        notes.push(format!("joint `{}` has no {} limit in the file", joint.name, missing.join(", ")));
+        notes.push(format!(
+            "joint `{}` has no {} limit in the file",
+            joint.name,
+            missing.join(", ")
+        ));
     }
     found
 }
@@ -118,7 +133,14 @@ fn axis(joint: &urdf_rs::Joint) -> Result<Vector3<f64>, ModelError> {
     if length.is_finite() && length > 1e-6 {
         return Ok(axis / length);
     }
-    Err(single("/urdf", format!("joint `{}` has the axis {:?}, which has no direction", joint.name, joint.axis.xyz.0), "give a unit vector"))
+    Err(single(
+        "/urdf",
+        format!(
+            "joint `{}` has the axis {:?}, which has no direction",
+            joint.name, joint.axis.xyz.0
+        ),
+        "give a unit vector",
+    ))
 }
 
 fn is_movable(joint: &urdf_rs::Joint) -> bool {
@@ -141,24 +163,50 @@ impl<'a> Tree<'a> {
         let mut parents = HashMap::new();
         let known: HashSet<&str> = file.links.iter().map(|l| l.name.as_str()).collect();
         for joint in &file.joints {
-            if joint.mimic.is_some() || matches!(joint.joint_type, urdf_rs::JointType::Floating | urdf_rs::JointType::Planar | urdf_rs::JointType::Spherical) {
-                let what = format!("joint `{}` is {:?} or a mimic: not a joint of a serial arm", joint.name, joint.joint_type);
+            if joint.mimic.is_some()
+                || matches!(
+                    joint.joint_type,
+                    urdf_rs::JointType::Floating | urdf_rs::JointType::Planar | urdf_rs::JointType::Spherical
+                )
+            {
+                let what = format!(
+                    "joint `{}` is {:?} or a mimic: not a joint of a serial arm",
+                    joint.name, joint.joint_type
+                );
                 return Err(single("/urdf", what, "make it fixed, or cut it off"));
             }
             for end in [&joint.parent.link, &joint.child.link] {
                 if !known.contains(end.as_str()) {
-                    return Err(single("/urdf", format!("joint `{}` names the link `{end}`, which the file does not have", joint.name), "check that the file is complete"));
+                    return Err(single(
+                        "/urdf",
+                        format!("joint `{}` names the link `{end}`, which the file does not have", joint.name),
+                        "check that the file is complete",
+                    ));
                 }
             }
             if parents.insert(joint.child.link.as_str(), joint).is_some() {
-                return Err(single("/urdf", format!("link `{}` has two parent joints", joint.child.link), "a serial arm has no closed loop"));
+                return Err(single(
+                    "/urdf",
+                    format!("link `{}` has two parent joints", joint.child.link),
+                    "a serial arm has no closed loop",
+                ));
             }
             children.entry(joint.parent.link.as_str()).or_default().push(joint);
         }
-        let mut roots = file.links.iter().map(|l| l.name.as_str()).filter(|l| !parents.contains_key(l) && children.contains_key(l));
-        let root = roots.next().ok_or_else(|| single("/urdf", "has no root link with a joint", "check that the file is complete"))?;
+        let mut roots = file
+            .links
+            .iter()
+            .map(|l| l.name.as_str())
+            .filter(|l| !parents.contains_key(l) && children.contains_key(l));
+        let root = roots
+            .next()
+            .ok_or_else(|| single("/urdf", "has no root link with a joint", "check that the file is complete"))?;
         if let Some(other) = roots.next() {
-            return Err(single("/urdf", format!("has two roots, `{root}` and `{other}`"), "join them by a fixed joint"));
+            return Err(single(
+                "/urdf",
+                format!("has two roots, `{root}` and `{other}`"),
+                "join them by a fixed joint",
+            ));
         }
         Ok(Self { file, root, children })
     }
@@ -206,10 +254,22 @@ impl<'a> Tree<'a> {
         }
         match longest.len() {
             1 if !longest[0].is_empty() => Ok(longest.remove(0)),
-            0 | 1 => Err(single("/urdf", "has no movable joint", "a robot has at least one revolute, continuous or prismatic joint")),
+            0 | 1 => Err(single(
+                "/urdf",
+                "has no movable joint",
+                "a robot has at least one revolute, continuous or prismatic joint",
+            )),
             _ => {
-                let tips: Vec<_> = longest.iter().filter_map(|p| p.last()).map(|j| format!("`{}`", j.child.link)).collect();
-                Err(single("/urdf", format!("has several chains, ending in {}", tips.join(", ")), "name the one you mean in `tip`"))
+                let tips: Vec<_> = longest
+                    .iter()
+                    .filter_map(|p| p.last())
+                    .map(|j| format!("`{}`", j.child.link))
+                    .collect();
+                Err(single(
+                    "/urdf",
+                    format!("has several chains, ending in {}", tips.join(", ")),
+                    "name the one you mean in `tip`",
+                ))
             }
         }
     }
@@ -219,7 +279,11 @@ impl<'a> Tree<'a> {
         let mut link = tip;
         while link != self.root {
             let Some(joint) = self.file.joints.iter().find(|j| j.child.link == link) else {
-                return Err(single("/tip", format!("the file has no link `{tip}`"), "use the name of a link in the file"));
+                return Err(single(
+                    "/tip",
+                    format!("the file has no link `{tip}`"),
+                    "use the name of a link in the file",
+                ));
             };
             path.push(joint);
             link = &joint.parent.link;
@@ -230,7 +294,13 @@ impl<'a> Tree<'a> {
 
     /// Inertia of `link` and of all that hangs on it without being the next link of the chain, about the frame of `link`;
     /// `None` when none of these has an inertial.
-    fn merged_inertia(&self, link: &str, chain: &[&urdf_rs::Joint], stated: &StatedElements, notes: &mut Vec<String>) -> Option<LinkInertia> {
+    fn merged_inertia(
+        &self,
+        link: &str,
+        chain: &[&urdf_rs::Joint],
+        stated: &UrdfElements,
+        notes: &mut Vec<String>,
+    ) -> Option<LinkInertia> {
         let mut total = LinkInertia::zero();
         let mut any = false;
         let mut stack = vec![(link.to_string(), Transform::identity())];
@@ -248,7 +318,9 @@ impl<'a> Tree<'a> {
             }
         }
         if !any {
-            notes.push(format!("link `{link}` has no inertial in the file: its prior parameters are unknown"));
+            notes.push(format!(
+                "link `{link}` has no inertial in the file: its prior parameters are unknown"
+            ));
         }
         any.then_some(total)
     }
@@ -266,33 +338,10 @@ impl<'a> Tree<'a> {
 fn own_inertia(inertial: &urdf_rs::Inertial) -> LinkInertia {
     let i = &inertial.inertia;
     let about_com = Matrix3::new(i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz);
-    let body = PhysicalInertia { mass: inertial.mass.value, center_of_mass: Vector3::zeros(), inertia: about_com };
+    let body = PhysicalInertia {
+        mass: inertial.mass.value,
+        center_of_mass: Vector3::zeros(),
+        inertia: about_com,
+    };
     body.about_origin().transformed(&pose(&inertial.origin))
-}
-
-/// What the file states in so many words: the parser fills missing inertials and limits with zeros without a word.
-struct StatedElements {
-    inertials: HashSet<String>,
-    limits: HashMap<String, HashSet<String>>,
-}
-
-impl StatedElements {
-    fn read(xml: &str) -> Result<Self, ModelError> {
-        let options = roxmltree::ParsingOptions { allow_dtd: false, nodes_limit: 1_000_000, ..Default::default() };
-        let document = roxmltree::Document::parse_with_options(xml, options)
-            .map_err(|e| single("/urdf", format!("is not readable XML: {e}"), "check that the file is complete"))?;
-        let mut stated = Self { inertials: HashSet::new(), limits: HashMap::new() };
-        for node in document.root_element().children() {
-            let Some(name) = node.attribute("name") else { continue };
-            let child = |tag: &str| node.children().find(|c| c.has_tag_name(tag));
-            if node.has_tag_name("link") && child("inertial").is_some_and(|i| i.children().any(|c| c.has_tag_name("mass"))) {
-                stated.inertials.insert(name.to_string());
-            }
-            if node.has_tag_name("joint") && let Some(limit) = child("limit") {
-                let attributes = limit.attributes().map(|a| a.name().to_string()).collect();
-                stated.limits.insert(name.to_string(), attributes);
-            }
-        }
-        Ok(stated)
-    }
 }

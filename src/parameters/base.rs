@@ -51,7 +51,11 @@ impl BaseParameters {
             for r in (0..rows).filter(|&r| r != next) {
                 let factor = nulls[(r, column)];
                 if factor != 0.0 {
-                    nulls.row_mut(r).iter_mut().zip(reference.iter()).for_each(|(v, p)| *v -= factor * p);
+                    nulls
+                        .row_mut(r)
+                        .iter_mut()
+                        .zip(reference.iter())
+                        .for_each(|(v, p)| *v -= factor * p);
                 }
             }
             ending_in[column] = Some(next);
@@ -91,7 +95,13 @@ impl BaseParameters {
             })
             .collect();
         let units = kept.iter().map(|&c| layout.unit(c)).collect();
-        Self { kept, map, names, expressions, units }
+        Self {
+            kept,
+            map,
+            names,
+            expressions,
+            units,
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -138,7 +148,11 @@ pub fn numeric_base(layout: &Layout, w: &DMatrix<f64>, relative_tolerance: f64) 
             }
         }
         // A column of rounding errors has no direction of its own either.
-        let own = if norm <= relative_tolerance * largest { 0.0 } else { rest.norm() / norm };
+        let own = if norm <= relative_tolerance * largest {
+            0.0
+        } else {
+            rest.norm() / norm
+        };
         if own > relative_tolerance {
             weakest_kept = weakest_kept.min(own);
             directions.push(rest.normalize());
@@ -154,5 +168,9 @@ pub fn numeric_base(layout: &Layout, w: &DMatrix<f64>, relative_tolerance: f64) 
     qr.r().solve_upper_triangular_mut(&mut map);
     // Rounding of the solution: tolerance-sized coefficients are zeros.
     map.apply(|v| *v = if v.abs() < relative_tolerance { 0.0 } else { *v });
-    NumericBase { base: BaseParameters::new(layout, kept, map), weakest_kept, strongest_dropped }
+    NumericBase {
+        base: BaseParameters::new(layout, kept, map),
+        weakest_kept,
+        strongest_dropped,
+    }
 }

@@ -13,7 +13,10 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Null vectors of the regressor over the inertial parameters, one per row, (nulls × p of `layout`).
 pub(super) fn null_vectors(robot: &Robot, layout: &Layout) -> DMatrix<f64> {
-    let mut nulls = Nulls { layout, rows: Vec::new() };
+    let mut nulls = Nulls {
+        layout,
+        rows: Vec::new(),
+    };
     let mut reach = Reach::base(robot.gravity());
     for (k, joint) in robot.joints().iter().enumerate() {
         let before = reach;
@@ -52,7 +55,12 @@ struct Reach {
 
 impl Reach {
     fn base(gravity: Vector3<f64>) -> Self {
-        Self { turning: Turning::Never, pivot: None, sliding: None, gravity }
+        Self {
+            turning: Turning::Never,
+            pivot: None,
+            sliding: None,
+            gravity,
+        }
     }
 
     /// The reach of the link behind `joint`. Directions kept are those that the joint leaves in place.
@@ -64,7 +72,11 @@ impl Reach {
             (Turning::Never, false) => Turning::Never,
             (Turning::About(a), revolute) => {
                 let a = back.rotation * a;
-                if revolute && !parallel(&a, &z) { Turning::Freely } else { Turning::About(a) }
+                if revolute && !parallel(&a, &z) {
+                    Turning::Freely
+                } else {
+                    Turning::About(a)
+                }
             }
             (Turning::Freely, _) => Turning::Freely,
         };
@@ -75,8 +87,16 @@ impl Reach {
             Some(Some(d)) if parallel(&d, &z) => Some(Some(z)),
             Some(_) => Some(None),
         };
-        let reach = Self { turning, pivot: None, sliding, gravity: back.rotation * self.gravity };
-        Self { pivot: self.pivot_past(joint, &back, &reach), ..reach }
+        let reach = Self {
+            turning,
+            pivot: None,
+            sliding,
+            gravity: back.rotation * self.gravity,
+        };
+        Self {
+            pivot: self.pivot_past(joint, &back, &reach),
+            ..reach
+        }
     }
 
     /// Whether all that slides, slides along `direction`.
@@ -99,9 +119,7 @@ impl Reach {
                 (same_line && reach.slides_only_along(&a)).then_some(across)
             }
             // A new direction: the point where the new axis meets the old line, if nothing slides.
-            (Turning::About(a), Turning::Freely) if reach.sliding.is_none() => {
-                meeting_point(&before?, &(back.rotation * a))
-            }
+            (Turning::About(a), Turning::Freely) if reach.sliding.is_none() => meeting_point(&before?, &(back.rotation * a)),
             (Turning::Freely, _) if reach.sliding.is_none() => {
                 before.filter(|point| (point - z * point.dot(&z)).norm() < NEGLIGIBLE)
             }
@@ -132,7 +150,10 @@ impl Nulls<'_> {
         let mut row = vec![0.0; self.layout.len()];
         for (link, body) in bodies {
             let start = link * self.layout.per_link();
-            row[start..start + 10].iter_mut().zip(body.parameters()).for_each(|(r, p)| *r += p);
+            row[start..start + 10]
+                .iter_mut()
+                .zip(body.parameters())
+                .for_each(|(r, p)| *r += p);
         }
         self.rows.push(row);
     }
@@ -202,19 +223,32 @@ impl Nulls<'_> {
 }
 
 fn mass() -> LinkInertia {
-    LinkInertia { mass: 1.0, ..LinkInertia::zero() }
+    LinkInertia {
+        mass: 1.0,
+        ..LinkInertia::zero()
+    }
 }
 
 fn first_moment(h: Vector3<f64>) -> LinkInertia {
-    LinkInertia { first_moment: h, ..LinkInertia::zero() }
+    LinkInertia {
+        first_moment: h,
+        ..LinkInertia::zero()
+    }
 }
 
 fn rotational(inertia: Matrix3<f64>) -> LinkInertia {
-    LinkInertia { inertia, ..LinkInertia::zero() }
+    LinkInertia {
+        inertia,
+        ..LinkInertia::zero()
+    }
 }
 
 fn negated(body: &LinkInertia) -> LinkInertia {
-    LinkInertia { mass: -body.mass, first_moment: -body.first_moment, inertia: -body.inertia }
+    LinkInertia {
+        mass: -body.mass,
+        first_moment: -body.first_moment,
+        inertia: -body.inertia,
+    }
 }
 
 fn symmetric_basis() -> [Matrix3<f64>; 6] {

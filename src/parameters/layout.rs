@@ -91,7 +91,11 @@ impl Layout {
             .flat_map(|link| kinds.iter().map(move |&kind| Parameter { link, kind }))
             .collect();
         let revolute = robot.joints().iter().map(|j| j.is_revolute()).collect();
-        Self { parameters, per_link: kinds.len(), revolute }
+        Self {
+            parameters,
+            per_link: kinds.len(),
+            revolute,
+        }
     }
 
     pub fn len(&self) -> usize {

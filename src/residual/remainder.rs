@@ -98,18 +98,20 @@ fn with_functions(data: &Data, system: &System) -> Option<System> {
     now
 }
 
-/// The smooth function with the best evidence, if it is beyond chance.
+/// The smooth function with the best evidence, if it is beyond chance, on joints whose χ² is five standard deviations above its mean: the
+/// noise's own correlation is an estimate.
 fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     let n = system.model.robot.joint_count();
     let excess = |j: usize| system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j);
-    let mut rows: Vec<usize> = (0..n).filter(|&j| excess(j) > 3.0 * (2.0 * system.rows(j) as f64).sqrt()).collect();
+    let mut rows: Vec<usize> = (0..n).filter(|&j| excess(j) > 5.0 * (2.0 * system.rows(j) as f64).sqrt()).collect();
     rows.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)));
     rows.truncate(3);
     let jobs = function_jobs(n, &rows);
-    let tried = jobs.len() as f64 * DICTIONARY;
     let scored: Vec<Smooth> = jobs.par_iter().filter_map(|job| score(data, system, job, jobs.len() as f64)).collect();
     let best = scored.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))?.clone();
-    let beyond_chance = chance(best.gain, best.term.coefficients.len()) * tried < 1e-3;
+    // Each product was the best of a dictionary, the function the best of all jobs.
+    let products = best.term.coefficients.len();
+    let beyond_chance = chance(best.gain, products).ln() + products as f64 * DICTIONARY.ln() + (jobs.len() as f64).ln() < 1e-3f64.ln();
     let share = best.gain > 0.05 * excess(best.term.joints[0]);
     (best.evidence > PREFERENCE && beyond_chance && share).then_some(best)
 }

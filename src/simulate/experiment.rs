@@ -8,7 +8,7 @@ use crate::model::Robot;
 use crate::parameters::{Inertial, Layout, ParameterKind};
 use crate::spatial::PhysicalInertia;
 use crate::trajectory::Trajectory;
-use nalgebra::Rotation3;
+use nalgebra::{Matrix3, Rotation3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -135,7 +135,12 @@ fn bodies(experiment: &Experiment, layout: &Layout) -> (Vec<f64>, Vec<[f64; 2]>)
     let last = experiment.robot.joint_count() - 1;
     for effect in experiment.effects {
         if let HiddenEffect::Payload { mass, center_of_mass, inertia } = effect {
-            let body = PhysicalInertia { mass: *mass, center_of_mass: *center_of_mass, inertia: *inertia }.about_origin();
+            let body = PhysicalInertia {
+                mass: *mass,
+                center_of_mass: (*center_of_mass).into(),
+                inertia: Matrix3::from_fn(|r, c| inertia[r][c]),
+            }
+            .about_origin();
             Inertial::ALL.iter().zip(body.parameters()).for_each(|(&i, p)| phi[layout.inertial(last, i)] += p);
         }
     }

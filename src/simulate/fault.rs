@@ -3,9 +3,11 @@
 use super::RecordedLog;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
 
 /// One fault; joints count from 0.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "fault", rename_all = "snake_case", deny_unknown_fields)]
 pub enum LogFault {
     /// Torque of these joints with the wrong sign.
     FlippedTorque { joints: Vec<usize> },

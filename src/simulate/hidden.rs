@@ -1,9 +1,10 @@
 //! Effects that a virtual robot can have and nobody declares.
 
-use nalgebra::{Matrix3, Vector3};
+use serde::Deserialize;
 
 /// One physical effect with its true values; joints count from 0.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "effect", rename_all = "snake_case", deny_unknown_fields)]
 pub enum HiddenEffect {
     /// A constant torque [N·m or N].
     TorqueOffset { joint: usize, offset: f64 },
@@ -32,7 +33,7 @@ pub enum HiddenEffect {
     /// Base turned by roll about x, then pitch about y [rad].
     BaseTilt { roll: f64, pitch: f64 },
     /// A body in the last link's frame; inertia about its centre of mass.
-    Payload { mass: f64, center_of_mass: Vector3<f64>, inertia: Matrix3<f64> },
+    Payload { mass: f64, center_of_mass: [f64; 3], inertia: [[f64; 3]; 3] },
     /// Torque stream late by so many seconds.
     TorqueDelay { seconds: f64 },
     /// Torque reading of a joint multiplied.

@@ -2,21 +2,28 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
 
 /// What the sensors add.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Noise {
     /// Standard deviation of every joint's torque [N·m or N].
     pub torque: Vec<f64>,
     /// Correlation of torque noise from one sample to the next, 0 for white.
+    #[serde(default)]
     pub torque_correlation: f64,
     /// Standard deviation of the positions [rad or m].
+    #[serde(default)]
     pub position: f64,
     /// Steps of the encoder [rad or m]; 0 for none.
+    #[serde(default)]
     pub position_step: f64,
     /// Steps of the torque channel [N·m or N]; 0 for none.
+    #[serde(default)]
     pub torque_step: f64,
     /// Standard deviation of the sampling instants [s]; the log says nominal times.
+    #[serde(default)]
     pub jitter: f64,
 }
 

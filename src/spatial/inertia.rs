@@ -20,7 +20,7 @@ pub struct LinkInertia {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhysicalInertia {
     pub mass: f64,
-    /// Centre of mass in the link frame [m].
+    /// Centre of mass in the link frame (m).
     pub center_of_mass: Vector3<f64>,
     /// Inertia tensor about the centre of mass, axes of the link frame [kg m²].
     pub inertia: Matrix3<f64>,
@@ -28,7 +28,11 @@ pub struct PhysicalInertia {
 
 impl LinkInertia {
     pub fn zero() -> Self {
-        Self { mass: 0.0, first_moment: Vector3::zeros(), inertia: Matrix3::zeros() }
+        Self {
+            mass: 0.0,
+            first_moment: Vector3::zeros(),
+            inertia: Matrix3::zeros(),
+        }
     }
 
     /// From `[M, MX, MY, MZ, XX, XY, XZ, YY, YZ, ZZ]`.
@@ -43,7 +47,18 @@ impl LinkInertia {
     /// `[M, MX, MY, MZ, XX, XY, XZ, YY, YZ, ZZ]`.
     pub fn parameters(&self) -> [f64; 10] {
         let (h, i) = (&self.first_moment, &self.inertia);
-        [self.mass, h.x, h.y, h.z, i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
+        [
+            self.mass,
+            h.x,
+            h.y,
+            h.z,
+            i[(0, 0)],
+            i[(0, 1)],
+            i[(0, 2)],
+            i[(1, 1)],
+            i[(1, 2)],
+            i[(2, 2)],
+        ]
     }
 
     /// The same body seen from frame A, where `pose` is the pose of the present frame B in A.
@@ -58,7 +73,11 @@ impl LinkInertia {
             - h * t.transpose()
             - t * h.transpose()
             - t * t.transpose() * self.mass;
-        Self { mass: self.mass, first_moment: h + t * self.mass, inertia }
+        Self {
+            mass: self.mass,
+            first_moment: h + t * self.mass,
+            inertia,
+        }
     }
 
     /// Pseudo-inertia `[[Σ, h], [hᵀ, m]]` with `Σ = ½ tr(I) E − I`; positive definite if and only if the body has a positive
@@ -80,7 +99,11 @@ impl LinkInertia {
         }
         let c = self.first_moment / self.mass;
         let steiner = Matrix3::identity() * c.dot(&c) - c * c.transpose();
-        Some(PhysicalInertia { mass: self.mass, center_of_mass: c, inertia: self.inertia - steiner * self.mass })
+        Some(PhysicalInertia {
+            mass: self.mass,
+            center_of_mass: c,
+            inertia: self.inertia - steiner * self.mass,
+        })
     }
 }
 
@@ -89,7 +112,11 @@ impl PhysicalInertia {
     pub fn about_origin(&self) -> LinkInertia {
         let c = self.center_of_mass;
         let steiner = Matrix3::identity() * c.dot(&c) - c * c.transpose();
-        LinkInertia { mass: self.mass, first_moment: c * self.mass, inertia: self.inertia + steiner * self.mass }
+        LinkInertia {
+            mass: self.mass,
+            first_moment: c * self.mass,
+            inertia: self.inertia + steiner * self.mass,
+        }
     }
 }
 
@@ -137,7 +164,10 @@ mod tests {
     fn prop_pseudo_inertia_is_definite_exactly_when_the_triangle_inequality_holds() {
         let smallest = |b: PhysicalInertia| b.about_origin().pseudo_inertia().symmetric_eigenvalues().min();
         assert!(smallest(body()) > 0.0);
-        let needle = PhysicalInertia { inertia: Matrix3::from_diagonal(&Vector3::new(0.05, 0.02, 0.02)), ..body() };
+        let needle = PhysicalInertia {
+            inertia: Matrix3::from_diagonal(&Vector3::new(0.05, 0.02, 0.02)),
+            ..body()
+        };
         assert!(smallest(needle) < 0.0, "0.05 > 0.02 + 0.02 is no body");
     }
 }

@@ -11,44 +11,59 @@ pub struct Transform {
 
 impl Transform {
     pub fn identity() -> Self {
-        Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+        Self {
+            rotation: Matrix3::identity(),
+            translation: Vector3::zeros(),
+        }
     }
 
-    /// Rotation by `angle` [rad] about the x axis.
+    /// Rotation by `angle` (rad) about the x axis.
     pub fn rot_x(angle: f64) -> Self {
         let (s, c) = exact_sin_cos(angle);
         Self::from_rotation(Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c))
     }
 
-    /// Rotation by `angle` [rad] about the y axis.
+    /// Rotation by `angle` (rad) about the y axis.
     pub fn rot_y(angle: f64) -> Self {
         let (s, c) = exact_sin_cos(angle);
         Self::from_rotation(Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c))
     }
 
-    /// Rotation by `angle` [rad] about the z axis.
+    /// Rotation by `angle` (rad) about the z axis.
     pub fn rot_z(angle: f64) -> Self {
         let (s, c) = exact_sin_cos(angle);
         Self::from_rotation(Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0))
     }
 
     pub fn trans(x: f64, y: f64, z: f64) -> Self {
-        Self { rotation: Matrix3::identity(), translation: Vector3::new(x, y, z) }
+        Self {
+            rotation: Matrix3::identity(),
+            translation: Vector3::new(x, y, z),
+        }
     }
 
     pub fn from_rotation(rotation: Matrix3<f64>) -> Self {
-        Self { rotation, translation: Vector3::zeros() }
+        Self {
+            rotation,
+            translation: Vector3::zeros(),
+        }
     }
 
     /// URDF's fixed-axis roll, pitch, yaw: `R = Rz(yaw) Ry(pitch) Rx(roll)`, then the offset `xyz` in the parent frame.
     pub fn from_xyz_rpy(xyz: Vector3<f64>, rpy: Vector3<f64>) -> Self {
         let rotation = (Self::rot_z(rpy.z) * Self::rot_y(rpy.y) * Self::rot_x(rpy.x)).rotation;
-        Self { rotation, translation: xyz }
+        Self {
+            rotation,
+            translation: xyz,
+        }
     }
 
     pub fn inverse(&self) -> Self {
         let transposed = self.rotation.transpose();
-        Self { rotation: transposed, translation: -(transposed * self.translation) }
+        Self {
+            rotation: transposed,
+            translation: -(transposed * self.translation),
+        }
     }
 
     /// The rotation that takes the z axis onto the unit vector `axis`; a signed permutation when `axis` is a coordinate
@@ -108,7 +123,13 @@ mod tests {
 
     #[test]
     fn prop_z_onto_is_a_rotation_that_maps_z() {
-        for axis in [Vector3::x(), -Vector3::y(), -Vector3::z(), Vector3::z(), Vector3::new(0.6, 0.0, -0.8)] {
+        for axis in [
+            Vector3::x(),
+            -Vector3::y(),
+            -Vector3::z(),
+            Vector3::z(),
+            Vector3::new(0.6, 0.0, -0.8),
+        ] {
             let r = Transform::z_onto(&axis);
             assert!((r * Vector3::z() - axis).amax() < 1e-15);
             assert!((r.determinant() - 1.0).abs() < 1e-15);

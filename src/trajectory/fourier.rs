@@ -22,7 +22,12 @@ impl FourierSeries {
     /// A series at rest at `offset`.
     pub fn at_rest(offset: Vec<f64>, order: usize, fundamental_hz: f64) -> Self {
         let zeros = DMatrix::zeros(offset.len(), order);
-        Self { fundamental_hz, a: zeros.clone(), b: zeros, offset }
+        Self {
+            fundamental_hz,
+            a: zeros.clone(),
+            b: zeros,
+            offset,
+        }
     }
 
     pub fn order(&self) -> usize {
@@ -44,7 +49,10 @@ impl FourierSeries {
 pub(crate) fn harmonic(omega: f64, l: usize, t: f64) -> [Vector3<f64>; 2] {
     let frequency = omega * l as f64;
     let (s, c) = (frequency * t).sin_cos();
-    [Vector3::new(s / frequency, c, -frequency * s), Vector3::new(-c / frequency, s, frequency * c)]
+    [
+        Vector3::new(s / frequency, c, -frequency * s),
+        Vector3::new(-c / frequency, s, frequency * c),
+    ]
 }
 
 impl Trajectory for FourierSeries {

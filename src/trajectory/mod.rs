@@ -6,8 +6,8 @@ mod fourier;
 mod quintic;
 mod sine;
 
-pub(crate) use fourier::harmonic;
 pub use fourier::FourierSeries;
+pub(crate) use fourier::harmonic;
 pub use quintic::QuinticWayPoints;
 pub use sine::SineSeries;
 
@@ -17,10 +17,10 @@ use crate::dynamics::Motion;
 pub trait Trajectory {
     fn joints(&self) -> usize;
 
-    /// Length [s]; periodic trajectories repeat after it.
+    /// Length (s); periodic trajectories repeat after it.
     fn duration(&self) -> f64;
 
-    /// `[q, qd, qdd]` of `joint` at time `t` [s].
+    /// `[q, qd, qdd]` of `joint` at time `t` (s).
     fn state(&self, joint: usize, t: f64) -> [f64; 3];
 
     /// Samples at `t = k / rate_hz`, k = 0 … N−1, all before [`Self::duration`]: the end of a periodic trajectory is its start.
@@ -35,5 +35,9 @@ pub fn sample_count(duration: f64, rate_hz: f64) -> usize {
     let samples = duration * rate_hz;
     let whole = samples.round();
     // 1e-9 of the length is far above the rounding of a product and far below one sample.
-    if (samples - whole).abs() <= 1e-9 * whole { whole as usize } else { samples.ceil() as usize }
+    if (samples - whole).abs() <= 1e-9 * whole {
+        whole as usize
+    } else {
+        samples.ceil() as usize
+    }
 }

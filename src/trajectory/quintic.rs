@@ -14,14 +14,20 @@ pub struct QuinticWayPoints {
 }
 
 impl QuinticWayPoints {
-    /// `way_points`: K + 1 rows of n; `durations`: K positive lengths [s].
+    /// `way_points`: K + 1 rows of n; `durations`: K positive lengths (s).
     ///
     /// # Panics
     /// When there is no segment, counts do not fit, or a duration is not positive.
     pub fn new(way_points: Vec<Vec<f64>>, durations: &[f64]) -> Self {
-        assert!(!durations.is_empty() && way_points.len() == durations.len() + 1, "K + 1 way-points for K durations");
+        assert!(
+            !durations.is_empty() && way_points.len() == durations.len() + 1,
+            "K + 1 way-points for K durations"
+        );
         assert!(durations.iter().all(|&d| d > 0.0), "durations are positive");
-        assert!(way_points.iter().all(|w| w.len() == way_points[0].len()), "every way-point has all joints");
+        assert!(
+            way_points.iter().all(|w| w.len() == way_points[0].len()),
+            "every way-point has all joints"
+        );
         let mut times = vec![0.0];
         times.extend(durations.iter().scan(0.0, |t, d| {
             *t += d;

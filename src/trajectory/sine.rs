@@ -7,7 +7,7 @@ use super::Trajectory;
 pub struct SineSeries {
     /// `(amplitude [rad or m], angular frequency [rad/s])` of every term of every joint.
     pub terms: Vec<Vec<(f64, f64)>>,
-    /// Length [s].
+    /// Length (s).
     pub duration: f64,
 }
 

@@ -3,7 +3,6 @@
 use crate::bench::*;
 use dynident::residual::{Outcome, TraceOptions, Verdict, trace};
 use dynident::simulate::{HiddenEffect, Noise};
-use nalgebra::{Matrix3, Vector3};
 
 /// The only finding: its code, joint, and the value of its first parameter within `sigmas` of the truth.
 fn only(outcome: &Outcome, code: &str, joint: &str, truth: f64) {
@@ -77,8 +76,8 @@ fn prop_a_payload_is_found_against_an_existing_model() {
     let noise = sensor_noise(7);
     let body = HiddenEffect::Payload {
         mass: 2.3,
-        center_of_mass: Vector3::new(0.01, 0.03, 0.11),
-        inertia: Matrix3::from_diagonal(&Vector3::new(0.005, 0.005, 0.003)),
+        center_of_mass: [0.01, 0.03, 0.11],
+        inertia: [[0.005, 0.0, 0.0], [0.0, 0.005, 0.0], [0.0, 0.0, 0.003]],
     };
     let before = traced(&robot, &[], &noise, 9);
     let [_, with] = logs(&robot, &[body], &noise, 9);

@@ -24,7 +24,12 @@ fn val_zero_phase_butterworth_equals_scipy() {
         for (pad, key) in [("pad", "filtered"), ("long_pad", "filtered_long_pad")] {
             let mine = zero_phase(&filter, &x, Padding::Odd, number(pad) as usize);
             let theirs: Vec<f64> = case[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
-            let worst = mine.iter().step_by(step).zip(&theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let worst = mine
+                .iter()
+                .step_by(step)
+                .zip(&theirs)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
             assert!(worst < 1e-9, "order {order}, {key}: {worst:e}");
         }
     }

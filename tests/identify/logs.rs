@@ -13,7 +13,14 @@ fn joints(n: usize) -> Vec<String> {
 }
 
 fn read(text: impl AsRef<[u8]>, columns: &Columns, n: usize) -> Result<(Log, LogReport), LogError> {
-    read_log(Source { name: "a.csv".to_string(), bytes: text.as_ref() }, columns, &joints(n))
+    read_log(
+        Source {
+            name: "a.csv".to_string(),
+            bytes: text.as_ref(),
+        },
+        columns,
+        &joints(n),
+    )
 }
 
 /// One joint, 100 Hz, q = sin t, tau = cos t.
@@ -36,7 +43,13 @@ fn count(report: &LogReport, kind: FindingKind) -> usize {
 
 /// Largest error against q = sin t [rad].
 fn worst(log: &Log) -> f64 {
-    let error = |(s, q): (usize, &f64)| if log.usable[s] { (q - (log.start_s + s as f64 / log.rate_hz).sin()).abs() } else { 0.0 };
+    let error = |(s, q): (usize, &f64)| {
+        if log.usable[s] {
+            (q - (log.start_s + s as f64 / log.rate_hz).sin()).abs()
+        } else {
+            0.0
+        }
+    };
     log.q[0].iter().enumerate().map(error).fold(0.0, f64::max)
 }
 
@@ -44,7 +57,10 @@ fn worst(log: &Log) -> f64 {
 fn prop_a_clean_log_is_read_as_it_stands_plain_or_gzip() {
     let text = file(&rows(200));
     let (log, report) = read(&text, &Columns::default(), 1).unwrap();
-    assert_eq!((log.rate_hz, log.samples(), report.rows_used, report.resampled), (100.0, 200, 200, false));
+    assert_eq!(
+        (log.rate_hz, log.samples(), report.rows_used, report.resampled),
+        (100.0, 200, 200, false)
+    );
     assert!(report.findings.is_empty());
     assert!(worst(&log) < 1e-9);
     let mut gzip = GzEncoder::new(Vec::new(), Compression::default());
@@ -77,8 +93,11 @@ fn prop_irregular_rows_are_counted_named_and_dealt_with() {
 #[test]
 fn prop_jitter_is_resampled_and_a_gap_is_marked() {
     let stamp = |i: usize| i as f64 / 100.0 + 0.003 * (i as f64 * 1.7).sin();
-    let jittered: Vec<String> =
-        (0..1000).filter(|i| !(400..450).contains(i)).map(|i| (stamp(i), i)).map(|(t, _)| format!("{t:.7},{:.9},{:.9}", t.sin(), t.cos())).collect();
+    let jittered: Vec<String> = (0..1000)
+        .filter(|i| !(400..450).contains(i))
+        .map(|i| (stamp(i), i))
+        .map(|(t, _)| format!("{t:.7},{:.9},{:.9}", t.sin(), t.cos()))
+        .collect();
     let (log, report) = read(file(&jittered), &Columns::default(), 1).unwrap();
     assert!(report.resampled);
     assert_eq!(count(&report, FindingKind::Gap), 1);
@@ -100,11 +119,19 @@ fn prop_columns_map_headers_units_signs_offsets_and_rate() {
         time_unit: TimeUnit::Milliseconds,
         position: JointColumns {
             headers: vec!["motor".to_string()],
-            transformation: Transformation { factor: vec![std::f64::consts::PI / 180.0], coupling: None, offset: vec![-1.0] },
+            transformation: Transformation {
+                factor: vec![std::f64::consts::PI / 180.0],
+                coupling: None,
+                offset: vec![-1.0],
+            },
         },
         torque: JointColumns {
             headers: vec!["current".to_string()],
-            transformation: Transformation { factor: vec![-0.5], coupling: None, offset: vec![] },
+            transformation: Transformation {
+                factor: vec![-0.5],
+                coupling: None,
+                offset: vec![],
+            },
         },
         ..Columns::default()
     };
@@ -120,7 +147,10 @@ fn prop_a_coupling_matrix_mixes_the_columns() {
     let columns = Columns {
         sample_rate_hz: Some(50.0),
         position: JointColumns {
-            transformation: Transformation { coupling: Some(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 2.0])), ..Default::default() },
+            transformation: Transformation {
+                coupling: Some(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 2.0])),
+                ..Default::default()
+            },
             ..Default::default()
         },
         ..Columns::default()
@@ -138,13 +168,19 @@ fn prop_files_that_are_no_logs_are_refused_with_place_and_remedy() {
     assert!(message(b"time,q1,tau1\n", &default).contains("is empty"));
     assert!(message(b"1,2,3\n4,5,6\n", &default).contains("no header"));
     let missing = message(file(&rows(100)).replace("tau1", "torque_of_axis").as_bytes(), &default);
-    assert!(missing.contains("`tau1` (joint A1)") && missing.contains("`torque_of_axis`") && missing.contains("columns"), "{missing}");
+    assert!(
+        missing.contains("`tau1` (joint A1)") && missing.contains("`torque_of_axis`") && missing.contains("columns"),
+        "{missing}"
+    );
     assert!(message(file(&rows(100)).replace("time", "nothing").as_bytes(), &default).contains("sample_rate_hz"));
     assert!(message(file(&rows(100)).replace("tau1", "q1").as_bytes(), &default).contains("tau1"));
     let mut garbage = rows(100);
     (0..20).for_each(|i| garbage[3 * i] = "a,b,c".to_string());
     let text = message(file(&garbage).as_bytes(), &default);
-    assert!(text.contains("20 of 100 rows") && text.contains("line 2") && text.contains("`b` in column 2"), "{text}");
+    assert!(
+        text.contains("20 of 100 rows") && text.contains("line 2") && text.contains("`b` in column 2"),
+        "{text}"
+    );
     let twice = [rows(100), rows(100)].concat();
     assert!(message(file(&twice).as_bytes(), &default).contains("time goes back"));
     assert!(message(file(&rows(5)).as_bytes(), &default).contains("5 usable rows"));

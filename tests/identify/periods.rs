@@ -61,9 +61,24 @@ fn prop_partial_periods_at_both_ends_are_left_out() {
 fn prop_a_stated_period_that_the_log_does_not_hold_is_refused() {
     let robot = Virtual::iiwa14();
     let log = robot.clean(&excitation(8, 10.0), 100.0, 1);
-    let options = PreprocessOptions { period: Period::Known { period_s: 25.0, order: None }, ..Default::default() };
+    let options = PreprocessOptions {
+        period: Period::Known {
+            period_s: 25.0,
+            order: None,
+        },
+        ..Default::default()
+    };
     let error = prepare(&log, 7, &options).unwrap_err().to_string();
-    assert!(error.contains("no whole period of 25 s") && error.contains("check the period"), "{error}");
-    let options = PreprocessOptions { period: Period::Known { period_s: f64::NAN, order: None }, ..Default::default() };
+    assert!(
+        error.contains("no whole period of 25 s") && error.contains("check the period"),
+        "{error}"
+    );
+    let options = PreprocessOptions {
+        period: Period::Known {
+            period_s: f64::NAN,
+            order: None,
+        },
+        ..Default::default()
+    };
     assert!(prepare(&log, 7, &options).is_err());
 }

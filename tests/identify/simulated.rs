@@ -24,7 +24,12 @@ pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
 pub fn table3() -> Vec<f64> {
     let path = format!("{}/tests/data/ref_regressor.json", env!("CARGO_MANIFEST_DIR"));
     let reference: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-    reference["table3_pi"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+    reference["table3_pi"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|v| v.as_f64().unwrap())
+        .collect()
 }
 
 /// A robot with true parameters.
@@ -37,7 +42,11 @@ pub struct Virtual {
 impl Virtual {
     pub fn iiwa14() -> Self {
         let robot = iiwa14();
-        Self { base: BaseParameters::exact(&robot), phi: table3(), robot }
+        Self {
+            base: BaseParameters::exact(&robot),
+            phi: table3(),
+            robot,
+        }
     }
 
     pub fn truth(&self) -> DVector<f64> {
@@ -48,8 +57,16 @@ impl Virtual {
     pub fn clean(&self, trajectory: &dyn Trajectory, rate_hz: f64, repeats: usize) -> Log {
         let n = self.robot.joint_count();
         let samples = (trajectory.duration() * repeats as f64 * rate_hz).round() as usize;
-        let motion = Motion::from_fn(n, samples, |j, s| trajectory.state(j, (s as f64 / rate_hz) % trajectory.duration()));
-        let tau = inverse_dynamics_batch(&Chain::new(&self.robot), &Layout::standard(&self.robot), &self.phi, &motion, Coulomb::Sign);
+        let motion = Motion::from_fn(n, samples, |j, s| {
+            trajectory.state(j, (s as f64 / rate_hz) % trajectory.duration())
+        });
+        let tau = inverse_dynamics_batch(
+            &Chain::new(&self.robot),
+            &Layout::standard(&self.robot),
+            &self.phi,
+            &motion,
+            Coulomb::Sign,
+        );
         let torque = |j: usize| tau[j * motion.stride()..j * motion.stride() + samples].to_vec();
         Log {
             name: "simulated".to_string(),
@@ -79,7 +96,12 @@ pub fn excitation(seed: u64, period_s: f64) -> FourierSeries {
     let mut rng = rng(seed);
     let mut draw = |scale: f64| DMatrix::from_fn(7, 5, |_, l| uniform(&mut rng, scale * (l + 1) as f64 / 5.0));
     let (a, b) = (draw(0.6), draw(0.6));
-    FourierSeries { fundamental_hz: 1.0 / period_s, a, b, offset: vec![0.0, 0.2, -0.1, 0.4, 0.0, -0.3, 0.1] }
+    FourierSeries {
+        fundamental_hz: 1.0 / period_s,
+        a,
+        b,
+        offset: vec![0.0, 0.2, -0.1, 0.4, 0.0, -0.3, 0.1],
+    }
 }
 
 /// Ten quintic segments of a second each through random way-points, back to the start.

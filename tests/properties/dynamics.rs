@@ -10,7 +10,14 @@ fn arms() -> impl Iterator<Item = (u64, Robot)> {
     (1..=10).flat_map(|joints| {
         (0..6).map(move |i| {
             let seed = 100 * joints as u64 + i;
-            (seed, if i < 3 { general_arm(seed, joints) } else { structured_arm(seed, joints) })
+            (
+                seed,
+                if i < 3 {
+                    general_arm(seed, joints)
+                } else {
+                    structured_arm(seed, joints)
+                },
+            )
         })
     })
 }
@@ -42,7 +49,9 @@ fn prop_batched_inverse_dynamics_equals_sample_by_sample() {
     let layout = Layout::standard(&robot);
     let mut rng = rng(5);
     let phi: Vec<f64> = (0..layout.len()).map(|_| uniform(&mut rng, 1.0)).collect();
-    let motion = Motion::from_fn(6, 21, |_, _| [uniform(&mut rng, 2.0), uniform(&mut rng, 2.0), uniform(&mut rng, 2.0)]);
+    let motion = Motion::from_fn(6, 21, |_, _| {
+        [uniform(&mut rng, 2.0), uniform(&mut rng, 2.0), uniform(&mut rng, 2.0)]
+    });
     let tau = inverse_dynamics_batch(&Chain::new(&robot), &layout, &phi, &motion, Coulomb::Sign);
     for s in 0..21 {
         let state: Vec<[f64; 3]> = (0..6).map(|j| motion.get(j, s)).collect();
@@ -62,7 +71,9 @@ fn prop_power_balance_without_friction() {
         let layout = Layout::standard(&robot);
         let mut rng = rng(seed ^ 0xbeef);
         // No friction: FV and FS are the last two of every link.
-        let phi: Vec<f64> = (0..layout.len()).map(|i| if i % 12 < 10 { uniform(&mut rng, 1.0) } else { 0.0 }).collect();
+        let phi: Vec<f64> = (0..layout.len())
+            .map(|i| if i % 12 < 10 { uniform(&mut rng, 1.0) } else { 0.0 })
+            .collect();
         let [q, qd, qdd]: [Vec<f64>; 3] = vectors(&mut rng, 3, n, 1.0).try_into().unwrap();
         let tau = inverse_dynamics(&robot, &layout, &phi, &q, &qd, &qdd);
         let power: f64 = tau.iter().zip(&qd).map(|(t, v)| t * v).sum();
@@ -84,10 +95,21 @@ fn prop_exact_and_numeric_base_parameters_agree() {
     for (seed, robot) in arms().chain((0..200).map(|i| (i, structured_arm(10_000 + i, 1 + i as usize % 7)))) {
         let exact = BaseParameters::exact(&robot);
         let numeric = numeric_base_parameters(&robot, seed);
-        assert_eq!(exact.kept, numeric.base.kept, "seed {seed} {:?} {:#?}", robot.gravity(), robot.joints().iter().map(|j| (j.kind, j.mdh)).collect::<Vec<_>>());
+        assert_eq!(
+            exact.kept,
+            numeric.base.kept,
+            "seed {seed} {:?} {:#?}",
+            robot.gravity(),
+            robot.joints().iter().map(|j| (j.kind, j.mdh)).collect::<Vec<_>>()
+        );
         assert!((&exact.map - &numeric.base.map).amax() < 1e-8, "seed {seed}");
         assert_eq!(exact.names, numeric.base.names, "seed {seed}");
-        assert!(numeric.weakest_kept > 1e-4 && numeric.strongest_dropped < 1e-11, "seed {seed} {} {}", numeric.weakest_kept, numeric.strongest_dropped);
+        assert!(
+            numeric.weakest_kept > 1e-4 && numeric.strongest_dropped < 1e-11,
+            "seed {seed} {} {}",
+            numeric.weakest_kept,
+            numeric.strongest_dropped
+        );
     }
 }
 
@@ -127,7 +149,9 @@ fn prop_adjoint_gradient_equals_differences() {
             let mut rows = RowBlocks::new(&columns, samples);
             let mut value = |m: &Motion| {
                 rows.fill(&chain, &columns, m, coulomb);
-                (0..n).map(|j| rows.block(j).iter().zip(weights.block(j)).map(|(y, w)| y * w).sum::<f64>()).sum::<f64>()
+                (0..n)
+                    .map(|j| rows.block(j).iter().zip(weights.block(j)).map(|(y, w)| y * w).sum::<f64>())
+                    .sum::<f64>()
             };
             let mut gradient = MotionGradient::new(n, samples);
             gradient.fill(&chain, &columns, &motion, coulomb, &weights);
@@ -145,7 +169,10 @@ fn prop_adjoint_gradient_equals_differences() {
                         let difference = (at(h) - at(-h)) / (2.0 * h);
                         let exact = gradient.get(j, s)[part];
                         // Truncation h² = 1e-10 and rounding 1e-16/h = 1e-11 of sums of some hundred terms of order 10.
-                        assert!((difference - exact).abs() < 1e-6 * (1.0 + exact.abs()), "seed {seed} {j} {s} {part}: {difference} {exact}");
+                        assert!(
+                            (difference - exact).abs() < 1e-6 * (1.0 + exact.abs()),
+                            "seed {seed} {j} {s} {part}: {difference} {exact}"
+                        );
                     }
                 }
             }

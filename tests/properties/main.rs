@@ -4,4 +4,6 @@
 mod support;
 
 mod dynamics;
+mod excitation;
+mod robots;
 mod trajectory;

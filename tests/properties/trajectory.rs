@@ -26,7 +26,12 @@ fn prop_derivatives_match_differences() {
     let mut rng = rng(3);
     let mut coefficients = || DMatrix::from_fn(3, 5, |_, _| uniform(&mut rng, 1.0));
     let (a, b) = (coefficients(), coefficients());
-    assert_derivatives(&FourierSeries { fundamental_hz: 0.1, a, b, offset: vec![0.1, -0.2, 0.3] });
+    assert_derivatives(&FourierSeries {
+        fundamental_hz: 0.1,
+        a,
+        b,
+        offset: vec![0.1, -0.2, 0.3],
+    });
     let terms = vec![vec![(0.4, 1.3), (-0.2, 2.9)], vec![(1.0, 0.7)]];
     assert_derivatives(&SineSeries { terms, duration: 10.0 });
     let way_points = (0..6).map(|_| vec![uniform(&mut rng, 1.5), uniform(&mut rng, 1.5)]).collect();

@@ -54,7 +54,10 @@ impl LowPass {
         if order % 2 == 1 {
             let z = (1.0 - t) / (1.0 + t);
             let gain = (1.0 - z) / 2.0;
-            sections.push(Section { b: [gain, gain, 0.0], a: [-z, 0.0] });
+            sections.push(Section {
+                b: [gain, gain, 0.0],
+                a: [-z, 0.0],
+            });
         }
         // From the most damped pair to the least: the resonant sections come last, where the signal is already smooth.
         for k in (0..order / 2).rev() {
@@ -65,9 +68,17 @@ impl LowPass {
             let square = ((1.0 + re) * (1.0 + re) + im * im) / scale;
             // 1 − 2 Re z + |z|² in a form without cancellation: 4 t² / scale.
             let gain = t * t / scale;
-            sections.push(Section { b: [gain, 2.0 * gain, gain], a: [-2.0 * real, square] });
+            sections.push(Section {
+                b: [gain, 2.0 * gain, gain],
+                a: [-2.0 * real, square],
+            });
         }
-        Ok(Self { order, cutoff_hz, rate_hz, sections })
+        Ok(Self {
+            order,
+            cutoff_hz,
+            rate_hz,
+            sections,
+        })
     }
 
     /// `|H|²` at `frequency_hz`: `1 / (1 + (tan(π f/fs)/tan(π fc/fs))^2n)`.
@@ -78,7 +89,11 @@ impl LowPass {
 
     /// Samples after which the slowest mode has decayed to 1e-3 of where it began: what the ends of a record remember of the padding.
     pub fn settling_samples(&self) -> usize {
-        let slowest = self.sections.iter().map(|s| if s.b[2] == 0.0 { s.a[0].abs() } else { s.a[1].sqrt() }).fold(0.0, f64::max);
+        let slowest = self
+            .sections
+            .iter()
+            .map(|s| if s.b[2] == 0.0 { s.a[0].abs() } else { s.a[1].sqrt() })
+            .fold(0.0, f64::max);
         (1e-3f64.ln() / slowest.ln()).ceil() as usize
     }
 }

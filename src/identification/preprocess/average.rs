@@ -31,9 +31,19 @@ impl Periods {
         }
         let stretch = repeating_stretch(log, lag);
         // A single period and a bit: nothing to compare, the log is taken from its start.
-        let (first, length) = if n < 1.5 * lag { (0, n) } else { (stretch.start, stretch.len() as f64 + lag) };
+        let (first, length) = if n < 1.5 * lag {
+            (0, n)
+        } else {
+            (stretch.start, stretch.len() as f64 + lag)
+        };
         let count = (length / lag + ALMOST_WHOLE).floor() as usize;
-        (count > 0).then_some(Self { period_s, count, samples: lag.round() as usize, first, lag })
+        (count > 0).then_some(Self {
+            period_s,
+            count,
+            samples: lag.round() as usize,
+            first,
+            lag,
+        })
     }
 
     /// True when periods are a whole number of samples long: to within a thousandth of a sample over the whole log.
@@ -79,7 +89,11 @@ impl Periods {
                         count += 1;
                     }
                 }
-                if count > 0 { sum / f64::from(count) } else { all / self.count as f64 }
+                if count > 0 {
+                    sum / f64::from(count)
+                } else {
+                    all / self.count as f64
+                }
             })
             .collect()
     }
@@ -107,20 +121,31 @@ impl Scatter {
         let (k, n) = (periods.count, periods.samples);
         let (mut std_dev, mut spectrum) = (Vec::new(), Vec::new());
         for (tau, mean) in torque.iter().zip(mean) {
-            let deviation: Vec<f64> = (0..k * n).map(|s| if usable[s] { tau[s] - mean[s % n] } else { 0.0 }).collect();
+            let deviation: Vec<f64> = (0..k * n)
+                .map(|s| if usable[s] { tau[s] - mean[s % n] } else { 0.0 })
+                .collect();
             let used = usable.iter().filter(|&&u| u).count() as f64;
             // Every sample of the period spends one degree of freedom on its mean.
             let freedom = (used - n as f64).max(1.0);
             std_dev.push((deviation.iter().map(|d| d * d).sum::<f64>() / freedom).sqrt());
             let mut lines = vec![0.0; n / 2 + 1];
             for period in deviation.chunks_exact(n) {
-                lines.iter_mut().zip(forward(period)).for_each(|(sum, x)| *sum += x.norm_sqr());
+                lines
+                    .iter_mut()
+                    .zip(forward(period))
+                    .for_each(|(sum, x)| *sum += x.norm_sqr());
             }
             // Mean over periods with K − 1 degrees of freedom is the noise of one period; the average has 1/K of it.
             let scale = 1.0 / ((k - 1) as f64 * k as f64 * n as f64);
             lines.iter_mut().for_each(|v| *v *= scale);
             spectrum.push(lines);
         }
-        Self { periods: k, torque, usable, std_dev, spectrum }
+        Self {
+            periods: k,
+            torque,
+            usable,
+            std_dev,
+            spectrum,
+        }
     }
 }

@@ -13,7 +13,9 @@ pub(super) const RIGID_LIMIT_HZ: f64 = 20.0;
 pub(super) fn signal_cutoff(log: &Log) -> f64 {
     let highest = log.q.iter().map(|q| highest_signal(q, log.rate_hz)).fold(0.0, f64::max);
     let slowest = 5.0 / log.duration_s();
-    (1.5 * highest).clamp(slowest, RIGID_LIMIT_HZ.max(slowest)).min(0.2 * log.rate_hz)
+    (1.5 * highest)
+        .clamp(slowest, RIGID_LIMIT_HZ.max(slowest))
+        .min(0.2 * log.rate_hz)
 }
 
 fn highest_signal(q: &[f64], rate_hz: f64) -> f64 {

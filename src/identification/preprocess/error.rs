@@ -7,14 +7,25 @@ use thiserror::Error;
 pub enum PreprocessError {
     #[error("log `{log}` has {actual} joints, the robot has {expected}")]
     WrongJoints { log: String, expected: usize, actual: usize },
-    #[error("log `{log}`: no whole period of {period_s} s in its {duration_s:.3} s that repeats; check the period, or set it to null")]
+    #[error(
+        "log `{log}`: no whole period of {period_s} s in its {duration_s:.3} s that repeats; check the period, or take the log as one stretch"
+    )]
     NoWholePeriod { log: String, period_s: f64, duration_s: f64 },
     #[error("log `{log}`: the method needs a log that repeats, and no period was given or found")]
     NotPeriodic { log: String },
     #[error("log `{log}`: {what}: {source}")]
-    Filter { log: String, what: &'static str, source: FilterError },
+    Filter {
+        log: String,
+        what: &'static str,
+        source: FilterError,
+    },
     #[error("log `{log}`: {field} is {value}, which is {problem}")]
-    Option { log: String, field: &'static str, value: f64, problem: &'static str },
+    Option {
+        log: String,
+        field: &'static str,
+        value: f64,
+        problem: &'static str,
+    },
     #[error("log `{log}`: {rows} rows are left of {samples} samples after edges and decimation; record longer, or discard less")]
     NothingLeft { log: String, rows: usize, samples: usize },
 }

@@ -36,7 +36,9 @@ pub(super) fn fourier_fit(q: &[f64], period_s: f64, variance: Option<f64>, order
     let floor = median(power[power.len() / 2..].to_vec()) / std::f64::consts::LN_2;
     // Transforms round to a few units in the last place of the largest value.
     let rounding = 8.0 * f64::EPSILON * q.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    let noise = floor.max(variance.unwrap_or(0.0) * n as f64).max(rounding * rounding * n as f64);
+    let noise = floor
+        .max(variance.unwrap_or(0.0) * n as f64)
+        .max(rounding * rounding * n as f64);
     // The mean (line 0) would lend its power to the first harmonics' judgement; their own power decides.
     let mut judged = power.clone();
     judged[0] = 0.0;
@@ -47,7 +49,13 @@ pub(super) fn fourier_fit(q: &[f64], period_s: f64, variance: Option<f64>, order
     let omega = TAU / period_s;
     let series = |derivative: i32| {
         let factor = |l: usize| (Complex64::i() * omega * l as f64).powi(derivative);
-        let kept = lines.iter().enumerate().map(|(l, &x)| if l <= last && keep(l) { x * factor(l) } else { Complex64::ZERO });
+        let kept = lines.iter().enumerate().map(|(l, &x)| {
+            if l <= last && keep(l) {
+                x * factor(l)
+            } else {
+                Complex64::ZERO
+            }
+        });
         inverse(kept.collect(), n)
     };
     let kept: Vec<usize> = (1..=last).filter(|&l| keep(l)).collect();

@@ -20,7 +20,11 @@ pub struct PreprocessOptions {
 /// The paper's chain (section 4.3): average over periods, order 20 at 2 Hz on positions, order 12 at 1.6 Hz on torques, central differences.
 impl PreprocessOptions {
     pub fn paper(period_s: f64) -> Self {
-        Self { period: Period::Known { period_s, order: None }, method: Method::Paper, ..Self::default() }
+        Self {
+            period: Period::Known { period_s, order: None },
+            method: Method::Paper,
+            ..Self::default()
+        }
     }
 }
 
@@ -65,6 +69,10 @@ pub struct Choice {
 
 impl Choice {
     pub fn new(what: &'static str, value: impl Into<String>, why: impl Into<String>) -> Self {
-        Self { what, value: value.into(), why: why.into() }
+        Self {
+            what,
+            value: value.into(),
+            why: why.into(),
+        }
     }
 }

@@ -18,17 +18,34 @@ const LEFT: f64 = 0.3;
 /// `d(L) = Σ_j mean_t (q_j(t + L) − q_j(t))² / 2 var q_j`, averaged over the joints that move; the period is the first lag, after d
 /// has risen, where it falls to a minimum near zero. The lag of the last full repetition, divided by their number, refines it to a
 /// fraction of a sample.
+///
+/// The stretch that really repeats is then looked at alone, because a robot that starts late pulls the minimum aside, and a period
+/// within a fiftieth of a sample of a whole number of samples is taken to be that: a controller counts samples.
 pub fn detect_period(log: &Log) -> Option<f64> {
+    let rough = period_in_samples(log)?;
+    let stretch = repeating_stretch(log, rough);
+    let end = (stretch.end + rough.ceil() as usize).min(log.samples());
+    let whole_stretch = stretch.start > 0 || end < log.samples();
+    let lag = if whole_stretch {
+        period_in_samples(&log.slice(stretch.start..end)).unwrap_or(rough)
+    } else {
+        rough
+    };
+    let lag = if (lag - lag.round()).abs() < 0.02 { lag.round() } else { lag };
+    Some(lag / log.rate_hz)
+}
+
+fn period_in_samples(log: &Log) -> Option<f64> {
     let n = log.samples();
     let difference = lag_difference(log)?;
-    let limit = n / 2 + 1;
+    // The record may end a few samples short of the second period.
+    let limit = (n / 2 + n / 100 + 1).min(difference.len());
     let left = (1..limit).find(|&l| difference[l] > LEFT)?;
     let candidate = (left..limit).find(|&l| {
         let d = difference[l];
         let lowest = d < CANDIDATE && d <= difference[l - 1] && difference.get(l + 1).is_none_or(|&next| d <= next);
         lowest && mostly_repeats(log, l)
     })?;
-    // A later minimum may be deeper within the same dip.
     let mut lag = refine(&difference, candidate);
     for count in 2.. {
         // Beyond three quarters of the record the overlap is too short to weigh.
@@ -40,7 +57,7 @@ pub fn detect_period(log: &Log) -> Option<f64> {
         let best = around.min_by(|&a, &b| difference[a].total_cmp(&difference[b]))?;
         lag = refine(&difference, best) / f64::from(count);
     }
-    Some(lag / log.rate_hz)
+    Some(lag)
 }
 
 /// Whether the median of `|q(t + L) − q(t)|²` over time, all joints together, is next to nothing beside the variance.
@@ -51,7 +68,10 @@ fn mostly_repeats(log: &Log, lag: usize) -> bool {
     for q in &log.q {
         let mean = q.iter().sum::<f64>() / n as f64;
         variance += q.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64;
-        squares.iter_mut().enumerate().for_each(|(s, d)| *d += (q[s + lag] - q[s]).powi(2));
+        squares
+            .iter_mut()
+            .enumerate()
+            .for_each(|(s, d)| *d += (q[s + lag] - q[s]).powi(2));
     }
     median(squares) < REPEATS * 2.0 * variance
 }
@@ -71,7 +91,11 @@ fn lag_difference(log: &Log) -> Option<Vec<f64>> {
             continue;
         }
         moving += 1;
-        let mut x: Vec<f64> = q.iter().map(|v| v - mean).chain(std::iter::repeat_n(0.0, padded - n)).collect();
+        let mut x: Vec<f64> = q
+            .iter()
+            .map(|v| v - mean)
+            .chain(std::iter::repeat_n(0.0, padded - n))
+            .collect();
         let mut squares = vec![0.0; n + 1];
         (0..n).for_each(|i| squares[i + 1] = squares[i] + x[i] * x[i]);
         let mut lines = forward.make_output_vec();
@@ -97,7 +121,11 @@ fn refine(d: &[f64], at: usize) -> f64 {
     }
     let (a, b, c) = (d[at - 1], d[at], d[at + 1]);
     let curvature = a - 2.0 * b + c;
-    let shift = if curvature > 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+    let shift = if curvature > 0.0 {
+        (0.5 * (a - c) / curvature).clamp(-0.5, 0.5)
+    } else {
+        0.0
+    };
     at as f64 + shift
 }
 
@@ -116,7 +144,9 @@ pub(super) fn repeating_stretch(log: &Log, lag: f64) -> std::ops::Range<usize> {
     let half = (whole / 200).max(2);
     let mut agrees = vec![true; count];
     for q in &log.q {
-        let (low, high) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let (low, high) = q
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         let squares: Vec<f64> = (0..count).map(|s| (at(q, s as f64 + lag) - q[s]).powi(2)).collect();
         let smooth = super::spectrum::smoothed(&squares, half);
         let allowed = (16.0 * median(smooth.clone())).max((1e-3 * (high - low)).powi(2));

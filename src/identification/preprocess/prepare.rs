@@ -2,14 +2,23 @@
 
 use super::cutoff::signal_cutoff;
 use super::fourier_fit::fourier_fit;
-use super::{Choice, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, RowFilter, Scatter, detect_period};
+use super::{
+    Choice, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, RowFilter, Scatter,
+    detect_period,
+};
 use crate::dynamics::Motion;
 use crate::identification::Log;
 use crate::identification::filter::{LowPass, Padding, central_difference, central_difference_periodic, zero_phase};
 
 /// The paper's filters (section 4.3).
-const PAPER_POSITION: FilterSpec = FilterSpec { order: 20, cutoff_hz: 2.0 };
-const PAPER_TORQUE: FilterSpec = FilterSpec { order: 12, cutoff_hz: 1.6 };
+const PAPER_POSITION: FilterSpec = FilterSpec {
+    order: 20,
+    cutoff_hz: 2.0,
+};
+const PAPER_TORQUE: FilterSpec = FilterSpec {
+    order: 12,
+    cutoff_hz: 1.6,
+};
 /// Order of the parallel filter and its position filter: run both ways it falls by 48 dB per octave, and rings little.
 const PARALLEL_ORDER: usize = 4;
 /// Velocities nearer to zero than three of their standard deviations have no known sign.
@@ -21,7 +30,11 @@ const SIGN_SIGMAS: f64 = 3.0;
 /// Wrong number of joints, a period that the log does not hold, filters that the sample rate does not allow, options out of range.
 pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<PreparedLog, PreprocessError> {
     if log.joints() != joints || log.tau.len() != joints {
-        return Err(PreprocessError::WrongJoints { log: log.name.clone(), expected: joints, actual: log.joints().min(log.tau.len()) });
+        return Err(PreprocessError::WrongJoints {
+            log: log.name.clone(),
+            expected: joints,
+            actual: log.joints().min(log.tau.len()),
+        });
     }
     let chain = Chain { log, options };
     chain.check()?;
@@ -34,7 +47,11 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
     let samples = record.usable.len();
     let rows = row_filter.rows(samples).len();
     if rows < 8 {
-        return Err(PreprocessError::NothingLeft { log: log.name.clone(), rows, samples });
+        return Err(PreprocessError::NothingLeft {
+            log: log.name.clone(),
+            rows,
+            samples,
+        });
     }
     let first = record.periods.as_ref().map_or(0, |p| p.first);
     Ok(PreparedLog {
@@ -49,6 +66,20 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
         row_filter,
         dead_zone,
         choices,
+    })
+}
+
+/// Whether periods scatter by noise alone, and not by torques of their own: below a tenth of the band, where the motion is, the
+/// scatter is less than 5 % of the torque, or its density no more than ten times that of the noise above.
+fn torques_repeat(record: &Record) -> bool {
+    let Some(scatter) = &record.scatter else { return true };
+    let mean = |lines: &[f64]| lines.iter().sum::<f64>() / lines.len().max(1) as f64;
+    scatter.spectrum.iter().zip(&record.tau).all(|(spectrum, tau)| {
+        let (low, high) = spectrum.split_at(spectrum.len() / 10);
+        let torque = tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
+        // Two lines of the whole spectrum per line of this half; spectra are of the mean, periods scatter K times as much.
+        let scattered = 2.0 * low.iter().sum::<f64>() / tau.len() as f64 * scatter.periods as f64;
+        scattered < 0.05 * 0.05 * torque || mean(low) < 10.0 * mean(high)
     })
 }
 
@@ -88,7 +119,14 @@ struct Chain<'a> {
 
 impl Chain<'_> {
     fn check(&self) -> Result<(), PreprocessError> {
-        let refuse = |field, value, problem| Err(PreprocessError::Option { log: self.log.name.clone(), field, value, problem });
+        let refuse = |field, value, problem| {
+            Err(PreprocessError::Option {
+                log: self.log.name.clone(),
+                field,
+                value,
+                problem,
+            })
+        };
         if let Period::Known { period_s, .. } = self.options.period
             && !(period_s.is_finite() && period_s > 0.0)
         {
@@ -116,14 +154,36 @@ impl Chain<'_> {
         let stated = matches!(self.options.period, Period::Known { .. });
         let periods = period.and_then(|p| Periods::find(self.log, p));
         match periods {
-            Some(periods) => Ok(self.averaged(periods, order, source, choices)),
+            Some(periods) if periods.count == 1 && !stated => {
+                choices.push(Choice::new(
+                    "period",
+                    "none",
+                    "less than two whole periods repeat: their ends need not meet",
+                ));
+                Ok(self.whole())
+            }
+            Some(periods) => {
+                let mut made = Vec::new();
+                let record = self.averaged(periods, order, source, &mut made);
+                if !stated && !torques_repeat(&record) {
+                    let why = "the positions repeat but the torques do not: something other than the motion acts, and a mean would hide it";
+                    choices.push(Choice::new("period", "none", why));
+                    return Ok(self.whole());
+                }
+                choices.extend(made);
+                Ok(record)
+            }
             None if stated => Err(PreprocessError::NoWholePeriod {
                 log: self.log.name.clone(),
                 period_s: period.unwrap_or(f64::NAN),
                 duration_s: self.log.duration_s(),
             }),
             None => {
-                let why = if self.options.period == Period::None { source } else { "nothing in the positions repeats twice" };
+                let why = if self.options.period == Period::None {
+                    source
+                } else {
+                    "nothing in the positions repeats twice"
+                };
                 choices.push(Choice::new("period", "none", why));
                 Ok(self.whole())
             }
@@ -146,11 +206,22 @@ impl Chain<'_> {
     fn averaged(&self, periods: Periods, order: Option<usize>, source: &str, choices: &mut Vec<Choice>) -> Record {
         let (k, n) = (periods.count, periods.samples);
         let usable = periods.usable(self.log);
-        let mean = |columns: &[Vec<f64>]| columns.iter().map(|x| periods.mean(&periods.unfold(x), &usable)).collect::<Vec<_>>();
+        let mean = |columns: &[Vec<f64>]| {
+            columns
+                .iter()
+                .map(|x| periods.mean(&periods.unfold(x), &usable))
+                .collect::<Vec<_>>()
+        };
         let (q, tau) = (mean(&self.log.q), mean(&self.log.tau));
         let position_variance = (k > 1).then(|| {
             let variance = |(x, mean): (&Vec<f64>, &Vec<f64>)| {
-                let sum: f64 = periods.unfold(x).iter().enumerate().filter(|(s, _)| usable[*s]).map(|(s, v)| (v - mean[s % n]).powi(2)).sum();
+                let sum: f64 = periods
+                    .unfold(x)
+                    .iter()
+                    .enumerate()
+                    .filter(|(s, _)| usable[*s])
+                    .map(|(s, v)| (v - mean[s % n]).powi(2))
+                    .sum();
                 sum / ((k - 1) * n) as f64 / k as f64
             };
             self.log.q.iter().zip(&q).map(variance).collect()
@@ -161,8 +232,14 @@ impl Chain<'_> {
         choices.push(Choice::new("period", format!("{:.6} s", periods.period_s), source));
         choices.push(Choice::new(
             "averaging",
-            format!("{k} periods of {n} samples from {:.3} s on", self.log.start_s + periods.first as f64 / self.log.rate_hz),
-            format!("noise falls by the square root of {k}; {:.3} s at the ends belong to no whole period that repeats", left.max(0.0)),
+            format!(
+                "{k} periods of {n} samples from {:.3} s on",
+                self.log.start_s + periods.first as f64 / self.log.rate_hz
+            ),
+            format!(
+                "noise falls by the square root of {k}; {:.3} s at the ends belong to no whole period that repeats",
+                left.max(0.0)
+            ),
         ));
         Record {
             rate_hz: n as f64 / periods.period_s,
@@ -194,12 +271,20 @@ impl Chain<'_> {
 
     fn by_fourier(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<f64>), PreprocessError> {
         let Some(periods) = &record.periods else {
-            return Err(PreprocessError::NotPeriodic { log: self.log.name.clone() });
+            return Err(PreprocessError::NotPeriodic {
+                log: self.log.name.clone(),
+            });
         };
         let variance = |j: usize| record.position_variance.as_ref().map(|v| v[j]);
-        let fits: Vec<_> =
-            record.q.iter().enumerate().map(|(j, q)| fourier_fit(q, periods.period_s, variance(j), record.order)).collect();
-        let motion = Motion::from_fn(fits.len(), record.usable.len(), |j, s| [fits[j].q[s], fits[j].qd[s], fits[j].qdd[s]]);
+        let fits: Vec<_> = record
+            .q
+            .iter()
+            .enumerate()
+            .map(|(j, q)| fourier_fit(q, periods.period_s, variance(j), record.order))
+            .collect();
+        let motion = Motion::from_fn(fits.len(), record.usable.len(), |j, s| {
+            [fits[j].q[s], fits[j].qd[s], fits[j].qdd[s]]
+        });
         let highest = fits.iter().map(|f| f.highest).max().unwrap_or(0);
         let kept: Vec<usize> = fits.iter().map(|f| f.kept).collect();
         let worst = fits.iter().map(|f| f.acceleration_std).fold(0.0, f64::max);
@@ -214,17 +299,29 @@ impl Chain<'_> {
         Ok((motion, fits.iter().map(|f| f.velocity_std).collect()))
     }
 
-    fn by_filter(&self, record: &Record, method: Method, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<f64>), PreprocessError> {
+    fn by_filter(
+        &self,
+        record: &Record,
+        method: Method,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(Motion, Vec<f64>), PreprocessError> {
         let periodic = record.periods.is_some();
         let (spec, why) = match (self.options.position_filter, method) {
             (Some(spec), _) => (spec, "given"),
             (None, Method::Paper) => (PAPER_POSITION, "the paper's section 4.3"),
-            (None, _) => (self.parallel_default(), "half again as high as the positions stand above their noise, and no higher than a rigid model holds"),
+            (None, _) => (
+                self.parallel_default(),
+                "half again as high as the positions stand above their noise, and no higher than a rigid model holds",
+            ),
         };
         let filter = self.design(spec, record.rate_hz, "position_filter")?;
         let padding = padding(periodic);
         let step = 1.0 / record.rate_hz;
-        let difference = if periodic { central_difference_periodic } else { central_difference };
+        let difference = if periodic {
+            central_difference_periodic
+        } else {
+            central_difference
+        };
         let mut motion = Motion::zeros(record.q.len(), record.usable.len());
         let mut velocity_std = Vec::new();
         for (j, raw) in record.q.iter().enumerate() {
@@ -234,34 +331,54 @@ impl Chain<'_> {
             let qdd = difference(&qd, step);
             (0..q.len()).for_each(|s| motion.set(j, s, [q[s], qd[s], qdd[s]]));
         }
-        choices.push(Choice::new("derivatives", format!("{}, then central differences", describe(spec)), why));
+        choices.push(Choice::new(
+            "derivatives",
+            format!("{}, then central differences", describe(spec)),
+            why,
+        ));
         Ok((motion, velocity_std))
     }
 
     fn parallel_default(&self) -> FilterSpec {
-        FilterSpec { order: PARALLEL_ORDER, cutoff_hz: signal_cutoff(self.log) }
+        FilterSpec {
+            order: PARALLEL_ORDER,
+            cutoff_hz: signal_cutoff(self.log),
+        }
     }
 
     fn design(&self, spec: FilterSpec, rate_hz: f64, what: &'static str) -> Result<LowPass, PreprocessError> {
-        LowPass::butterworth(spec.order, spec.cutoff_hz, rate_hz)
-            .map_err(|source| PreprocessError::Filter { log: self.log.name.clone(), what, source })
+        LowPass::butterworth(spec.order, spec.cutoff_hz, rate_hz).map_err(|source| PreprocessError::Filter {
+            log: self.log.name.clone(),
+            what,
+            source,
+        })
     }
 
     fn row_filter(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<RowFilter, PreprocessError> {
         let periodic = record.periods.is_some();
         let (spec, on_columns, why) = match (self.options.torque_filter, self.method(record)) {
             (Some(spec), Method::Paper) => (Some(spec), false, "given"),
-            (Some(spec), _) => (Some(spec), true, "given; the same for torque and every regressor column, which leaves the equation as it is"),
+            (Some(spec), _) => (
+                Some(spec),
+                true,
+                "given; the same for torque and every regressor column, which leaves the equation as it is",
+            ),
             (None, Method::Paper) => (Some(PAPER_TORQUE), false, "the paper's section 4.3: torque alone is filtered"),
             (None, Method::ParallelFilter) => (
                 Some(self.options.position_filter.unwrap_or_else(|| self.parallel_default())),
                 true,
                 "as for the positions; the same filter for torque and every regressor column leaves the equation as it is",
             ),
-            (None, _) => (None, false, "averaging is all the filter that least squares needs; the noise of the mean is known from the periods"),
+            (None, _) => (
+                None,
+                false,
+                "averaging is all the filter that least squares needs; the noise of the mean is known from the periods",
+            ),
         };
         choices.push(Choice::new("row_filter", spec.map_or("none".to_string(), describe), why));
-        let filter = spec.map(|spec| self.design(spec, record.rate_hz, "torque_filter")).transpose()?;
+        let filter = spec
+            .map(|spec| self.design(spec, record.rate_hz, "torque_filter"))
+            .transpose()?;
         let mut rows = RowFilter {
             columns: filter.clone().filter(|_| on_columns),
             torque: filter,
@@ -277,7 +394,10 @@ impl Chain<'_> {
         let (edges, why) = match self.options.discard_edges_s {
             Some(seconds) => ((seconds * record.rate_hz).round() as usize, "given"),
             None if record.periods.is_some() => (0, "a period has no ends"),
-            None => (settling, "what the filter remembers of the padding beyond the record, down to a thousandth"),
+            None => (
+                settling,
+                "what the filter remembers of the padding beyond the record, down to a thousandth",
+            ),
         };
         rows.edges = edges;
         choices.push(Choice::new("edges", format!("{:.3} s", edges as f64 / record.rate_hz), why));
@@ -286,7 +406,10 @@ impl Chain<'_> {
             // Four samples per cycle of the cut-off: twice what the filtered signals need, so nothing is lost.
             (None, Some(filter)) if record.periods.is_none() => {
                 let d = (record.rate_hz / (4.0 * filter.cutoff_hz)).floor().max(1.0) as usize;
-                (d, "rows closer together than a quarter of the filter's cut-off period say nothing new".to_string())
+                (
+                    d,
+                    "rows closer together than a quarter of the filter's cut-off period say nothing new".to_string(),
+                )
             }
             (None, _) => (1, "every sample of the mean period counts".to_string()),
         };
@@ -304,7 +427,10 @@ impl Chain<'_> {
             ),
         };
         // A joint that never moves has no friction to mistake, and its rows tell of gravity.
-        zone.iter_mut().zip(still).filter(|(_, still)| **still).for_each(|(z, _)| *z = 0.0);
+        zone.iter_mut()
+            .zip(still)
+            .filter(|(_, still)| **still)
+            .for_each(|(z, _)| *z = 0.0);
         let text: Vec<String> = zone.iter().map(|v| format!("{v:.2e}")).collect();
         choices.push(Choice::new("dead_zone", format!("[{}] rad/s (m/s)", text.join(", ")), why));
         zone

@@ -17,7 +17,13 @@ pub struct RowFilter {
 impl RowFilter {
     /// Samples go into rows as they are.
     pub fn none() -> Self {
-        Self { torque: None, columns: None, padding: Padding::Odd, edges: 0, decimation: 1 }
+        Self {
+            torque: None,
+            columns: None,
+            padding: Padding::Odd,
+            edges: 0,
+            decimation: 1,
+        }
     }
 
     /// The samples that become rows, of a record of `samples`.

@@ -109,8 +109,18 @@ pub(super) fn candidates(quantity: Quantity, number: usize, name: &str) -> Vec<S
         Quantity::Velocity => &["qd", "velocity", "vel"],
         Quantity::Torque => &["tau", "torque", "effort"],
     };
-    let mut found: Vec<String> = stems.iter().flat_map(|s| [format!("{s}{number}"), format!("{s}_{number}")]).collect();
-    found.extend(stems.iter().flat_map(|s| [format!("{s}_{name}"), format!("{name}_{s}"), format!("{s}.{name}"), format!("{name}.{s}")]));
+    let mut found: Vec<String> = stems
+        .iter()
+        .flat_map(|s| [format!("{s}{number}"), format!("{s}_{number}")])
+        .collect();
+    found.extend(stems.iter().flat_map(|s| {
+        [
+            format!("{s}_{name}"),
+            format!("{name}_{s}"),
+            format!("{s}.{name}"),
+            format!("{name}.{s}"),
+        ]
+    }));
     found
 }
 

@@ -9,7 +9,9 @@ pub enum LogError {
     Unreadable { file: String, detail: String },
     #[error("{file}: is empty; a log has a header line and one row per sample")]
     Empty { file: String },
-    #[error("{file}: the compressed data end in the middle, after line {line}: the upload or copy was cut off; send the file again")]
+    #[error(
+        "{file}: the compressed data end in the middle, after line {line}: the upload or copy was cut off; send the file again"
+    )]
     CutOff { file: String, line: u64 },
     #[error("{file}, line 1: has no header but numbers; put a header line first, such as {example}")]
     NoHeader { file: String, example: String },
@@ -17,7 +19,12 @@ pub enum LogError {
         "{file}, line 1: no column for {}; found {}; name the columns in `columns`, or use {example}",
         .missing.join(", "), .found.join(", ")
     )]
-    MissingColumns { file: String, missing: Vec<String>, found: Vec<String>, example: String },
+    MissingColumns {
+        file: String,
+        missing: Vec<String>,
+        found: Vec<String>,
+        example: String,
+    },
     #[error("{file}, line 1: the column `{column}` appears {times} times; rename all but one")]
     RepeatedColumn { file: String, column: String, times: usize },
     #[error("{file}: has no time column and `columns` gives no sample_rate_hz; give one of them")]
@@ -28,15 +35,38 @@ pub enum LogError {
         "{file}: {garbage} of {rows} rows are not rows of numbers, first at line {line} ({what}); more than one in {limit} is refused: \
          check delimiter, decimal sign and export"
     )]
-    TooMuchGarbage { file: String, garbage: usize, rows: usize, line: u64, what: String, limit: usize },
+    TooMuchGarbage {
+        file: String,
+        garbage: usize,
+        rows: usize,
+        line: u64,
+        what: String,
+        limit: usize,
+    },
     #[error(
         "{file}, line {line}: time goes back from {from} s to {to} s, and {count} of {rows} rows come out of order; one log holds one \
          recording: split the file there, or sort it"
     )]
-    TimeGoesBack { file: String, line: u64, from: f64, to: f64, count: usize, rows: usize },
-    #[error("{file}: {missing_s} s of {total_s} s are missing between time stamps, the longest gap after line {line}; record again without losing samples")]
-    TooManyGaps { file: String, missing_s: f64, total_s: f64, line: u64 },
-    #[error("{file}: the time stamps give a sample rate of {rate_hz} Hz; a motion is sampled between 5 Hz and 100 kHz: check the unit of time in `columns`")]
+    TimeGoesBack {
+        file: String,
+        line: u64,
+        from: f64,
+        to: f64,
+        count: usize,
+        rows: usize,
+    },
+    #[error(
+        "{file}: {missing_s} s of {total_s} s are missing between time stamps, the longest gap after line {line}; record again without losing samples"
+    )]
+    TooManyGaps {
+        file: String,
+        missing_s: f64,
+        total_s: f64,
+        line: u64,
+    },
+    #[error(
+        "{file}: the time stamps give a sample rate of {rate_hz} Hz; a motion is sampled between 5 Hz and 100 kHz: check the unit of time in `columns`"
+    )]
     ImplausibleRate { file: String, rate_hz: f64 },
     #[error("{file}: has more than {limit} rows; lower the sample rate or split the log")]
     TooLong { file: String, limit: usize },
@@ -44,6 +74,30 @@ pub enum LogError {
 
 impl LogError {
     pub fn file(&self) -> &str {
+        match self {
+            Self::Unreadable { file, .. }
+            | Self::Empty { file }
+            | Self::CutOff { file, .. }
+            | Self::NoHeader { file, .. }
+            | Self::MissingColumns { file, .. }
+            | Self::RepeatedColumn { file, .. }
+            | Self::NoTimeBase { file }
+            | Self::TooShort { file, .. }
+            | Self::TooMuchGarbage { file, .. }
+            | Self::TimeGoesBack { file, .. }
+            | Self::TooManyGaps { file, .. }
+            | Self::ImplausibleRate { file, .. }
+            | Self::TooLong { file, .. } => file,
+        }
+    }
+
+    /// The same error about the file under another name (an upload is a temporary file with a name of its own).
+    pub fn named(mut self, name: &str) -> Self {
+        *self.file_mut() = name.to_string();
+        self
+    }
+
+    fn file_mut(&mut self) -> &mut String {
         match self {
             Self::Unreadable { file, .. }
             | Self::Empty { file }

@@ -42,8 +42,13 @@ const GARBAGE_LIMIT: usize = 20;
 /// # Errors
 /// As [`read_log`], and a file that cannot be opened.
 pub fn read_log_file(path: &Path, columns: &Columns, joints: &[String]) -> Result<(Log, LogReport), LogError> {
-    let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
-    let bytes = File::open(path).map_err(|e| LogError::Unreadable { file: name.clone(), detail: e.to_string() })?;
+    let name = path
+        .file_name()
+        .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+    let bytes = File::open(path).map_err(|e| LogError::Unreadable {
+        file: name.clone(),
+        detail: e.to_string(),
+    })?;
     read_log(Source { name, bytes }, columns, joints)
 }
 
@@ -56,13 +61,21 @@ pub fn read_log_file(path: &Path, columns: &Columns, joints: &[String]) -> Resul
 pub fn read_log<R: Read>(source: Source<R>, columns: &Columns, joints: &[String]) -> Result<(Log, LogReport), LogError> {
     let Source { name: file, bytes } = source;
     let mut bytes = BufReader::with_capacity(1 << 16, bytes);
-    let unreadable = |e: io::Error| LogError::Unreadable { file: file.clone(), detail: e.to_string() };
+    let unreadable = |e: io::Error| LogError::Unreadable {
+        file: file.clone(),
+        detail: e.to_string(),
+    };
     let start = bytes.fill_buf().map_err(unreadable)?;
     if start.is_empty() {
         return Err(LogError::Empty { file });
     }
     let table = if start.starts_with(&[0x1f, 0x8b]) {
-        read_table(file, BufReader::with_capacity(1 << 16, MultiGzDecoder::new(bytes)), columns, joints)?
+        read_table(
+            file,
+            BufReader::with_capacity(1 << 16, MultiGzDecoder::new(bytes)),
+            columns,
+            joints,
+        )?
     } else {
         read_table(file, bytes, columns, joints)?
     };
@@ -74,12 +87,20 @@ fn read_table(file: String, mut bytes: impl BufRead, columns: &Columns, joints: 
         Ok(start) => delimiter(start),
         Err(e) => return Err(broken(&file, 1, &e)),
     };
-    let mut reader = ReaderBuilder::new().delimiter(delimiter).flexible(true).trim(Trim::All).comment(Some(b'#')).from_reader(bytes);
+    let mut reader = ReaderBuilder::new()
+        .delimiter(delimiter)
+        .flexible(true)
+        .trim(Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(bytes);
     let header = match reader.byte_headers() {
         Ok(header) => header.clone(),
         Err(e) => return Err(csv_error(&file, 1, e)),
     };
-    let header: Vec<String> = header.iter().map(|h| String::from_utf8_lossy(h).trim_start_matches('\u{feff}').to_string()).collect();
+    let header: Vec<String> = header
+        .iter()
+        .map(|h| String::from_utf8_lossy(h).trim_start_matches('\u{feff}').to_string())
+        .collect();
     let places = Places::find(&file, &header, columns, joints)?;
     let n = joints.len();
     let mut table = Table {
@@ -111,20 +132,33 @@ fn read_table(file: String, mut bytes: impl BufRead, columns: &Columns, joints: 
 fn delimiter(start: &[u8]) -> u8 {
     let line = start.split(|&b| b == b'\n').find(|l| !l.starts_with(b"#")).unwrap_or(start);
     let count = |d: u8| line.iter().filter(|&&b| b == d).count();
-    [b',', b';', b'\t', b' '].into_iter().rev().max_by_key(|&d| count(d)).unwrap_or(b',')
+    [b',', b';', b'\t', b' ']
+        .into_iter()
+        .rev()
+        .max_by_key(|&d| count(d))
+        .unwrap_or(b',')
 }
 
 fn broken(file: &str, line: u64, e: &io::Error) -> LogError {
     match e.kind() {
-        io::ErrorKind::UnexpectedEof => LogError::CutOff { file: file.to_string(), line },
-        _ => LogError::Unreadable { file: file.to_string(), detail: format!("after line {line}: {e}") },
+        io::ErrorKind::UnexpectedEof => LogError::CutOff {
+            file: file.to_string(),
+            line,
+        },
+        _ => LogError::Unreadable {
+            file: file.to_string(),
+            detail: format!("after line {line}: {e}"),
+        },
     }
 }
 
 fn csv_error(file: &str, line: u64, e: csv::Error) -> LogError {
     match e.into_kind() {
         csv::ErrorKind::Io(e) => broken(file, line, &e),
-        other => LogError::Unreadable { file: file.to_string(), detail: format!("line {line}: {other:?}") },
+        other => LogError::Unreadable {
+            file: file.to_string(),
+            detail: format!("line {line}: {other:?}"),
+        },
     }
 }
 
@@ -145,7 +179,10 @@ impl Places {
             return Err(LogError::Empty { file: file.to_string() });
         }
         if header.iter().all(|h| h.parse::<f64>().is_ok()) {
-            return Err(LogError::NoHeader { file: file.to_string(), example });
+            return Err(LogError::NoHeader {
+                file: file.to_string(),
+                example,
+            });
         }
         let mut missing = Vec::new();
         let mut find = |quantity: Quantity, optional: bool| {
@@ -178,16 +215,27 @@ impl Places {
                 missing.push(format!("`{name}` (time)"));
                 None
             }),
-            None => ["time", "t", "timestamp", "time_s"].iter().find_map(|name| header.iter().position(|h| h.eq_ignore_ascii_case(name))),
+            None => ["time", "t", "timestamp", "time_s"]
+                .iter()
+                .find_map(|name| header.iter().position(|h| h.eq_ignore_ascii_case(name))),
         };
         if !missing.is_empty() {
             let found = header.iter().map(|h| format!("`{h}`")).collect();
-            return Err(LogError::MissingColumns { file: file.to_string(), missing, found, example });
+            return Err(LogError::MissingColumns {
+                file: file.to_string(),
+                missing,
+                found,
+                example,
+            });
         }
         for &at in time.iter().chain(&q).chain(&qd).chain(&tau) {
             let times = header.iter().filter(|h| **h == header[at]).count();
             if times > 1 {
-                return Err(LogError::RepeatedColumn { file: file.to_string(), column: header[at].clone(), times });
+                return Err(LogError::RepeatedColumn {
+                    file: file.to_string(),
+                    column: header[at].clone(),
+                    times,
+                });
             }
         }
         if time.is_none() && columns.sample_rate_hz.is_none() {
@@ -206,18 +254,24 @@ impl Table {
     fn take(&mut self, record: &ByteRecord, fields: usize, places: &Places, values: &mut [f64]) -> Result<(), LogError> {
         self.rows += 1;
         if self.rows > MOST_ROWS {
-            return Err(LogError::TooLong { file: self.file.clone(), limit: MOST_ROWS });
+            return Err(LogError::TooLong {
+                file: self.file.clone(),
+                limit: MOST_ROWS,
+            });
         }
         let line = record.position().map_or(0, Position::line);
         if record.len() != fields {
-            self.garbage.add(line, || format!("{} fields instead of {fields}", record.len()));
+            self.garbage
+                .add(line, || format!("{} fields instead of {fields}", record.len()));
             return Ok(());
         }
         for (value, at) in values.iter_mut().zip(places.all()) {
             match number(&record[at]) {
                 Some(v) => *value = v,
                 None => {
-                    self.garbage.add(line, || format!("`{}` in column {}", String::from_utf8_lossy(&record[at]), at + 1));
+                    self.garbage.add(line, || {
+                        format!("`{}` in column {}", String::from_utf8_lossy(&record[at]), at + 1)
+                    });
                     return Ok(());
                 }
             }
@@ -226,7 +280,8 @@ impl Table {
             match number(&record[at]) {
                 Some(t) => self.time.push(t),
                 None => {
-                    self.missing_time.add(line, || format!("`{}`", String::from_utf8_lossy(&record[at])));
+                    self.missing_time
+                        .add(line, || format!("`{}`", String::from_utf8_lossy(&record[at])));
                     return Ok(());
                 }
             }
@@ -243,7 +298,11 @@ impl Table {
         }
         let garbage = self.garbage.count + self.missing_time.count;
         if garbage * GARBAGE_LIMIT > self.rows.max(GARBAGE_LIMIT) {
-            let tally = if self.garbage.count > 0 { &self.garbage } else { &self.missing_time };
+            let tally = if self.garbage.count > 0 {
+                &self.garbage
+            } else {
+                &self.missing_time
+            };
             return Err(LogError::TooMuchGarbage {
                 file: self.file.clone(),
                 garbage,

@@ -35,7 +35,11 @@ pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogRe
     drop_rows(&mut table, &mut findings)?;
     let rows_used = table.time.len();
     if rows_used < LEAST_ROWS {
-        return Err(LogError::TooShort { file: table.file, rows: rows_used, least: LEAST_ROWS });
+        return Err(LogError::TooShort {
+            file: table.file,
+            rows: rows_used,
+            least: LEAST_ROWS,
+        });
     }
     let grid = Grid::fit(&table, columns.sample_rate_hz, &mut findings)?;
     let start_s = table.time[0];
@@ -59,13 +63,25 @@ pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogRe
         resampled: grid.resampled,
         findings,
     };
-    let log = Log { name: table.file, rate_hz: grid.rate_hz, start_s, q: table.q, qd, tau: table.tau, usable: grid.usable };
+    let log = Log {
+        name: table.file,
+        rate_hz: grid.rate_hz,
+        start_s,
+        q: table.q,
+        qd,
+        tau: table.tau,
+        usable: grid.usable,
+    };
     Ok((log, report))
 }
 
 fn garbage_findings(table: &Table) -> Vec<Finding> {
-    let garbage = table.garbage.finding(FindingKind::GarbageRow, |first| format!("rows that are not a row of numbers (first: {first}); dropped"));
-    let missing = table.missing_time.finding(FindingKind::MissingTime, |first| format!("rows without a time stamp (first: {first}); dropped"));
+    let garbage = table.garbage.finding(FindingKind::GarbageRow, |first| {
+        format!("rows that are not a row of numbers (first: {first}); dropped")
+    });
+    let missing = table.missing_time.finding(FindingKind::MissingTime, |first| {
+        format!("rows without a time stamp (first: {first}); dropped")
+    });
     garbage.into_iter().chain(missing).collect()
 }
 
@@ -89,7 +105,11 @@ fn drop_rows(table: &mut Table, findings: &mut Vec<Finding>) -> Result<(), LogEr
             back.get_or_insert((line, t0, t));
             keep[row] = false;
         } else if t == t0 {
-            let tally = if table.same(row, before) { &mut repeated_row } else { &mut repeated_time };
+            let tally = if table.same(row, before) {
+                &mut repeated_row
+            } else {
+                &mut repeated_time
+            };
             tally.add(line, || format!("{t} s"));
             keep[row] = false;
         } else {
@@ -99,7 +119,14 @@ fn drop_rows(table: &mut Table, findings: &mut Vec<Finding>) -> Result<(), LogEr
     if let Some((line, from, to)) = back
         && disorder.count * DISORDER_LIMIT > keep.len()
     {
-        return Err(LogError::TimeGoesBack { file: table.file.clone(), line, from, to, count: disorder.count, rows: keep.len() });
+        return Err(LogError::TimeGoesBack {
+            file: table.file.clone(),
+            line,
+            from,
+            to,
+            count: disorder.count,
+            rows: keep.len(),
+        });
     }
     drop_polled_again(table, &mut keep, &mut repeated_row);
     findings.extend(repeated_row.finding(FindingKind::RepeatedRow, |_| {
@@ -108,7 +135,9 @@ fn drop_rows(table: &mut Table, findings: &mut Vec<Finding>) -> Result<(), LogEr
     findings.extend(repeated_time.finding(FindingKind::RepeatedTime, |first| {
         format!("rows with the time stamp of the one before (first: {first}) but other values; the first of each is kept")
     }));
-    findings.extend(disorder.finding(FindingKind::TimeOutOfOrder, |first| format!("time stamps out of order (first: {first}); dropped")));
+    findings.extend(disorder.finding(FindingKind::TimeOutOfOrder, |first| {
+        format!("time stamps out of order (first: {first}); dropped")
+    }));
     table.retain(&keep);
     Ok(())
 }
@@ -170,13 +199,21 @@ impl Grid {
         let time = &table.time;
         let rate_hz = stated_rate.unwrap_or_else(|| rate_of(time));
         if !(5.0..=100_000.0).contains(&rate_hz) {
-            return Err(LogError::ImplausibleRate { file: table.file.clone(), rate_hz });
+            return Err(LogError::ImplausibleRate {
+                file: table.file.clone(),
+                rate_hz,
+            });
         }
         let duration = time[time.len() - 1] - time[0];
         let samples = (duration * rate_hz).round() as usize + 1;
         let deviation = largest_deviation(time, rate_hz);
         let on_grid = deviation <= (ON_GRID / rate_hz).max(0.51 * stamp_resolution(time));
-        let mut grid = Self { rate_hz, samples, resampled: !on_grid || samples != time.len(), usable: vec![true; samples] };
+        let mut grid = Self {
+            rate_hz,
+            samples,
+            resampled: !on_grid || samples != time.len(),
+            usable: vec![true; samples],
+        };
         if !on_grid {
             findings.push(Finding {
                 kind: FindingKind::Jitter,
@@ -214,9 +251,16 @@ impl Grid {
         }
         let total = time[time.len() - 1] - time[0];
         if missing > MISSING_LIMIT * total {
-            return Err(LogError::TooManyGaps { file: table.file.clone(), missing_s: missing, total_s: total, line: longest_line });
+            return Err(LogError::TooManyGaps {
+                file: table.file.clone(),
+                missing_s: missing,
+                total_s: total,
+                line: longest_line,
+            });
         }
-        findings.extend(bridged.finding(FindingKind::MissingSample, |_| "after these lines one to three samples are missing; interpolated".to_string()));
+        findings.extend(bridged.finding(FindingKind::MissingSample, |_| {
+            "after these lines one to three samples are missing; interpolated".to_string()
+        }));
         findings.extend(gaps.finding(FindingKind::Gap, |_| {
             format!("after these lines samples are missing, {missing:.3} s in all, longest {longest:.3} s; those times are left out of the fit")
         }));
@@ -270,7 +314,11 @@ fn rate_of(time: &[f64]) -> f64 {
     // A rate that is a whole number within what the stamps resolve was meant to be that.
     let whole = rate.round();
     let uncertainty = 2.0 * largest_deviation(time, whole).min(1.0 / rate) / duration + 1e-9;
-    if (rate - whole).abs() <= uncertainty * rate { whole } else { rate }
+    if (rate - whole).abs() <= uncertainty * rate {
+        whole
+    } else {
+        rate
+    }
 }
 
 /// Farthest that a time stamp is from the nearest sample of the grid that starts at the first stamp [s].

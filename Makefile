@@ -1,0 +1,31 @@
+# On a fresh Debian machine with the Rust toolchain, gcc, make and git, these do everything:
+#
+#   make serve    build, and serve on http://127.0.0.1:8080
+#   make test     all that is checked before a change goes in
+#
+# Missing Debian packages are installed, with sudo where needed.
+
+LISTEN ?= 127.0.0.1:8080
+
+.PHONY: serve test build setup openapi
+
+serve: build
+	cargo run --release --locked --bin dynident -- serve --listen $(LISTEN)
+
+build: setup
+	cargo build --release --locked --bin dynident
+
+# One profile throughout: everything is compiled once. The tests come last and end the output.
+test: setup
+	cargo fmt --check
+	cargo clippy --release --locked --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps
+	cargo check --release --locked --lib --no-default-features
+	cargo test --release --locked
+
+setup:
+	@scripts/setup
+
+openapi:
+	cargo run --release --locked -- openapi > openapi/openapi.json.new
+	mv openapi/openapi.json.new openapi/openapi.json

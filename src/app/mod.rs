@@ -1,0 +1,14 @@
+//! Use cases as plain functions: progress and cancellation are handed in, errors carry stable codes.
+
+mod error;
+mod excite;
+mod identify;
+mod problem;
+mod report;
+mod validate;
+
+pub use error::{Code, Error};
+pub use excite::{CancelFlag, Excited, excite};
+pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};
+pub use problem::{FieldError, Problem};
+pub use validate::validate;

@@ -1,0 +1,74 @@
+//! Hold a model against logs.
+
+use super::identify::{LogFile, Reading, use_log};
+use super::report::errors;
+use super::{CancelFlag, Code, Error};
+use crate::identification::{prediction, validate as prediction_errors};
+use crate::io::{LogDocument, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
+use crate::parameters::{BaseParameters, Layout};
+use nalgebra::DVector;
+
+/// Predicts every log with the model.
+///
+/// # Errors
+/// `invalid_log` with what is wrong with which file.
+pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -> Result<ValidateDocument, Error> {
+    if logs.is_empty() {
+        return Err(
+            Error::new(Code::InvalidLog, "there is no log to validate with").with_hint("send at least one part called `log`")
+        );
+    }
+    let robot = &request.robot;
+    let base = BaseParameters::exact(robot);
+    let prior = Layout::standard(robot).prior(robot);
+    let prior = prior.ok_or_else(|| Error::new(Code::NoModel, "a link of the model has no mass and inertia"))?;
+    let offsets = request.offsets.clone().unwrap_or_default();
+    let projected = base.project(prior.as_slice());
+    let values = DVector::from_iterator(
+        base.len() + offsets.len(),
+        projected.iter().copied().chain(offsets.iter().copied()),
+    );
+    let reading = Reading {
+        robot,
+        base: &base,
+        columns: &request.columns,
+        preprocess: &request.preprocess,
+        offset: !offsets.is_empty(),
+    };
+    let mut document = ValidateDocument {
+        robot: robot.name().to_string(),
+        joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
+        logs: Vec::new(),
+        log_report: Vec::new(),
+        predictions: Vec::new(),
+    };
+    for file in logs {
+        if cancel.is_cancelled() {
+            return Err(Error::new(
+                Code::NoResult,
+                "the validation was cancelled before it had a result",
+            ));
+        }
+        let log = use_log(&reading, file)?;
+        let name = log.report.file.clone();
+        document.logs.push(ValidatedLog {
+            name: name.clone(),
+            errors: errors(prediction_errors(&log.observation, &values)),
+        });
+        document
+            .log_report
+            .push(LogDocument::new(&log.report, "validation", &log.prepared.choices));
+        for (j, joint) in robot.joints().iter().enumerate().filter(|_| request.prediction_points > 0) {
+            let series = prediction(&log.observation, j, &values, request.prediction_points);
+            document.predictions.push(PredictionDocument {
+                log: name.clone(),
+                joint: joint.name.clone(),
+                time: series.samples.iter().map(|&s| log.prepared.time(s)).collect(),
+                measured: series.measured,
+                base: series.predicted,
+                physical: None,
+            });
+        }
+    }
+    Ok(document)
+}

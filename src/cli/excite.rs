@@ -1,0 +1,125 @@
+//! `dynident excite`.
+
+use super::{Ending, files, render};
+use crate::app::{CancelFlag, Code, Error, Excited, excite};
+use crate::excitation::Progress;
+use crate::io::shipped::Shipped;
+use crate::io::{ExcitationRequest, Parsed, read_excitation_request, trajectory_csv};
+use crate::model::FieldProblem;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
+use std::time::Duration;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Robot: a JSON or URDF file, or the name of one that comes with the program; replaces the one in the request.
+    #[arg(long, value_name = "FILE|NAME")]
+    robot: Option<String>,
+    /// Request: a JSON file as for POST /excitation.
+    #[arg(long, value_name = "FILE")]
+    request: PathBuf,
+    /// Where the result goes; standard output if left out.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Also write one sampled period as CSV (time, q1…, qd1…, qdd1…).
+    #[arg(long, value_name = "FILE")]
+    trajectory: Option<PathBuf>,
+    /// Samples per second of that file; the rate of the request if left out.
+    #[arg(long, value_name = "HZ", requires = "trajectory", value_parser = positive)]
+    rate_hz: Option<f64>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err("must be above zero".into())
+    }
+}
+
+pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
+    let request = read_request(arguments)?;
+    let cancel = cancel_on_interrupt()?;
+    let bar = progress_bar(&request);
+    let excited = excite(&request, &cancel, &|p| show(&bar, p));
+    bar.finish_and_clear();
+    write_results(arguments, json, &excited)?;
+    Ok(match excited.document.status {
+        "Infeasible" => Ending::Infeasible,
+        "Cancelled" => Ending::Cancelled,
+        _ => Ending::Done,
+    })
+}
+
+fn read_request(arguments: &Arguments) -> Result<ExcitationRequest, Error> {
+    let mut parsed = files::parse_json(&arguments.request)?;
+    if let Some(robot) = &arguments.robot {
+        put_robot(&mut parsed, files::robot(robot)?);
+    }
+    let invalid = |errors| files::in_file(&arguments.request, Error::invalid("the excitation request", errors));
+    read_excitation_request(&parsed, &Shipped).map_err(invalid)
+}
+
+/// Puts the robot of the command line into the request, with what was wrong with its numbers.
+pub(super) fn put_robot(request: &mut Parsed, robot: Parsed) {
+    let Some(fields) = request.value.as_object_mut() else { return };
+    fields.insert("robot".into(), robot.value);
+    request.problems.retain(|p| !p.pointer.starts_with("/robot"));
+    let placed = |p: FieldProblem| FieldProblem {
+        pointer: format!("/robot{}", p.pointer),
+        ..p
+    };
+    request.problems.extend(robot.problems.into_iter().map(placed));
+}
+
+/// The first Ctrl-C (or SIGTERM) ends the search and keeps the best found, the second ends the program.
+pub(super) fn cancel_on_interrupt() -> Result<CancelFlag, Error> {
+    let cancel = CancelFlag::default();
+    let flag = cancel.clone();
+    let set = ctrlc::set_handler(move || {
+        if flag.is_cancelled() {
+            // 128 + SIGINT, as shells expect of a program that was interrupted.
+            std::process::exit(130);
+        }
+        flag.cancel();
+    });
+    set.map_err(|e| Error::new(Code::Internal, format!("cannot listen for Ctrl-C: {e}")))?;
+    Ok(cancel)
+}
+
+/// A bar over the time limit; hidden by itself where standard error is no terminal.
+fn progress_bar(request: &ExcitationRequest) -> ProgressBar {
+    let milliseconds = (request.search.time_limit_s * 1e3) as u64;
+    let style = ProgressStyle::with_template("{bar:30} {elapsed} {msg}").expect("a valid template");
+    let bar = ProgressBar::new(milliseconds.max(1)).with_style(style);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+fn show(bar: &ProgressBar, p: &Progress) {
+    bar.set_position(bar.elapsed().as_millis() as u64);
+    bar.set_message(format!(
+        "best {:.3}, {}/{} starts, {} evaluations",
+        p.best, p.starts_finished, p.starts, p.evaluations
+    ));
+}
+
+fn write_results(arguments: &Arguments, json: bool, excited: &Excited) -> Result<(), Error> {
+    let document = files::pretty(&excited.document);
+    match &arguments.out {
+        Some(out) => files::write(out, &document)?,
+        None => files::print(&document)?,
+    }
+    if let (Some(path), Some(series)) = (&arguments.trajectory, &excited.series) {
+        let rate = arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz);
+        files::write(path, &trajectory_csv(series, rate, 1))?;
+    }
+    if arguments.out.is_none() {
+        return Ok(());
+    }
+    match json {
+        true => files::print(&document),
+        false => files::print(&render::summary(&excited.document)),
+    }
+}

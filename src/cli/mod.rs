@@ -1,0 +1,100 @@
+//! The command line: the same documents as over HTTP, no server needed.
+//!
+//! Exit status: 0 done; 1 an error inside; 2 wrong usage or input; 3 the problem is infeasible; 4 cancelled, the best result found so
+//! far is written.
+
+mod base_parameters;
+mod excite;
+mod files;
+mod identify;
+#[cfg(feature = "service")]
+mod openapi;
+mod render;
+#[cfg(feature = "service")]
+mod serve;
+mod simulate;
+mod validate;
+
+use crate::app::Error;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// How a command ended that did not fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ending {
+    Done,
+    Infeasible,
+    Cancelled,
+}
+
+impl Ending {
+    fn exit_status(self) -> u8 {
+        match self {
+            Ending::Done => 0,
+            Ending::Infeasible => 3,
+            Ending::Cancelled => 4,
+        }
+    }
+}
+
+/// Identifies the dynamics of robot arms.
+#[derive(Debug, Parser)]
+#[command(version, about, after_help = EXIT_STATUS)]
+struct Arguments {
+    /// Print results and errors as JSON.
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_STATUS: &str =
+    "Exit status: 0 done, 1 internal error, 2 wrong usage or input, 3 infeasible, 4 cancelled (the best found is written).";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Design an excitation trajectory.
+    Excite(excite::Arguments),
+    /// Identify the parameters of a robot from logs.
+    Identify(identify::Arguments),
+    /// Hold an identified model against logs.
+    Validate(validate::Arguments),
+    /// Let a virtual robot write a log.
+    Simulate(simulate::Arguments),
+    /// Print the base parameters of a robot.
+    BaseParameters(base_parameters::Arguments),
+    /// Serve the HTTP interface.
+    #[cfg(feature = "service")]
+    Serve(serve::Arguments),
+    /// Print the OpenAPI document of the HTTP interface.
+    #[cfg(feature = "service")]
+    Openapi,
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let json = arguments.json;
+    match run(arguments) {
+        Ok(ending) => ExitCode::from(ending.exit_status()),
+        Err(error) => {
+            render::print_error(&error, json);
+            ExitCode::from(error.code.exit_status())
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> Result<Ending, Error> {
+    let json = arguments.json;
+    match arguments.command {
+        Command::Excite(arguments) => excite::run(&arguments, json),
+        Command::Identify(arguments) => identify::run(&arguments, json),
+        Command::Validate(arguments) => validate::run(&arguments, json),
+        Command::Simulate(arguments) => simulate::run(&arguments, json),
+        Command::BaseParameters(arguments) => base_parameters::run(&arguments, json),
+        #[cfg(feature = "service")]
+        Command::Serve(arguments) => serve::run(&arguments),
+        #[cfg(feature = "service")]
+        Command::Openapi => openapi::run(),
+    }
+}

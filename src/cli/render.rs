@@ -1,0 +1,108 @@
+//! What people and programs see.
+
+use crate::app::{Error, Problem};
+use crate::io::{DesignDocument, IdentifyDocument, JointErrors, ValidateDocument};
+use std::fmt::Write;
+
+/// To standard error: a problem document with `--json`, else lines for people.
+pub fn print_error(error: &Error, json: bool) {
+    if json {
+        eprintln!(
+            "{}",
+            serde_json::to_string(&Problem::from(error)).expect("a problem is plain data")
+        );
+        return;
+    }
+    eprintln!("error[{}]: {}", error.code.name(), error.detail);
+    for problem in &error.errors {
+        eprintln!("  {problem}");
+    }
+    if let Some(hint) = &error.hint {
+        eprintln!("hint: {hint}");
+    }
+}
+
+/// A design in a few lines.
+pub fn summary(design: &DesignDocument) -> String {
+    let mut text = String::new();
+    let search = &design.search;
+    let _ = writeln!(text, "{}: {}", design.robot, design.status);
+    if let Some(reason) = &design.reason {
+        let _ = writeln!(text, "  {reason}");
+    }
+    if let Some(c) = &design.criteria {
+        let _ = writeln!(text, "  condition number  {:.3}", c.condition_number);
+        let _ = writeln!(text, "  D-optimality      {:.4e}", c.d_optimality);
+        let _ = writeln!(text, "  A-optimality      {:.4e}", c.a_optimality);
+        let _ = writeln!(text, "  I-optimality      {:.4e}", c.i_optimality);
+    }
+    let tightest = design.margins.iter().min_by(|a, b| a.margin.total_cmp(&b.margin));
+    if let Some(m) = tightest {
+        let percent = 100.0 * m.margin;
+        let _ = writeln!(
+            text,
+            "  tightest limit    {} {} ({}), {percent:.2} % left",
+            m.joint, m.quantity, m.side
+        );
+    }
+    let _ = writeln!(
+        text,
+        "  {} evaluations in {:.1} s, seed {}",
+        search.evaluations, search.elapsed_s, search.seed
+    );
+    for note in &design.notes {
+        let _ = writeln!(text, "  note: {note}");
+    }
+    text
+}
+
+/// An identification in a page: verdict, parameters, errors per joint.
+pub fn identification(found: &IdentifyDocument) -> String {
+    let mut text = String::new();
+    let q = &found.quality;
+    let _ = writeln!(text, "{}: {} ({})", found.robot, q.verdict, q.reason);
+    let condition = q.condition_number.map_or("infinite".to_string(), |c| format!("{c:.1}"));
+    let _ = writeln!(text, "  rank {} of {}, condition number {condition}", q.rank, q.columns);
+    for p in found.base_parameters.iter().chain(found.offsets.iter().flatten()) {
+        match (p.value, p.relative_std_dev_percent) {
+            (Some(value), Some(percent)) => {
+                let _ = writeln!(text, "  {:10} {value:12.5} {:12} {percent:8.2} %", p.name, p.unit);
+            }
+            _ => {
+                let _ = writeln!(text, "  {:10} not determined by the log", p.name);
+            }
+        }
+    }
+    if let Some(f) = &found.feasibility {
+        let _ = writeln!(text, "  physical parameters: {}, fit {:.4} times that of the base parameters", f.status, f.rms_ratio);
+    }
+    let logs = found.rms.identification.iter().map(|l| ("identification", l)).chain(found.rms.validation.iter().map(|l| ("validation", l)));
+    for (role, log) in logs {
+        let _ = writeln!(text, "  {role} {}", log.name);
+        errors(&mut text, "base", &log.base);
+        if let Some(physical) = &log.physical {
+            errors(&mut text, "physical", physical);
+        }
+    }
+    for log in &found.log_report {
+        for f in &log.findings {
+            let _ = writeln!(text, "  {}: {} {}: {}", log.file, f.count, f.code, f.detail);
+        }
+    }
+    text
+}
+
+/// A validation in a few lines.
+pub fn validation(found: &ValidateDocument) -> String {
+    let mut text = format!("{}\n", found.robot);
+    for log in &found.logs {
+        let _ = writeln!(text, "  {}", log.name);
+        errors(&mut text, "model", &log.errors);
+    }
+    text
+}
+
+fn errors(text: &mut String, what: &str, errors: &JointErrors) {
+    let list: Vec<String> = errors.rms.iter().zip(&errors.percent).map(|(r, p)| format!("{r:.3} ({p:.1} %)")).collect();
+    let _ = writeln!(text, "    {what:9} {}   sum {:.3}", list.join("  "), errors.sum);
+}

@@ -1,0 +1,57 @@
+//! `dynident validate`.
+
+use super::excite::cancel_on_interrupt;
+use super::{Ending, files, render};
+use crate::app::{Error, LogFile, validate};
+use crate::io::shipped::Shipped;
+use crate::io::{NoExcitations, Parsed, read_validate_request, robot_file};
+use crate::model::FieldProblem;
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Model: the JSON or URDF model of an identification, or any robot with parameters for every link.
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Log to predict (CSV, plain or gzip); may be given several times.
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    log: Vec<PathBuf>,
+    /// Request: a JSON file with `columns`, `preprocess`, `period_s`; all defaults if left out.
+    #[arg(long, value_name = "FILE")]
+    request: Option<PathBuf>,
+    /// Where the result goes; standard output if left out.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
+    let mut parsed = match &arguments.request {
+        Some(path) => files::parse_json(path)?,
+        None => Parsed {
+            value: json!({}),
+            problems: Vec::new(),
+        },
+    };
+    let model = robot_file(&files::read(&arguments.model)?).map_err(|e| files::in_file(&arguments.model, e.into()))?;
+    if let Some(fields) = parsed.value.as_object_mut() {
+        fields.insert("model".into(), model.value);
+    }
+    let placed = |p: FieldProblem| FieldProblem {
+        pointer: format!("/model{}", p.pointer),
+        ..p
+    };
+    parsed.problems.extend(model.problems.into_iter().map(placed));
+    let request = read_validate_request(&parsed, &Shipped, &NoExcitations)
+        .map_err(|errors| files::in_file(&arguments.model, Error::invalid("the validation request", errors)))?;
+    let logs: Vec<LogFile> = arguments.log.iter().map(|p| LogFile::at(p)).collect();
+    let found = validate(&request, &logs, &cancel_on_interrupt()?)?;
+    let document = files::pretty(&found);
+    match &arguments.out {
+        Some(out) => files::write(out, &document)?,
+        None if json => return files::print(&document).map(|()| Ending::Done),
+        None => {}
+    }
+    files::print(&if json { document } else { render::validation(&found) })?;
+    Ok(Ending::Done)
+}

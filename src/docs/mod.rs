@@ -1,0 +1,7 @@
+//! Pages that explain what the code does.
+
+#[doc = include_str!("notation.md")]
+pub mod notation {}
+
+#[doc = include_str!("method.md")]
+pub mod method {}

@@ -1,0 +1,265 @@
+//! Least squares over physically consistent parameters: a semidefinite programme.
+
+use super::{FitEnding, FitObjective, LinkScale, PhysicalFit, margins, priors};
+use crate::model::{LinkPrior, Robot};
+use crate::parameters::{Inertial, Layout, ParameterKind};
+use crate::spatial::LinkInertia;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use nalgebra::{DMatrix, DVector};
+
+/// What to ask beyond consistency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConsistentOptions {
+    /// Weight of the pull towards the prior parameters: the cost of being off by all of a link's own size, in units of one noise
+    /// variance. Where the log determines a parameter the pull is nothing beside it; where it does not, it decides.
+    pub prior_weight: f64,
+    /// Per link; empty for none.
+    pub bounds: Vec<LinkBounds>,
+    /// Least eigenvalue of the pseudo-inertia, as a fraction of the prior link's mass and radius of gyration.
+    pub least_eigenvalue: f64,
+    /// Least viscous friction [N m s/rad or N s/m]; the paper asks for 0.1.
+    pub least_viscous: f64,
+}
+
+/// A weight of one is a prior whose standard deviation is the link's own size: lost among thousands of rows where the log speaks, and
+/// an arm of ordinary weight where it does not. Bodies below a ten-thousandth of their prior cannot be simulated in steps of a millisecond.
+impl Default for ConsistentOptions {
+    fn default() -> Self {
+        Self {
+            prior_weight: 1.0,
+            bounds: Vec::new(),
+            least_eigenvalue: 1e-4,
+            least_viscous: 0.0,
+        }
+    }
+}
+
+/// Bounds (10b) that are linear in the standard parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LinkBounds {
+    /// [kg].
+    pub mass: Option<[f64; 2]>,
+    /// Per axis of the link frame [m].
+    pub center_of_mass: Option<[[f64; 2]; 3]>,
+}
+
+/// Minimises the weighted residual plus the pull towards priors, subject to a positive definite pseudo-inertia of every link,
+/// friction that is not negative, and the bounds.
+///
+/// Variables and cones are scaled by the priors, so that all are of order one.
+///
+/// # Panics
+/// When the objective is not one of `robot`.
+pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> PhysicalFit {
+    let layout = Layout::standard(robot);
+    assert!(
+        objective.len() >= layout.len(),
+        "the objective is over the robot's standard parameters"
+    );
+    let links = priors(robot);
+    let scale = variable_scale(&layout, &links, objective);
+    let (p, q) = cost(&layout, &links, objective, &scale, options.prior_weight);
+    let constraints = constraints(&layout, &links, &scale, options);
+    let mut settings = DefaultSettings::default();
+    settings.verbose = false;
+    settings.max_iter = 200;
+    let mut solver = DefaultSolver::new(
+        &upper(&p),
+        q.as_slice(),
+        &constraints.matrix(),
+        &constraints.right,
+        &constraints.cones,
+        settings,
+    )
+    .expect("dimensions fit by construction");
+    single_threaded_blas();
+    solver.solve();
+    let values: Vec<f64> = solver.solution.x.iter().zip(scale.iter()).map(|(x, s)| x * s).collect();
+    let ending = match solver.solution.status {
+        SolverStatus::Solved => FitEnding::Converged,
+        SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => FitEnding::Stalled,
+        SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => FitEnding::Infeasible,
+        _ => FitEnding::BudgetExhausted,
+    };
+    PhysicalFit {
+        fit: objective.fit(&values),
+        margins: margins(&layout, &values),
+        values,
+        ending,
+        iterations: solver.solution.iterations,
+    }
+}
+
+/// Matrices of four by four gain nothing from threads, and one thread gives one answer.
+fn single_threaded_blas() {
+    unsafe extern "C" {
+        fn openblas_set_num_threads(count: std::ffi::c_int);
+    }
+    // SAFETY: a plain setter of OpenBLAS, which this crate links; it has no preconditions.
+    unsafe { openblas_set_num_threads(1) }
+}
+
+/// Size of every variable: of the prior for inertial parameters, of the unconstrained fit's own order for the rest.
+fn variable_scale(layout: &Layout, links: &[LinkPrior], objective: &FitObjective) -> DVector<f64> {
+    DVector::from_fn(objective.len(), |i, _| match layout.parameters().get(i) {
+        Some(parameter) => {
+            let LinkScale { mass, length } = LinkScale::of(&links[parameter.link]);
+            match parameter.kind {
+                ParameterKind::Inertial(Inertial::M) => mass,
+                ParameterKind::Inertial(Inertial::MX | Inertial::MY | Inertial::MZ) => mass * length,
+                ParameterKind::Inertial(_) => mass * length * length,
+                // Friction and offsets are of the order of a newton metre; they are determined by the log in any case.
+                _ => 1.0,
+            }
+        }
+        None => 1.0,
+    })
+}
+
+/// `½ xᵀPx + qᵀx` over scaled variables, divided by the unconstrained cost's order.
+fn cost(
+    layout: &Layout,
+    links: &[LinkPrior],
+    objective: &FitObjective,
+    scale: &DVector<f64>,
+    weight: f64,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let (h, g, _) = objective.quadratic();
+    let n = scale.len();
+    let mut p = DMatrix::from_fn(n, n, |r, c| 2.0 * h[(r, c)] * scale[r] * scale[c]);
+    let mut q = DVector::from_fn(n, |i, _| -2.0 * g[i] * scale[i]);
+    for (i, parameter) in layout.parameters().iter().enumerate() {
+        if let ParameterKind::Inertial(which) = parameter.kind {
+            let prior = links[parameter.link].inertia.about_origin().parameters()[which as usize];
+            p[(i, i)] += 2.0 * weight;
+            q[i] -= 2.0 * weight * prior / scale[i];
+        }
+    }
+    // Interior-point tolerances are relative to data of order one.
+    let size = p.diagonal().amax().max(f64::MIN_POSITIVE);
+    (p / size, q / size)
+}
+
+/// Rows `A x + s = b`, s in the cones.
+#[derive(Default)]
+struct Constraints {
+    rows: Vec<Vec<(usize, f64)>>,
+    right: Vec<f64>,
+    cones: Vec<SupportedConeT<f64>>,
+    variables: usize,
+}
+
+impl Constraints {
+    /// `Σ coefficient x ≥ least`.
+    fn at_least(&mut self, coefficients: &[(usize, f64)], least: f64) {
+        self.rows.push(coefficients.iter().map(|&(i, v)| (i, -v)).collect());
+        self.right.push(-least);
+    }
+
+    fn matrix(&self) -> CscMatrix<f64> {
+        let mut dense = DMatrix::zeros(self.rows.len(), self.variables);
+        for (r, row) in self.rows.iter().enumerate() {
+            row.iter().for_each(|&(c, v)| dense[(r, c)] += v);
+        }
+        compressed(&dense, |_, _| true)
+    }
+}
+
+fn constraints(layout: &Layout, links: &[LinkPrior], scale: &DVector<f64>, options: &ConsistentOptions) -> Constraints {
+    let mut found = Constraints {
+        variables: scale.len(),
+        ..Constraints::default()
+    };
+    for (i, parameter) in layout.parameters().iter().enumerate() {
+        match parameter.kind {
+            ParameterKind::Viscous => found.at_least(&[(i, scale[i])], options.least_viscous),
+            ParameterKind::Coulomb => found.at_least(&[(i, scale[i])], 0.0),
+            ParameterKind::Inertial(_) => {}
+        }
+    }
+    for (link, bounds) in options.bounds.iter().enumerate() {
+        bound_rows(layout, link, bounds, scale, &mut found);
+    }
+    if !found.rows.is_empty() {
+        found.cones.push(SupportedConeT::NonnegativeConeT(found.rows.len()));
+    }
+    for (link, prior) in links.iter().enumerate() {
+        pseudo_inertia_rows(
+            layout,
+            link,
+            &LinkScale::of(prior),
+            scale,
+            options.least_eigenvalue,
+            &mut found,
+        );
+    }
+    found
+}
+
+fn bound_rows(layout: &Layout, link: usize, bounds: &LinkBounds, scale: &DVector<f64>, found: &mut Constraints) {
+    let mass = layout.inertial(link, Inertial::M);
+    if let Some([low, high]) = bounds.mass {
+        found.at_least(&[(mass, scale[mass])], low);
+        found.at_least(&[(mass, -scale[mass])], -high);
+    }
+    for (axis, which) in [Inertial::MX, Inertial::MY, Inertial::MZ].into_iter().enumerate() {
+        if let Some(box_) = bounds.center_of_mass {
+            let ([low, high], moment) = (box_[axis], layout.inertial(link, which));
+            // m low ≤ m c ≤ m high.
+            found.at_least(&[(moment, scale[moment]), (mass, -low * scale[mass])], 0.0);
+            found.at_least(&[(moment, -scale[moment]), (mass, high * scale[mass])], 0.0);
+        }
+    }
+}
+
+/// `T J T ⪰ least`, with T making the pseudo-inertia of a body of the link's size a matrix of order one. Upper triangle by columns,
+/// off-diagonal entries times √2, as the solver wants its cones.
+fn pseudo_inertia_rows(
+    layout: &Layout,
+    link: usize,
+    size: &LinkScale,
+    scale: &DVector<f64>,
+    least: f64,
+    found: &mut Constraints,
+) {
+    let unit = [size.length, size.length, size.length, 1.0];
+    let basis: Vec<_> = (0..10)
+        .map(|k| {
+            let mut parameters = [0.0; 10];
+            parameters[k] = 1.0;
+            LinkInertia::from_parameters(&parameters).pseudo_inertia()
+        })
+        .collect();
+    for c in 0..4 {
+        for r in 0..=c {
+            let factor = if r == c { 1.0 } else { std::f64::consts::SQRT_2 } / (size.mass * unit[r] * unit[c]);
+            let row: Vec<_> = Inertial::ALL
+                .iter()
+                .map(|&which| (layout.inertial(link, which), factor * basis[which as usize][(r, c)]))
+                .filter(|(_, v)| *v != 0.0)
+                .map(|(i, v)| (i, v * scale[i]))
+                .collect();
+            found.at_least(&row, if r == c { least } else { 0.0 });
+        }
+    }
+    found.cones.push(SupportedConeT::PSDTriangleConeT(4));
+}
+
+fn upper(p: &DMatrix<f64>) -> CscMatrix<f64> {
+    compressed(p, |r, c| r <= c)
+}
+
+fn compressed(dense: &DMatrix<f64>, wanted: impl Fn(usize, usize) -> bool) -> CscMatrix<f64> {
+    let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for c in 0..dense.ncols() {
+        for r in 0..dense.nrows() {
+            if wanted(r, c) && dense[(r, c)] != 0.0 {
+                rows.push(r);
+                values.push(dense[(r, c)]);
+            }
+        }
+        starts.push(rows.len());
+    }
+    CscMatrix::new(dense.nrows(), dense.ncols(), starts, rows, values)
+}

@@ -1,0 +1,245 @@
+//! The answer of an identification.
+
+use super::log::LogReport;
+use serde::Serialize;
+use serde_json::Value;
+
+/// What a log says about a robot.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Identification))]
+pub struct IdentifyDocument {
+    pub robot: String,
+    pub joints: Vec<String>,
+    pub estimator: &'static str,
+    pub quality: QualityDocument,
+    pub base_parameters: Vec<BaseValue>,
+    /// Combinations of base parameters that the log does not determine.
+    pub undetermined: Vec<Direction>,
+    /// Constant torque of every joint, where it was asked for.
+    pub offsets: Option<Vec<BaseValue>>,
+    pub physical_parameters: Option<Vec<PhysicalValue>>,
+    pub feasibility: Option<Feasibility>,
+    pub rms: RmsDocument,
+    /// Per joint, of the noise that the scatter of the periods shows.
+    pub noise: Vec<NoiseDocument>,
+    pub log_report: Vec<LogDocument>,
+    /// What the declared model leaves over, traced; null where it was not asked for.
+    #[cfg_attr(feature = "service", schema(value_type = Option<Object>))]
+    pub residual: Option<Value>,
+    pub predictions: Vec<PredictionDocument>,
+    pub notes: Vec<String>,
+}
+
+/// Whether the log is good enough for the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Quality))]
+pub struct QualityDocument {
+    /// `good`, `poor_excitation` or `unidentifiable`.
+    #[cfg_attr(feature = "service", schema(example = "good"))]
+    pub verdict: &'static str,
+    /// The reason, and what to do.
+    pub reason: String,
+    /// Ratio of the extreme singular values of the observation matrix, columns scaled to equal length; null if infinite.
+    pub condition_number: Option<f64>,
+    pub rank: usize,
+    pub columns: usize,
+    /// Per joint: standard deviation of predicted torques at random states [N m or N]; null if infinite.
+    pub prediction_std: Vec<Option<f64>>,
+    /// Per joint: the same over the residual on the log; above 1 the model has learnt the path, not the robot.
+    pub extrapolation: Vec<Option<f64>>,
+}
+
+/// One estimated parameter. Value and deviation are null where the log does not determine it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = EstimatedParameter))]
+pub struct BaseValue {
+    #[cfg_attr(feature = "service", schema(example = "MYR2"))]
+    pub name: String,
+    pub expression: String,
+    pub value: Option<f64>,
+    pub std_dev: Option<f64>,
+    pub relative_std_dev_percent: Option<f64>,
+    /// By the paper's (15), which counts every row as independent.
+    pub textbook_relative_std_dev_percent: Option<f64>,
+    pub unit: String,
+    pub identifiable: bool,
+}
+
+/// A combination of parameters, strongest part first.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct Direction {
+    #[cfg_attr(feature = "service", schema(example = "1 FV7 + 0.2 FS7"))]
+    pub text: String,
+    pub parameters: Vec<String>,
+}
+
+/// Physical parameters of a link, in the frames of the robot's description.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = PhysicalLink))]
+pub struct PhysicalValue {
+    /// From 1.
+    pub link: usize,
+    pub name: String,
+    /// [kg]
+    pub mass: f64,
+    /// [m]
+    pub center_of_mass: [f64; 3],
+    /// About the centre of mass [kg m²].
+    pub inertia: InertiaDocument,
+    pub viscous: f64,
+    pub coulomb: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = IdentifiedInertia))]
+pub struct InertiaDocument {
+    pub xx: f64,
+    pub xy: f64,
+    pub xz: f64,
+    pub yy: f64,
+    pub yz: f64,
+    pub zz: f64,
+}
+
+/// How the physical parameters were found and how far they are from every limit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct Feasibility {
+    pub method: &'static str,
+    /// `Converged`, `Stalled`, `BudgetExhausted`, `Infeasible` or `Cancelled`.
+    pub status: &'static str,
+    /// Fit over that of the base parameters; 1.02 is 2 % worse.
+    pub rms_ratio: f64,
+    pub margins: Vec<MarginValue>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = FeasibilityMargin))]
+pub struct MarginValue {
+    /// From 1.
+    pub link: usize,
+    #[cfg_attr(feature = "service", schema(example = "pseudo_inertia_positive_definite"))]
+    pub constraint: &'static str,
+    /// Above zero where the constraint holds.
+    pub margin: f64,
+}
+
+/// Root mean square errors [N m or N] per joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct RmsDocument {
+    pub identification: Vec<LogRms>,
+    pub validation: Vec<LogRms>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct LogRms {
+    pub name: String,
+    pub base: JointErrors,
+    pub physical: Option<JointErrors>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct JointErrors {
+    pub rms: Vec<f64>,
+    /// Of the torque's own root mean square.
+    pub percent: Vec<f64>,
+    pub sum: f64,
+}
+
+/// The noise of one joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = JointNoise))]
+pub struct NoiseDocument {
+    pub joint: String,
+    pub residual_rms: f64,
+    /// Of the rows that were fitted, from the scatter of the periods; null without periods.
+    pub noise_std: Option<f64>,
+    /// Residual mean square over what noise alone would leave; well above 1 the model lacks something.
+    pub misfit: Option<f64>,
+    pub rows: usize,
+    /// Independent values that the rows are worth.
+    pub effective_rows: f64,
+}
+
+/// What was found in a log file, and how it was prepared.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct LogDocument {
+    pub file: String,
+    /// `identification` or `validation`.
+    pub role: &'static str,
+    pub rows: usize,
+    pub rows_used: usize,
+    pub sample_rate_hz: f64,
+    pub duration_s: f64,
+    pub resampled: bool,
+    pub findings: Vec<FindingDocument>,
+    pub choices: Vec<ChoiceDocument>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct FindingDocument {
+    #[cfg_attr(feature = "service", schema(example = "garbage_row"))]
+    pub code: &'static str,
+    pub count: usize,
+    /// The first of them; the header is line 1.
+    pub lines: Vec<u64>,
+    pub detail: String,
+}
+
+/// One decision of preprocessing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct ChoiceDocument {
+    #[cfg_attr(feature = "service", schema(example = "derivatives"))]
+    pub what: &'static str,
+    pub value: String,
+    pub why: String,
+}
+
+/// Measured and predicted torque of a joint over time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct PredictionDocument {
+    pub log: String,
+    pub joint: String,
+    /// [s], on the log's own clock.
+    pub time: Vec<f64>,
+    pub measured: Vec<f64>,
+    pub base: Vec<f64>,
+    pub physical: Option<Vec<f64>>,
+}
+
+impl LogDocument {
+    pub fn new(report: &LogReport, role: &'static str, choices: &[crate::identification::preprocess::Choice]) -> Self {
+        let finding = |f: &super::log::Finding| FindingDocument {
+            code: f.kind.code(),
+            count: f.count,
+            lines: f.lines.clone(),
+            detail: f.detail.clone(),
+        };
+        Self {
+            file: report.file.clone(),
+            role,
+            rows: report.rows,
+            rows_used: report.rows_used,
+            sample_rate_hz: report.rate_hz,
+            duration_s: report.duration_s,
+            resampled: report.resampled,
+            findings: report.findings.iter().map(finding).collect(),
+            choices: choices
+                .iter()
+                .map(|c| ChoiceDocument {
+                    what: c.what,
+                    value: c.value.clone(),
+                    why: c.why.clone(),
+                })
+                .collect(),
+        }
+    }
+}

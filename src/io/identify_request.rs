@@ -1,0 +1,286 @@
+//! Identification requests.
+
+use super::columns_document::read_columns;
+use super::cursor::{Cursor, Fields, Findings};
+use super::json::Parsed;
+use super::log::Columns;
+use super::robot::{NamedRobots, read_robot_or_name};
+use crate::identification::physical::{ConsistentOptions, LinkBounds};
+use crate::identification::preprocess::{FilterSpec, Method, Period};
+use crate::identification::{Estimator, PreprocessOptions};
+use crate::model::{FieldProblem, Robot};
+use serde_json::Value;
+
+/// A checked request.
+#[derive(Debug, Clone)]
+pub struct IdentifyRequest {
+    pub robot: Robot,
+    /// What a user should know about how the robot was read.
+    pub notes: Vec<String>,
+    pub columns: Columns,
+    pub preprocess: PreprocessOptions,
+    pub estimator: Estimator,
+    /// One constant torque per joint, estimated with the rest.
+    pub offset: bool,
+    /// `None` where no physical parameters are wanted.
+    pub feasible: Option<ConsistentOptions>,
+    /// Points of every prediction series in the answer; 0 for none.
+    pub prediction_points: usize,
+    /// Whether what is left over is to be traced.
+    pub trace: bool,
+    /// The request as it was made.
+    pub document: Value,
+}
+
+/// Period and order of excitations that requests may name.
+pub trait NamedExcitations {
+    /// `(period_s, order)`.
+    fn excitation(&self, id: &str) -> Option<(f64, usize)>;
+}
+
+/// No excitation is known by name.
+pub struct NoExcitations;
+
+impl NamedExcitations for NoExcitations {
+    fn excitation(&self, _: &str) -> Option<(f64, usize)> {
+        None
+    }
+}
+
+pub const IDENTIFY_FIELDS: &[&str] = &[
+    "robot",
+    "excitation",
+    "period_s",
+    "columns",
+    "preprocess",
+    "estimator",
+    "offset",
+    "feasible",
+    "prediction_points",
+    "trace",
+];
+pub const PREPROCESS_FIELDS: &[&str] = &[
+    "method",
+    "average",
+    "position_filter",
+    "torque_filter",
+    "discard_edges_s",
+    "decimation",
+    "dead_zone",
+];
+pub const FILTER_FIELDS: &[&str] = &["order", "cutoff_hz"];
+pub const FEASIBLE_FIELDS: &[&str] = &["method", "prior_weight", "least_eigenvalue", "least_viscous", "bounds"];
+pub const BOUND_FIELDS: &[&str] = &["link", "mass", "center_of_mass"];
+
+pub const ESTIMATORS: &[(&str, Estimator)] = &[
+    ("ols", Estimator::Ordinary),
+    ("wls", Estimator::Weighted),
+    ("robust", Estimator::Robust),
+];
+pub const METHODS: &[(&str, Method)] = &[
+    ("automatic", Method::Automatic),
+    ("fourier_fit", Method::FourierFit),
+    ("parallel_filter", Method::ParallelFilter),
+    ("paper", Method::Paper),
+];
+const FEASIBLE_METHODS: &[(&str, bool)] = &[("consistent", true), ("none", false)];
+
+/// Reads a request.
+///
+/// # Errors
+/// Everything that is wrong with it, its robot and its columns.
+pub fn read_identify_request(
+    parsed: &Parsed,
+    robots: &dyn NamedRobots,
+    excitations: &dyn NamedExcitations,
+) -> Result<IdentifyRequest, Vec<FieldProblem>> {
+    let findings = Findings::new(parsed.problems.clone());
+    let read = read(&Cursor::root(&parsed.value, &findings), robots, excitations);
+    match read {
+        Some(request) if findings.is_empty() => Ok(request),
+        _ => Err(findings.into_list()),
+    }
+}
+
+fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcitations) -> Option<IdentifyRequest> {
+    let fields = cursor.fields(IDENTIFY_FIELDS)?;
+    let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, robots));
+    let joints = robot.as_ref().map(|r| r.robot.joint_count());
+    let columns = fields
+        .nullable("columns")
+        .map_or_else(Columns::default, |c| read_columns(&c, joints));
+    let period = read_period(&fields, excitations);
+    let preprocess = read_preprocess(&fields, period);
+    let feasible = read_feasible(&fields, joints);
+    let flag = |name: &str, otherwise: bool| fields.nullable(name).and_then(|c| boolean(&c)).unwrap_or(otherwise);
+    let (offset, trace) = (flag("offset", false), flag("trace", true));
+    let estimator = fields
+        .nullable("estimator")
+        .and_then(|c| c.choice(ESTIMATORS))
+        .unwrap_or_default();
+    let points = fields
+        .nullable("prediction_points")
+        .and_then(|c| c.whole(0, 100_000))
+        .unwrap_or(0);
+    let robot = robot?;
+    Some(IdentifyRequest {
+        robot: robot.robot,
+        notes: robot.notes,
+        columns,
+        preprocess,
+        estimator,
+        offset,
+        feasible,
+        prediction_points: points as usize,
+        trace,
+        document: cursor.value().clone(),
+    })
+}
+
+pub(super) fn boolean(cursor: &Cursor) -> Option<bool> {
+    let value = cursor.value().as_bool();
+    if value.is_none() {
+        cursor.complain("is not true or false");
+    }
+    value
+}
+
+fn positive(cursor: &Cursor) -> Option<f64> {
+    let value = cursor.number()?;
+    if value > 0.0 {
+        return Some(value);
+    }
+    cursor.complain(format!("is {value}, expected a number above zero"));
+    None
+}
+
+fn not_negative(cursor: &Cursor) -> Option<f64> {
+    let value = cursor.number()?;
+    if value >= 0.0 {
+        return Some(value);
+    }
+    cursor.complain(format!("is {value}, expected a number not below zero"));
+    None
+}
+
+/// From `period_s`, the excitation's id, or an excitation's own document.
+pub(super) fn read_period(fields: &Fields, excitations: &dyn NamedExcitations) -> Period {
+    let stated = fields.nullable("period_s").and_then(|c| positive(&c));
+    let named = fields.nullable("excitation").and_then(|c| match c.value() {
+        Value::Object(design) => {
+            let fundamental = design.get("fundamental_hz").and_then(Value::as_f64).filter(|f| *f > 0.0);
+            let order = design
+                .get("coefficients")
+                .and_then(|k| k.get("a")?.get(0)?.as_array())
+                .map(Vec::len);
+            if fundamental.is_none() {
+                c.complain_with(
+                    "has no `fundamental_hz` above zero",
+                    "give the answer of POST /excitation as it is",
+                );
+            }
+            fundamental.map(|f| (1.0 / f, order.unwrap_or(0)))
+        }
+        _ => {
+            let id = c.string()?;
+            let found = excitations.excitation(id);
+            if found.is_none() {
+                c.complain_with(format!("there is no excitation `{id}`"), "give its document, or period_s");
+            }
+            found
+        }
+    });
+    match (stated, named) {
+        (Some(period_s), named) => Period::Known {
+            period_s,
+            order: named.map(|(_, order)| order),
+        },
+        (None, Some((period_s, order))) => Period::Known {
+            period_s,
+            order: Some(order),
+        },
+        (None, None) => Period::Detect,
+    }
+}
+
+pub(super) fn read_preprocess(fields: &Fields, period: Period) -> PreprocessOptions {
+    let part = fields.nullable("preprocess").and_then(|c| c.fields(PREPROCESS_FIELDS));
+    let field = |name: &str| part.as_ref().and_then(|f| f.nullable(name));
+    let average = field("average").and_then(|c| boolean(&c)).unwrap_or(true);
+    PreprocessOptions {
+        period: if average { period } else { Period::None },
+        method: field("method").and_then(|c| c.choice(METHODS)).unwrap_or_default(),
+        position_filter: field("position_filter").and_then(|c| read_filter(&c)),
+        torque_filter: field("torque_filter").and_then(|c| read_filter(&c)),
+        discard_edges_s: field("discard_edges_s").and_then(|c| not_negative(&c)),
+        decimation: field("decimation").and_then(|c| c.whole(1, 1_000_000)).map(|d| d as usize),
+        dead_zone: field("dead_zone").and_then(|c| not_negative(&c)),
+    }
+}
+
+fn read_filter(cursor: &Cursor) -> Option<FilterSpec> {
+    let fields = cursor.fields(FILTER_FIELDS)?;
+    let order = fields.required("order").and_then(|c| c.whole(1, 64));
+    let cutoff_hz = fields.required("cutoff_hz").and_then(|c| positive(&c));
+    Some(FilterSpec {
+        order: order? as usize,
+        cutoff_hz: cutoff_hz?,
+    })
+}
+
+fn read_feasible(fields: &Fields, joints: Option<usize>) -> Option<ConsistentOptions> {
+    let default = ConsistentOptions::default();
+    let Some(part) = fields.nullable("feasible").and_then(|c| c.fields(FEASIBLE_FIELDS)) else {
+        return Some(default);
+    };
+    let wanted = part
+        .nullable("method")
+        .and_then(|c| c.choice(FEASIBLE_METHODS))
+        .unwrap_or(true);
+    let number = |name: &str, otherwise: f64| part.nullable(name).and_then(|c| not_negative(&c)).unwrap_or(otherwise);
+    let mut bounds = vec![LinkBounds::default(); joints.unwrap_or(0)];
+    for item in part.nullable("bounds").and_then(|c| c.items()).unwrap_or_default() {
+        read_bound(&item, &mut bounds, joints);
+    }
+    let options = ConsistentOptions {
+        prior_weight: number("prior_weight", default.prior_weight),
+        least_eigenvalue: number("least_eigenvalue", default.least_eigenvalue),
+        least_viscous: number("least_viscous", default.least_viscous),
+        bounds,
+    };
+    wanted.then_some(options)
+}
+
+fn read_bound(item: &Cursor, bounds: &mut [LinkBounds], joints: Option<usize>) {
+    let Some(fields) = item.fields(BOUND_FIELDS) else { return };
+    let link = fields
+        .required("link")
+        .and_then(|c| c.whole(1, joints.unwrap_or(usize::MAX) as u64));
+    let mass = fields.nullable("mass").and_then(|c| range(&c));
+    let center = fields.nullable("center_of_mass").and_then(|c| {
+        let items = c.items()?;
+        if items.len() != 3 {
+            c.complain(format!("has {} ranges, expected three: x, y, z", items.len()));
+            return None;
+        }
+        Some([range(&items[0])?, range(&items[1])?, range(&items[2])?])
+    });
+    if let Some(bound) = link.and_then(|l| bounds.get_mut(l as usize - 1)) {
+        *bound = LinkBounds {
+            mass,
+            center_of_mass: center,
+        };
+    }
+}
+
+fn range(cursor: &Cursor) -> Option<[f64; 2]> {
+    let ends = cursor.numbers(Some(2))?;
+    if ends[0] > ends[1] {
+        cursor.complain(format!(
+            "is [{}, {}]: the lower bound must not be above the upper one",
+            ends[0], ends[1]
+        ));
+        return None;
+    }
+    Some([ends[0], ends[1]])
+}

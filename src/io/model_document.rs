@@ -1,0 +1,228 @@
+//! A robot written out again: as a robot document and as URDF, in the frames of the description it came from.
+
+use crate::model::{Joint, Robot};
+use crate::spatial::Transform;
+use nalgebra::{Matrix3, Vector3};
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, Event};
+use serde_json::{Map, Value, json};
+
+/// Joint frames as the description has them: pose in the frame before, and the joint's axis.
+struct Described {
+    pose: Transform,
+    axis: Vector3<f64>,
+    turn: Matrix3<f64>,
+}
+
+fn described(robot: &Robot) -> Vec<Described> {
+    let mut before = Matrix3::identity();
+    robot
+        .joints()
+        .iter()
+        .map(|joint| {
+            let turn = joint.description_frame;
+            let pose = Transform::from_rotation(before) * joint.placement * Transform::from_rotation(turn.transpose());
+            before = turn;
+            Described {
+                pose,
+                axis: turn * Vector3::z(),
+                turn,
+            }
+        })
+        .collect()
+}
+
+/// Roll, pitch, yaw with `R = Rz(yaw) Ry(pitch) Rx(roll)`.
+fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
+    let across = r[(0, 0)].hypot(r[(1, 0)]);
+    let pitch = (-r[(2, 0)]).atan2(across);
+    // Straight up or down yaw and roll turn about the same line: all of it is given to yaw.
+    if across < 1e-9 {
+        return [0.0, pitch, (-r[(0, 1)]).atan2(r[(1, 1)])];
+    }
+    [r[(2, 1)].atan2(r[(2, 2)]), pitch, r[(1, 0)].atan2(r[(0, 0)])]
+}
+
+/// The robot as a document that POST /robots takes, its priors included.
+pub fn robot_value(robot: &Robot) -> Value {
+    let joints: Vec<Value> = robot
+        .joints()
+        .iter()
+        .zip(described(robot))
+        .map(|(joint, frame)| joint_value(joint, &frame))
+        .collect();
+    let friction = robot.friction();
+    let declared: Vec<&str> = [(friction.viscous, "viscous"), (friction.coulomb, "coulomb")]
+        .iter()
+        .filter(|(on, _)| *on)
+        .map(|(_, n)| *n)
+        .collect();
+    json!({"name": robot.name(), "gravity": robot.gravity().as_slice(), "joints": joints, "friction": declared})
+}
+
+fn joint_value(joint: &Joint, frame: &Described) -> Value {
+    let mut value = Map::new();
+    value.insert("name".into(), json!(joint.name));
+    value.insert(
+        "kind".into(),
+        json!(if joint.is_revolute() { "revolute" } else { "prismatic" }),
+    );
+    match joint.mdh {
+        Some(mdh) => value.insert("mdh".into(), json!({"alpha": mdh.alpha, "d": mdh.d, "theta": mdh.theta, "r": mdh.r})),
+        None => value.insert(
+            "placement".into(),
+            json!({"xyz": frame.pose.translation.as_slice(), "rpy": roll_pitch_yaw(&frame.pose.rotation), "axis": frame.axis.as_slice()}),
+        ),
+    };
+    let l = &joint.limits;
+    value.insert(
+        "limits".into(),
+        json!({"position": l.position, "velocity": l.velocity, "acceleration": l.acceleration, "jerk": l.jerk, "effort": l.effort}),
+    );
+    value.insert("link".into(), json!(joint.link_name));
+    if let Some(prior) = &joint.prior {
+        let turn = frame.turn;
+        let center = turn * prior.inertia.center_of_mass;
+        let i = turn * prior.inertia.inertia * turn.transpose();
+        let prior = json!({
+            "mass": prior.inertia.mass,
+            "center_of_mass": center.as_slice(),
+            "inertia": {"xx": i[(0, 0)], "xy": i[(0, 1)], "xz": i[(0, 2)], "yy": i[(1, 1)], "yz": i[(1, 2)], "zz": i[(2, 2)]},
+            "viscous": prior.viscous,
+            "coulomb": prior.coulomb,
+        });
+        value.insert("prior".into(), prior);
+    }
+    Value::Object(value)
+}
+
+/// The robot as URDF; links without prior parameters have no inertial.
+pub fn urdf(robot: &Robot) -> String {
+    let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
+    let written = write_urdf(&mut writer, robot);
+    written.expect("writing to memory does not fail");
+    String::from_utf8(writer.into_inner()).expect("XML is UTF-8") + "\n"
+}
+
+fn write_urdf(writer: &mut Writer<Vec<u8>>, robot: &Robot) -> std::io::Result<()> {
+    writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("utf-8"), None)))?;
+    writer
+        .create_element("robot")
+        .with_attribute(("name", robot.name()))
+        .write_inner_content(|w| {
+            let base = base_name(robot);
+            w.create_element("link")
+                .with_attribute(("name", base.as_str()))
+                .write_empty()?;
+            let mut parent = base.as_str();
+            for (joint, frame) in robot.joints().iter().zip(described(robot)) {
+                write_link(w, joint, &frame)?;
+                write_joint(w, joint, &frame, parent)?;
+                parent = &joint.link_name;
+            }
+            Ok(())
+        })?;
+    Ok(())
+}
+
+/// A name that no link has.
+fn base_name(robot: &Robot) -> String {
+    let mut name = "base_link".to_string();
+    while robot.joints().iter().any(|j| j.link_name == name) {
+        name.push('_');
+    }
+    name
+}
+
+/// Shortest text that reads back as the same number.
+fn number(v: f64) -> String {
+    format!("{v}")
+}
+
+fn triple(v: &[f64]) -> String {
+    v.iter().map(|&x| number(x)).collect::<Vec<_>>().join(" ")
+}
+
+fn write_link(w: &mut Writer<Vec<u8>>, joint: &Joint, frame: &Described) -> std::io::Result<()> {
+    let link = w.create_element("link").with_attribute(("name", joint.link_name.as_str()));
+    let Some(prior) = &joint.prior else {
+        return link.write_empty().map(drop);
+    };
+    let center = frame.turn * prior.inertia.center_of_mass;
+    let i = frame.turn * prior.inertia.inertia * frame.turn.transpose();
+    link.write_inner_content(|w| {
+        w.create_element("inertial").write_inner_content(|w| {
+            w.create_element("origin")
+                .with_attribute(("xyz", triple(center.as_slice()).as_str()))
+                .with_attribute(("rpy", "0 0 0"))
+                .write_empty()?;
+            w.create_element("mass")
+                .with_attribute(("value", number(prior.inertia.mass).as_str()))
+                .write_empty()?;
+            let entries = [
+                ("ixx", 0, 0),
+                ("ixy", 0, 1),
+                ("ixz", 0, 2),
+                ("iyy", 1, 1),
+                ("iyz", 1, 2),
+                ("izz", 2, 2),
+            ];
+            let entries = entries.map(|(name, r, c)| (name, number(i[(r, c)])));
+            w.create_element("inertia")
+                .with_attributes(entries.iter().map(|(n, v)| (*n, v.as_str())))
+                .write_empty()?;
+            Ok(())
+        })?;
+        Ok(())
+    })?;
+    Ok(())
+}
+
+fn write_joint(w: &mut Writer<Vec<u8>>, joint: &Joint, frame: &Described, parent: &str) -> std::io::Result<()> {
+    let bounded = joint.limits.position.is_some();
+    let kind = match (joint.is_revolute(), bounded) {
+        (true, true) => "revolute",
+        (true, false) => "continuous",
+        (false, _) => "prismatic",
+    };
+    w.create_element("joint")
+        .with_attribute(("name", joint.name.as_str()))
+        .with_attribute(("type", kind))
+        .write_inner_content(|w| {
+            let (xyz, rpy) = (
+                triple(frame.pose.translation.as_slice()),
+                triple(&roll_pitch_yaw(&frame.pose.rotation)),
+            );
+            w.create_element("origin")
+                .with_attribute(("xyz", xyz.as_str()))
+                .with_attribute(("rpy", rpy.as_str()))
+                .write_empty()?;
+            w.create_element("parent").with_attribute(("link", parent)).write_empty()?;
+            w.create_element("child")
+                .with_attribute(("link", joint.link_name.as_str()))
+                .write_empty()?;
+            w.create_element("axis")
+                .with_attribute(("xyz", triple(frame.axis.as_slice()).as_str()))
+                .write_empty()?;
+            let mut limits = Vec::new();
+            if let Some([low, high]) = joint.limits.position {
+                limits.extend([("lower", number(low)), ("upper", number(high))]);
+            }
+            limits.extend(joint.limits.effort.map(|v| ("effort", number(v))));
+            limits.extend(joint.limits.velocity.map(|v| ("velocity", number(v))));
+            if !limits.is_empty() {
+                w.create_element("limit")
+                    .with_attributes(limits.iter().map(|(n, v)| (*n, v.as_str())))
+                    .write_empty()?;
+            }
+            if let Some(prior) = &joint.prior {
+                let (damping, friction) = (number(prior.viscous), number(prior.coulomb));
+                w.create_element("dynamics")
+                    .with_attribute(("damping", damping.as_str()))
+                    .with_attribute(("friction", friction.as_str()))
+                    .write_empty()?;
+            }
+            Ok(())
+        })?;
+    Ok(())
+}

@@ -1,0 +1,333 @@
+//! Robot documents: JSON with modified DH or general placements, or a URDF file.
+//!
+//! Every object of a robot document may carry a `source`: one string that says where its numbers come from.
+
+use super::cursor::{Cursor, Fields, Findings};
+use super::json::{Malformed, Parsed, parse};
+use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, LinkPrior, Mdh, Robot, from_urdf};
+use crate::spatial::{PhysicalInertia, Transform};
+use nalgebra::{Matrix3, Vector3};
+use serde_json::{Value, json};
+
+/// A robot as read, and what a user should know about how it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotDocument {
+    pub robot: Robot,
+    /// Missing limits or inertials of a URDF file, in words.
+    pub notes: Vec<String>,
+}
+
+/// Robots that documents may call by name.
+pub trait NamedRobots {
+    fn named(&self, name: &str) -> Option<RobotDocument>;
+    fn names(&self) -> Vec<String>;
+}
+
+/// Fields of a robot with joints.
+pub const ROBOT_FIELDS: &[&str] = &["name", "gravity", "joints", "friction", "source"];
+/// Fields of a robot given as a URDF file.
+pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "tip", "source"];
+pub const JOINT_FIELDS: &[&str] = &["name", "kind", "mdh", "placement", "limits", "prior", "link", "source"];
+pub const MDH_FIELDS: &[&str] = &["alpha", "d", "theta", "r", "source"];
+pub const PLACEMENT_FIELDS: &[&str] = &["xyz", "rpy", "axis", "source"];
+pub const LIMIT_FIELDS: &[&str] = &["position", "velocity", "acceleration", "jerk", "effort", "source"];
+pub const PRIOR_FIELDS: &[&str] = &["mass", "center_of_mass", "inertia", "viscous", "coulomb", "source"];
+pub const INERTIA_FIELDS: &[&str] = &["xx", "xy", "xz", "yy", "yz", "zz"];
+
+/// A robot document from the bytes of a file: JSON, or URDF if it starts like XML.
+///
+/// # Errors
+/// Text that is neither.
+pub fn robot_file(bytes: &[u8]) -> Result<Parsed, Malformed> {
+    let start = bytes
+        .iter()
+        .find(|b| !b.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(b));
+    if start != Some(&b'<') {
+        return parse(bytes);
+    }
+    let xml = std::str::from_utf8(bytes).map_err(|e| Malformed {
+        detail: format!("the file is not UTF-8 text: {e}"),
+        hint: None,
+    })?;
+    Ok(Parsed {
+        value: json!({"urdf": xml.trim_start_matches('\u{feff}')}),
+        problems: Vec::new(),
+    })
+}
+
+/// Reads the robot that stands at `cursor`; what is wrong goes to the cursor's findings, and `None` comes back if anything is.
+pub fn read_robot(cursor: &Cursor) -> Option<RobotDocument> {
+    let urdf = cursor.value().get("urdf").is_some();
+    let read = if urdf { read_urdf(cursor) } else { read_joints(cursor) };
+    read.filter(|_| !cursor.findings().within(cursor.pointer()))
+}
+
+fn read_urdf(cursor: &Cursor) -> Option<RobotDocument> {
+    let fields = cursor.fields(URDF_FIELDS)?;
+    read_source(&fields);
+    let (gravity, friction) = (read_gravity(&fields), read_friction(&fields));
+    let tip = fields.nullable("tip").and_then(|c| c.string());
+    let xml = fields.required("urdf")?.string()?;
+    match from_urdf(xml, gravity, friction, tip) {
+        Ok(read) => Some(RobotDocument {
+            robot: read.robot,
+            notes: read.notes,
+        }),
+        Err(e) => {
+            cursor.findings().merge(e.0.into_iter().map(|p| in_urdf(cursor.pointer(), p)));
+            None
+        }
+    }
+}
+
+/// Problems of joints that were read from XML have no place of their own in the JSON document: the detail says which joint.
+fn in_urdf(at: &str, problem: FieldProblem) -> FieldProblem {
+    if ["/urdf", "/tip", "/gravity"].contains(&problem.pointer.as_str()) {
+        return FieldProblem {
+            pointer: format!("{at}{}", problem.pointer),
+            ..problem
+        };
+    }
+    FieldProblem {
+        pointer: format!("{at}/urdf"),
+        detail: format!("{} {}", problem.pointer, problem.detail),
+        ..problem
+    }
+}
+
+fn read_joints(cursor: &Cursor) -> Option<RobotDocument> {
+    let fields = cursor.fields(ROBOT_FIELDS)?;
+    read_source(&fields);
+    let name = fields.required("name").and_then(|c| c.string()).unwrap_or("robot");
+    let (gravity, friction) = (read_gravity(&fields), read_friction(&fields));
+    let mut joints = Vec::new();
+    let mut to_here = Transform::identity();
+    for (i, item) in fields
+        .required("joints")
+        .and_then(|c| c.items())
+        .unwrap_or_default()
+        .iter()
+        .enumerate()
+    {
+        let (joint, turn) = read_joint(item, i, &to_here);
+        // As in a URDF: where the axis is not z, the frame of the dynamics is the document's frame turned.
+        to_here = Transform::from_rotation(turn.transpose());
+        joints.push(joint);
+    }
+    match Robot::new(name, gravity, joints, friction) {
+        Ok(robot) => Some(RobotDocument {
+            robot,
+            notes: Vec::new(),
+        }),
+        Err(e) => {
+            let placed = |p: FieldProblem| FieldProblem {
+                pointer: format!("{}{}", cursor.pointer(), p.pointer),
+                ..p
+            };
+            cursor.findings().merge(e.0.into_iter().map(placed));
+            None
+        }
+    }
+}
+
+fn read_source(fields: &Fields) {
+    if let Some(source) = fields.optional("source") {
+        source.string();
+    }
+}
+
+fn read_gravity(fields: &Fields) -> Vector3<f64> {
+    fields
+        .optional("gravity")
+        .and_then(|c| c.vector())
+        .unwrap_or(Vector3::new(0.0, 0.0, -9.81))
+}
+
+fn read_friction(fields: &Fields) -> Friction {
+    let Some(items) = fields.optional("friction").map(|c| c.items().unwrap_or_default()) else {
+        return Friction {
+            viscous: true,
+            coulomb: true,
+        };
+    };
+    let words = [("viscous", true), ("coulomb", false)];
+    let read: Vec<Option<bool>> = items.iter().map(|c| c.choice(&words)).collect();
+    Friction {
+        viscous: read.contains(&Some(true)),
+        coulomb: read.contains(&Some(false)),
+    }
+}
+
+/// The joint, and the turn from its frame in the dynamics (z along the axis) to its frame in the document.
+fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform) -> (Joint, Matrix3<f64>) {
+    // The stand-in for anything unreadable passes the checks of the core, so that those see the rest.
+    let stand_in = || {
+        (
+            Joint::from_mdh(format!("joint {}", index + 1), JointKind::Revolute, ZERO_MDH),
+            Matrix3::identity(),
+        )
+    };
+    let Some(fields) = cursor.fields(JOINT_FIELDS) else {
+        return stand_in();
+    };
+    read_source(&fields);
+    let (mut joint, mut turn) = stand_in();
+    joint.name = fields
+        .required("name")
+        .and_then(|c| c.string())
+        .map_or(joint.name, str::to_string);
+    joint.link_name = format!("{}_link", joint.name);
+    if let Some(link) = fields.optional("link").and_then(|c| c.string()) {
+        joint.link_name = link.to_string();
+    }
+    let kinds = [("revolute", JointKind::Revolute), ("prismatic", JointKind::Prismatic)];
+    joint.kind = fields
+        .required("kind")
+        .and_then(|c| c.choice(&kinds))
+        .unwrap_or(JointKind::Revolute);
+    if fields.has("mdh") == fields.has("placement") {
+        let detail = if fields.has("mdh") {
+            "has both `mdh` and `placement`"
+        } else {
+            "has neither `mdh` nor `placement`"
+        };
+        cursor.complain_with(detail, "give one of them");
+    } else if let Some(placement) = fields.optional("placement") {
+        let read = read_placement(&placement);
+        turn = read.1;
+        joint.placement = *to_here * read.0;
+        joint.mdh = None;
+        joint.description_frame = turn;
+    } else if let Some(mdh) = fields.optional("mdh") {
+        let mdh = read_mdh(&mdh);
+        joint.placement = *to_here * mdh.placement();
+        // Kept where it is the whole placement; with non-finite angles the core names them.
+        joint.mdh = (to_here.rotation == Matrix3::identity()).then_some(mdh);
+    }
+    joint.limits = fields.nullable("limits").map_or(Limits::unlimited(), |c| read_limits(&c));
+    joint.prior = fields.nullable("prior").and_then(|c| read_prior(&c, &turn));
+    (joint, turn)
+}
+
+const ZERO_MDH: Mdh = Mdh {
+    alpha: 0.0,
+    d: 0.0,
+    theta: 0.0,
+    r: 0.0,
+};
+
+fn read_mdh(cursor: &Cursor) -> Mdh {
+    let Some(fields) = cursor.fields(MDH_FIELDS) else {
+        return ZERO_MDH;
+    };
+    read_source(&fields);
+    let number = |name: &str| fields.required(name).and_then(|c| c.number()).unwrap_or(0.0);
+    Mdh {
+        alpha: number("alpha"),
+        d: number("d"),
+        theta: number("theta"),
+        r: number("r"),
+    }
+}
+
+fn read_placement(cursor: &Cursor) -> (Transform, Matrix3<f64>) {
+    let nothing = (Transform::identity(), Matrix3::identity());
+    let Some(fields) = cursor.fields(PLACEMENT_FIELDS) else {
+        return nothing;
+    };
+    read_source(&fields);
+    let vector = |name: &str| fields.optional(name).and_then(|c| c.vector()).unwrap_or_default();
+    let placement = Transform::from_xyz_rpy(vector("xyz"), vector("rpy"));
+    let axis = fields.optional("axis").and_then(|c| {
+        let axis = c.vector()?;
+        // Shorter than 1e-6 is no direction anybody wrote down.
+        if axis.norm() < 1e-6 {
+            c.complain_with(
+                "has no direction",
+                "give the axis as a unit vector in the joint's frame, [0, 0, 1] if left out",
+            );
+            return None;
+        }
+        Some(axis.normalize())
+    });
+    let turn = axis.map_or(Matrix3::identity(), |a| Transform::z_onto(&a));
+    (placement * Transform::from_rotation(turn), turn)
+}
+
+fn read_limits(cursor: &Cursor) -> Limits {
+    let Some(fields) = cursor.fields(LIMIT_FIELDS) else {
+        return Limits::unlimited();
+    };
+    read_source(&fields);
+    let number = |name: &str| fields.nullable(name).and_then(|c| c.number());
+    Limits {
+        position: fields
+            .nullable("position")
+            .and_then(|c| c.numbers(Some(2)))
+            .map(|p| [p[0], p[1]]),
+        velocity: number("velocity"),
+        acceleration: number("acceleration"),
+        jerk: number("jerk"),
+        effort: number("effort"),
+    }
+}
+
+/// Prior parameters in the document's link frame, turned into the frame of the dynamics.
+fn read_prior(cursor: &Cursor, turn: &Matrix3<f64>) -> Option<LinkPrior> {
+    let fields = cursor.fields(PRIOR_FIELDS)?;
+    read_source(&fields);
+    let mass = fields.required("mass").and_then(|c| c.number());
+    let center = fields.required("center_of_mass").and_then(|c| c.vector());
+    let inertia = fields.required("inertia").and_then(|c| read_inertia(&c));
+    let friction = |name: &str| fields.optional(name).and_then(|c| c.number()).unwrap_or(0.0);
+    let (viscous, coulomb) = (friction("viscous"), friction("coulomb"));
+    let back = turn.transpose();
+    let inertia = PhysicalInertia {
+        mass: mass?,
+        center_of_mass: back * center?,
+        inertia: back * inertia? * turn,
+    };
+    Some(LinkPrior {
+        inertia,
+        viscous,
+        coulomb,
+    })
+}
+
+fn read_inertia(cursor: &Cursor) -> Option<Matrix3<f64>> {
+    let fields = cursor.fields(INERTIA_FIELDS)?;
+    let read: Vec<Option<f64>> = INERTIA_FIELDS
+        .iter()
+        .map(|name| fields.required(name).and_then(|c| c.number()))
+        .collect();
+    let all: Option<Vec<f64>> = read.into_iter().collect();
+    let [xx, xy, xz, yy, yz, zz] = all?.try_into().ok()?;
+    Some(Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+}
+
+/// Reads a whole robot document.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn robot_document(parsed: &Parsed) -> Result<RobotDocument, Vec<FieldProblem>> {
+    let findings = Findings::new(parsed.problems.clone());
+    let read = read_robot(&Cursor::root(&parsed.value, &findings));
+    match read {
+        Some(document) if findings.is_empty() => Ok(document),
+        _ => Err(findings.into_list()),
+    }
+}
+
+/// A robot that stands in the document, or the name of a known one.
+pub(super) fn read_robot_or_name(cursor: &Cursor, known: &dyn NamedRobots) -> Option<RobotDocument> {
+    let Value::String(name) = cursor.value() else {
+        return read_robot(cursor);
+    };
+    let found = known.named(name);
+    if found.is_none() {
+        let names = known.names();
+        let names: Vec<(&str, ())> = names.iter().map(|n| (n.as_str(), ())).collect();
+        cursor.choice(&names);
+    }
+    found
+}

@@ -1,0 +1,103 @@
+//! Sampled trajectories for robot controllers.
+
+use crate::trajectory::{FourierSeries, Trajectory, sample_count};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// How a sampled trajectory is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableFormat {
+    Csv,
+    Json,
+}
+
+/// Rows beyond this would be gigabytes; an hour at 1 kHz is 3.6 million.
+pub const MOST_ROWS: usize = 4_000_000;
+
+/// Rows of `periods` periods at `rate_hz`, with the first sample of the period after them: the motion ends where it began.
+pub fn rows(series: &FourierSeries, rate_hz: f64, periods: usize) -> usize {
+    // A product beyond usize saturates, which is above every bound.
+    sample_count(series.duration() * periods as f64, rate_hz).saturating_add(1)
+}
+
+/// Columns `time, q1 … qn, qd1 … qdn, qdd1 … qddn` [s, rad or m, and per second].
+fn header(joints: usize) -> Vec<String> {
+    let of = |symbol: &'static str| (1..=joints).map(move |j| format!("{symbol}{j}"));
+    std::iter::once("time".to_string())
+        .chain(of("q"))
+        .chain(of("qd"))
+        .chain(of("qdd"))
+        .collect()
+}
+
+/// One row; numbers of a whole period are computed at the same phases in every period, so that periods are equal to the last bit
+/// when the period is a whole number of samples.
+fn row(series: &FourierSeries, rate_hz: f64, index: usize) -> Vec<f64> {
+    let per_period = series.duration() * rate_hz;
+    let whole = per_period.round();
+    // As in `sample_count`: whole up to rounding.
+    let phase = if (per_period - whole).abs() <= 1e-9 * whole {
+        index % whole as usize
+    } else {
+        index
+    };
+    let states: Vec<[f64; 3]> = (0..series.joints())
+        .map(|j| series.state(j, phase as f64 / rate_hz))
+        .collect();
+    let of = |k: usize| states.iter().map(move |s| s[k]);
+    std::iter::once(index as f64 / rate_hz)
+        .chain(of(0))
+        .chain(of(1))
+        .chain(of(2))
+        .collect()
+}
+
+/// As comma-separated values with a header; numbers read back to the same bits.
+pub fn trajectory_csv(series: &FourierSeries, rate_hz: f64, periods: usize) -> String {
+    let mut text = header(series.joints()).join(",");
+    for index in 0..rows(series, rate_hz, periods) {
+        for (column, value) in row(series, rate_hz, index).iter().enumerate() {
+            let separator = if column == 0 { '\n' } else { ',' };
+            write!(text, "{separator}{value}").expect("writing to a string cannot fail");
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// As an object of `columns` and `rows`.
+pub fn trajectory_json(series: &FourierSeries, rate_hz: f64, periods: usize) -> Value {
+    let all: Vec<Vec<f64>> = (0..rows(series, rate_hz, periods)).map(|i| row(series, rate_hz, i)).collect();
+    json!({"columns": header(series.joints()), "rate_hz": rate_hz, "periods": periods, "rows": all})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    fn series() -> FourierSeries {
+        let a = DMatrix::from_row_slice(2, 2, &[0.1, -0.1, 0.7, -0.7]);
+        let b = DMatrix::from_row_slice(2, 2, &[0.2, -0.1, 0.3, -0.15]);
+        FourierSeries {
+            fundamental_hz: 0.1,
+            a,
+            b,
+            offset: vec![0.25, -1.0 / 3.0],
+        }
+    }
+
+    #[test]
+    fn rows_hold_the_state_and_close_the_period() {
+        let text = trajectory_csv(&series(), 100.0, 2);
+        let mut lines = text.lines();
+        assert_eq!(lines.next().unwrap(), "time,q1,q2,qd1,qd2,qdd1,qdd2");
+        let table: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|v| v.parse().unwrap()).collect()).collect();
+        assert_eq!(table.len(), 2001);
+        let state = series().state(1, 3.21);
+        assert_eq!([table[321][2], table[321][4], table[321][6]], state);
+        assert_eq!(table[0][1..], table[1000][1..]);
+        assert_eq!(table[2000][0], 20.0);
+        assert_eq!(table[2000][1..], table[0][1..]);
+    }
+}

@@ -1,0 +1,111 @@
+//! Requests to hold a model against logs.
+
+use super::columns_document::read_columns;
+use super::cursor::{Cursor, Findings};
+use super::identify_document::{JointErrors, LogDocument, PredictionDocument};
+use super::identify_request::{NamedExcitations, read_period, read_preprocess};
+use super::json::Parsed;
+use super::log::Columns;
+use super::robot::{NamedRobots, read_robot_or_name};
+use crate::identification::PreprocessOptions;
+use crate::model::{FieldProblem, Robot};
+use serde::Serialize;
+
+/// A checked request.
+#[derive(Debug, Clone)]
+pub struct ValidateRequest {
+    /// The model: a robot every link of which has prior parameters.
+    pub robot: Robot,
+    /// Constant torque of every joint.
+    pub offsets: Option<Vec<f64>>,
+    pub columns: Columns,
+    pub preprocess: PreprocessOptions,
+    pub prediction_points: usize,
+}
+
+pub const VALIDATE_FIELDS: &[&str] = &[
+    "model",
+    "columns",
+    "excitation",
+    "period_s",
+    "preprocess",
+    "prediction_points",
+];
+pub const MODEL_FIELDS: &[&str] = &["robot", "offsets", "base_parameters"];
+
+/// Reads a request whose `model` is the JSON model of an identification, or any robot with parameters for every link.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read_validate_request(
+    parsed: &Parsed,
+    robots: &dyn NamedRobots,
+    excitations: &dyn NamedExcitations,
+) -> Result<ValidateRequest, Vec<FieldProblem>> {
+    let findings = Findings::new(parsed.problems.clone());
+    let read = read(&Cursor::root(&parsed.value, &findings), robots, excitations);
+    match read {
+        Some(request) if findings.is_empty() => Ok(request),
+        _ => Err(findings.into_list()),
+    }
+}
+
+fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcitations) -> Option<ValidateRequest> {
+    let fields = cursor.fields(VALIDATE_FIELDS)?;
+    let model = fields.required("model").and_then(|c| read_model(&c, robots));
+    let joints = model.as_ref().map(|(robot, _)| robot.joint_count());
+    let columns = fields
+        .nullable("columns")
+        .map_or_else(Columns::default, |c| read_columns(&c, joints));
+    let preprocess = read_preprocess(&fields, read_period(&fields, excitations));
+    let points = fields
+        .nullable("prediction_points")
+        .and_then(|c| c.whole(0, 100_000))
+        .unwrap_or(0);
+    let (robot, offsets) = model?;
+    Some(ValidateRequest {
+        robot,
+        offsets,
+        columns,
+        preprocess,
+        prediction_points: points as usize,
+    })
+}
+
+fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<(Robot, Option<Vec<f64>>)> {
+    let (robot, offsets) = match cursor.value().get("robot").is_some() {
+        true => {
+            let fields = cursor.fields(MODEL_FIELDS)?;
+            let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, robots))?.robot;
+            let offsets = fields.nullable("offsets").and_then(|c| c.numbers(Some(robot.joint_count())));
+            (robot, offsets)
+        }
+        false => (read_robot_or_name(cursor, robots)?.robot, None),
+    };
+    for joint in robot.joints().iter().filter(|j| j.prior.is_none()) {
+        cursor.complain_with(
+            format!("the link behind joint `{}` has no mass and inertia", joint.name),
+            "give the model of an identification, or a robot with parameters for every link",
+        );
+    }
+    Some((robot, offsets))
+}
+
+/// How well a model predicts logs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Validation))]
+pub struct ValidateDocument {
+    pub robot: String,
+    pub joints: Vec<String>,
+    pub logs: Vec<ValidatedLog>,
+    pub log_report: Vec<LogDocument>,
+    pub predictions: Vec<PredictionDocument>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct ValidatedLog {
+    pub name: String,
+    #[serde(flatten)]
+    pub errors: JointErrors,
+}

@@ -1,0 +1,220 @@
+//! `/excitation`: design a trajectory, hand it out.
+
+use super::jobs::JobDocument;
+use super::query::QueryFields;
+use super::schemas::ExcitationRequestSchema;
+use crate::app::Problem;
+use crate::app::{Code, Error};
+use crate::io::{DesignDocument, TableFormat, read_excitation_request, trajectory_csv, trajectory_json};
+use crate::service::document::JsonBody;
+use crate::service::jobs::Job;
+use crate::service::prefer::PreferWait;
+use crate::service::problem::Failure;
+use crate::service::state::Service;
+use crate::trajectory::{FourierSeries, Trajectory};
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// The result of a design, under the id of its job.
+#[derive(Serialize, utoipa::ToSchema)]
+pub struct Excitation {
+    pub id: String,
+    #[serde(flatten)]
+    pub result: DesignDocument,
+}
+
+/// Design an excitation trajectory.
+///
+/// Answers 202 with the job, whose address is in `Location`; with `Prefer: wait=N` 200 and the result if that comes within N seconds.
+/// An infeasible problem is an outcome in the result, not an error. `Idempotency-Key` makes a retry safe: the same key with the same
+/// document is the same job.
+#[utoipa::path(
+    post, path = "/excitation", tag = "excitation", operation_id = "design_excitation",
+    request_body(content = ExcitationRequestSchema, content_type = "application/json"),
+    params(
+        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
+        ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
+    ),
+    responses(
+        (status = 200, description = "The result, with `Prefer: wait`", body = Excitation),
+        (status = 202, description = "The job; its address is in `Location`", body = JobDocument,
+            headers(("Location" = String, description = "Address of the job"))),
+        (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Too many jobs; see `Retry-After`", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn post(
+    State(service): State<Service>,
+    wait: PreferWait,
+    headers: HeaderMap,
+    body: JsonBody,
+) -> Result<Response, Failure> {
+    let JsonBody { parsed, bytes } = body;
+    let reader = service.clone();
+    // Base parameters of a long arm take a while: not on the threads that serve.
+    let read = tokio::task::spawn_blocking(move || read_excitation_request(&parsed, &reader)).await;
+    let request = read
+        .map_err(|_| crate::service::problem::internal_error())?
+        .map_err(|errors| Error::invalid("the excitation request", errors))?;
+    let key = headers
+        .get("idempotency-key")
+        .and_then(|v| v.to_str().ok())
+        .map(|k| (k.to_string(), bytes.as_ref()));
+    let job = service.jobs().submit(request, key)?;
+    Ok(answer(&service, &job, wait).await)
+}
+
+/// The result if it is there or comes in the time the client would wait, else the job.
+async fn answer(service: &Service, job: &Arc<Job>, wait: PreferWait) -> Response {
+    if let Some(limit) = wait.0 {
+        let _ = tokio::time::timeout(limit.min(service.config().longest_wait), job.ended()).await;
+    }
+    let applied = wait.applied().map(|v| [("preference-applied", v)]);
+    match finished(job) {
+        Some(Ok(result)) => {
+            let place = [(header::CONTENT_LOCATION, format!("/excitation/{}", job.id))];
+            (StatusCode::OK, applied, place, Json(result)).into_response()
+        }
+        Some(Err(failure)) => failure.into_response(),
+        None => {
+            let place = [
+                (header::LOCATION, format!("/jobs/{}", job.id)),
+                (header::RETRY_AFTER, "1".to_string()),
+            ];
+            (StatusCode::ACCEPTED, applied, place, Json(JobDocument::of(job))).into_response()
+        }
+    }
+}
+
+/// `None` while the job goes on.
+fn finished(job: &Job) -> Option<Result<Excitation, Failure>> {
+    let status = job.status();
+    if !status.state.is_final() {
+        return None;
+    }
+    Some(match (job.result(), status.error) {
+        (Some(excited), _) => Ok(Excitation {
+            id: job.id.clone(),
+            result: excited.document.clone(),
+        }),
+        (None, Some(error)) => Err(Failure(error)),
+        (None, None) => Err(Failure(Error::new(Code::NoResult, "the job was cancelled before it began"))),
+    })
+}
+
+fn find(service: &Service, id: &str) -> Result<Arc<Job>, Failure> {
+    let unknown =
+        || Error::new(Code::UnknownExcitation, format!("there is no excitation `{id}`")).with_hint("GET /jobs lists them");
+    Ok(service.jobs().get(id).ok_or_else(unknown)?)
+}
+
+/// The result of a design.
+///
+/// While the search goes on, 202 with the job; `Prefer: wait=N` waits for the result as in the POST.
+#[utoipa::path(
+    get, path = "/excitation/{id}", tag = "excitation", operation_id = "get_excitation",
+    params(
+        ("id" = String, Path, description = "Id of the job"),
+        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
+    ),
+    responses(
+        (status = 200, description = "The result", body = Excitation),
+        (status = 202, description = "The job, which goes on", body = JobDocument),
+        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "Cancelled before it began", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn get(State(service): State<Service>, Path(id): Path<String>, wait: PreferWait) -> Result<Response, Failure> {
+    let job = find(&service, &id)?;
+    Ok(answer(&service, &job, wait).await)
+}
+
+/// The trajectory, sampled.
+///
+/// Columns `time, q1 … qn, qd1 … qdn, qdd1 … qddn` (s; rad or m and per second); `periods` periods and the sample after them, with which
+/// the motion is back where it began.
+#[utoipa::path(
+    get, path = "/excitation/{id}/trajectory", tag = "excitation", operation_id = "get_trajectory",
+    params(
+        ("id" = String, Path, description = "Id of the job"),
+        ("format" = Option<String>, Query, description = "`csv` (default) or `json`"),
+        ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out"),
+        ("periods" = Option<usize>, Query, description = "Periods, 1 if left out"),
+    ),
+    responses(
+        (status = 200, description = "The samples", content((String = "text/csv"), (Object = "application/json"))),
+        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "No trajectory: not finished, cancelled early, or infeasible", body = Problem,
+            content_type = "application/problem+json"),
+    )
+)]
+pub async fn trajectory(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+    mut query: QueryFields,
+) -> Result<Response, Failure> {
+    let job = find(&service, &id)?;
+    let (series, rate_hz) = series_of(&job)?;
+    let formats = [("csv", TableFormat::Csv), ("json", TableFormat::Json)];
+    let format = query.take("format", TableFormat::Csv, "csv or json", |text| {
+        formats.iter().find(|(name, _)| *name == text).map(|(_, f)| *f)
+    });
+    // A rate below two samples a period or above a megahertz is a mistake in the unit.
+    let rates = 2.0 * series.fundamental_hz..=1e6;
+    let rate_hz = query.take("rate_hz", rate_hz, "a number of samples per second", |t| {
+        t.parse().ok().filter(|r: &f64| rates.contains(r))
+    });
+    let most = crate::io::MOST_ROWS as f64;
+    let periods = query.take(
+        "periods",
+        1,
+        &format!("a whole number of periods with at most {most} rows in all"),
+        |t| {
+            t.parse()
+                .ok()
+                .filter(|p: &usize| *p >= 1 && *p as f64 * series.duration() * rate_hz <= most)
+        },
+    );
+    query.finish()?;
+    let name = format!("attachment; filename=\"excitation-{id}.csv\"");
+    let written = tokio::task::spawn_blocking(move || match format {
+        TableFormat::Csv => {
+            let headers = [
+                (header::CONTENT_TYPE, "text/csv; charset=utf-8".to_string()),
+                (header::CONTENT_DISPOSITION, name),
+            ];
+            (headers, trajectory_csv(&series, rate_hz, periods)).into_response()
+        }
+        TableFormat::Json => Json(trajectory_json(&series, rate_hz, periods)).into_response(),
+    });
+    written.await.map_err(|_| Failure(crate::service::problem::internal_error()))
+}
+
+fn series_of(job: &Job) -> Result<(FourierSeries, f64), Failure> {
+    match finished(job) {
+        None => {
+            let error = Error::new(Code::NoTrajectory, "the search goes on")
+                .with_hint("follow /jobs/{id}/events, or DELETE /jobs/{id} to keep the best found");
+            Err(Failure(error))
+        }
+        Some(Err(failure)) => Err(failure),
+        Some(Ok(excitation)) => {
+            let series = job.result().and_then(|r| r.series.clone());
+            let none = || {
+                Error::new(
+                    Code::NoTrajectory,
+                    "the search ended without a trajectory; its result says why",
+                )
+            };
+            Ok((series.ok_or_else(none)?, excitation.result.sample_rate_hz))
+        }
+    }
+}

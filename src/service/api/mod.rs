@@ -1,0 +1,9 @@
+//! One file per resource: handlers with their documentation.
+
+pub mod excitation;
+pub mod health;
+pub mod jobs;
+pub mod pages;
+pub mod query;
+pub mod robots;
+pub mod schemas;

@@ -1,0 +1,254 @@
+//! What requests look like, for the documentation. Requests are read by [`crate::io`]; a test holds the two together.
+#![allow(dead_code)]
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// A request for an excitation trajectory.
+#[derive(Serialize, ToSchema)]
+#[schema(as = ExcitationRequest, example = json!({
+    "robot": "iiwa14",
+    "fourier": {"order": 5, "fundamental_hz": 0.1},
+    "sample_rate_hz": 100,
+    "criterion": "condition_number",
+    "constraints": {"form": "paper", "start": "zero"},
+    "search": {"seed": 1, "starts": 64, "time_limit_s": 10}
+}))]
+pub struct ExcitationRequestSchema {
+    robot: RobotOrName,
+    fourier: FourierSchema,
+    /// Samples per second of the observation matrix.
+    #[schema(exclusive_minimum = 0)]
+    sample_rate_hz: f64,
+    #[schema(required = false, default = "condition_number")]
+    criterion: CriterionSchema,
+    #[schema(required = false)]
+    constraints: ConstraintsSchema,
+    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies; 1 if left out.
+    torque_noise: Option<Vec<f64>>,
+    #[schema(required = false)]
+    search: SearchSchema,
+}
+
+/// The finite Fourier series of every joint.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Fourier)]
+pub struct FourierSchema {
+    /// Harmonics L, 2 to 50.
+    order: u32,
+    /// Fundamental frequency; the period is its inverse.
+    fundamental_hz: f64,
+}
+
+/// What is minimised.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Criterion, rename_all = "snake_case")]
+pub enum CriterionSchema {
+    ConditionNumber,
+    DOptimality,
+    AOptimality,
+    IOptimality,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = Constraints)]
+pub struct ConstraintsSchema {
+    /// `paper`: triangle-inequality bounds on the coefficients, (14d) to (14g). `exact`: the true extremes over time.
+    #[schema(required = false, default = "paper")]
+    form: FormSchema,
+    /// `zero`: the motion starts and ends at rest in the start position. `free`: at rest anywhere.
+    #[schema(required = false, default = "zero")]
+    start: StartSchema,
+    /// Position of every joint at the start [rad or m]; zero, or the middle of the range, if left out.
+    start_position: Option<Vec<f64>>,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = Form, rename_all = "snake_case")]
+pub enum FormSchema {
+    Paper,
+    Exact,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = Start, rename_all = "snake_case")]
+pub enum StartSchema {
+    Zero,
+    Free,
+}
+
+/// How long and how widely to search.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Search)]
+pub struct SearchSchema {
+    /// The same seed and number of evaluations give the same answer.
+    #[schema(default = 1)]
+    seed: Option<u64>,
+    /// Random starts made at least before a search without limits may end.
+    #[schema(default = 64)]
+    starts: Option<u32>,
+    /// Time after which the best trajectory found is handed back [s], up to a day. All of it is used. If it is left out, the search ends
+    /// when it has converged, after 60 s at the latest.
+    time_limit_s: Option<f64>,
+    /// Evaluations of the criterion after which no new round begins.
+    max_evaluations: Option<u64>,
+    /// Local solves per round, so many at most run at the same time: raise it on a machine with more than eight cores. Part of what
+    /// makes a run repeatable.
+    #[schema(default = 8)]
+    jobs_per_round: Option<u32>,
+}
+
+/// The name of a known robot, or a robot.
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum RobotOrName {
+    Name(String),
+    Robot(RobotSchema),
+}
+
+/// A robot by its joints, or as a URDF file.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Robot)]
+#[serde(untagged)]
+pub enum RobotSchema {
+    Joints(JointRobotSchema),
+    Urdf(UrdfRobotSchema),
+}
+
+/// A serial arm. Every object in it may carry a `source`: where its numbers come from.
+#[derive(Serialize, ToSchema)]
+#[schema(as = JointRobot)]
+pub struct JointRobotSchema {
+    name: String,
+    /// Acceleration of gravity in the base frame [m/s²]; `[0, 0, -9.81]` if left out.
+    #[schema(required = false)]
+    gravity: [f64; 3],
+    joints: Vec<JointSchema>,
+    /// Declared friction of every joint; both if left out.
+    #[schema(required = false)]
+    friction: Vec<FrictionSchema>,
+    #[schema(required = false)]
+    source: String,
+}
+
+/// A serial arm as a URDF document.
+#[derive(Serialize, ToSchema)]
+#[schema(as = UrdfRobot)]
+pub struct UrdfRobotSchema {
+    /// The XML document.
+    urdf: String,
+    #[schema(required = false)]
+    gravity: [f64; 3],
+    #[schema(required = false)]
+    friction: Vec<FrictionSchema>,
+    /// Last link of the chain, where the file has several.
+    tip: Option<String>,
+    #[schema(required = false)]
+    source: String,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = Friction, rename_all = "snake_case")]
+pub enum FrictionSchema {
+    Viscous,
+    Coulomb,
+}
+
+/// A joint and the link it carries; placed by `mdh` or by `placement`.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Joint)]
+pub struct JointSchema {
+    name: String,
+    kind: KindSchema,
+    #[schema(required = false)]
+    mdh: MdhSchema,
+    #[schema(required = false)]
+    placement: PlacementSchema,
+    limits: Option<LimitsSchema>,
+    prior: Option<PriorSchema>,
+    /// Name of the link behind the joint.
+    #[schema(required = false)]
+    link: String,
+    #[schema(required = false)]
+    source: String,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = JointKind, rename_all = "snake_case")]
+pub enum KindSchema {
+    Revolute,
+    Prismatic,
+}
+
+/// Modified DH parameters of Khalil: `Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)` [rad, m].
+#[derive(Serialize, ToSchema)]
+#[schema(as = Mdh)]
+pub struct MdhSchema {
+    alpha: f64,
+    d: f64,
+    theta: f64,
+    r: f64,
+    #[schema(required = false)]
+    source: String,
+}
+
+/// A joint frame in the link frame before it, as in URDF.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Placement)]
+pub struct PlacementSchema {
+    /// [m]
+    #[schema(required = false)]
+    xyz: [f64; 3],
+    /// Roll, pitch, yaw about fixed axes [rad].
+    #[schema(required = false)]
+    rpy: [f64; 3],
+    /// Axis of the joint in its own frame; z if left out.
+    #[schema(required = false)]
+    axis: [f64; 3],
+    #[schema(required = false)]
+    source: String,
+}
+
+/// Limits of a joint (rad, m and per second; N·m, N); what is left out or null is not limited.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Limits)]
+pub struct LimitsSchema {
+    position: Option<[f64; 2]>,
+    velocity: Option<f64>,
+    acceleration: Option<f64>,
+    jerk: Option<f64>,
+    effort: Option<f64>,
+    #[schema(required = false)]
+    source: String,
+}
+
+/// What is known of a link beforehand, in its own frame.
+#[derive(Serialize, ToSchema)]
+#[schema(as = LinkPrior)]
+pub struct PriorSchema {
+    /// [kg]
+    mass: f64,
+    /// [m]
+    center_of_mass: [f64; 3],
+    inertia: InertiaSchema,
+    /// [N·m·s/rad or N·s/m]
+    #[schema(required = false)]
+    viscous: f64,
+    /// [N·m or N]
+    #[schema(required = false)]
+    coulomb: f64,
+    #[schema(required = false)]
+    source: String,
+}
+
+/// Inertia tensor about the centre of mass [kg m²].
+#[derive(Serialize, ToSchema)]
+#[schema(as = Inertia)]
+pub struct InertiaSchema {
+    xx: f64,
+    xy: f64,
+    xz: f64,
+    yy: f64,
+    yz: f64,
+    zz: f64,
+}

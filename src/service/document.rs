@@ -1,0 +1,72 @@
+//! Bodies of requests.
+
+use super::problem::Failure;
+use crate::app::{Code, Error};
+use crate::io::{Parsed, parse, robot_file};
+use axum::body::Bytes;
+use axum::extract::{FromRequest, Request};
+use axum::http::{HeaderMap, header};
+
+/// A JSON body, read as far as possible: what is wrong with its numbers is listed, not refused yet.
+pub struct JsonBody {
+    pub parsed: Parsed,
+    pub bytes: Bytes,
+}
+
+/// A robot: JSON or a URDF file.
+pub struct RobotBody(pub Parsed);
+
+fn media_type(headers: &HeaderMap) -> String {
+    let text = headers
+        .get(header::CONTENT_TYPE)
+        .and_then(|v| v.to_str().ok())
+        .unwrap_or_default();
+    text.split(';').next().unwrap_or_default().trim().to_ascii_lowercase()
+}
+
+fn is_json(media_type: &str) -> bool {
+    media_type == "application/json" || (media_type.starts_with("application/") && media_type.ends_with("+json"))
+}
+
+fn is_xml(media_type: &str) -> bool {
+    matches!(media_type, "application/xml" | "text/xml") || media_type.ends_with("+xml")
+}
+
+fn unsupported(found: &str, expected: &str) -> Failure {
+    let found = if found.is_empty() {
+        "no Content-Type".to_string()
+    } else {
+        format!("the Content-Type `{found}`")
+    };
+    Failure(
+        Error::new(Code::UnsupportedMediaType, format!("the request has {found}"))
+            .with_hint(format!("send `Content-Type: {expected}`")),
+    )
+}
+
+impl<S: Send + Sync> FromRequest<S> for JsonBody {
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Failure> {
+        let media_type = media_type(request.headers());
+        if !is_json(&media_type) {
+            return Err(unsupported(&media_type, "application/json"));
+        }
+        let bytes = Bytes::from_request(request, state).await?;
+        let parsed = parse(&bytes).map_err(Error::from)?;
+        Ok(Self { parsed, bytes })
+    }
+}
+
+impl<S: Send + Sync> FromRequest<S> for RobotBody {
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Failure> {
+        let media_type = media_type(request.headers());
+        if !is_json(&media_type) && !is_xml(&media_type) {
+            return Err(unsupported(&media_type, "application/json, or application/xml for URDF"));
+        }
+        let bytes = Bytes::from_request(request, state).await?;
+        Ok(Self(robot_file(&bytes).map_err(Error::from)?))
+    }
+}

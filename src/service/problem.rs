@@ -1,0 +1,59 @@
+//! Errors as answers.
+
+use crate::app::{Code, Error, Problem};
+use axum::Json;
+use axum::extract::rejection::BytesRejection;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+
+/// An error on its way to the client.
+#[derive(Debug)]
+pub struct Failure(pub Error);
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self(error)
+    }
+}
+
+impl From<BytesRejection> for Failure {
+    fn from(rejection: BytesRejection) -> Self {
+        if rejection.status() == StatusCode::PAYLOAD_TOO_LARGE {
+            return Self(Error::new(
+                Code::PayloadTooLarge,
+                "the document is larger than this server accepts",
+            ));
+        }
+        Self(Error::new(
+            Code::MalformedDocument,
+            format!("the body could not be read: {}", rejection.body_text()),
+        ))
+    }
+}
+
+impl IntoResponse for Failure {
+    fn into_response(self) -> Response {
+        let problem = Problem::from(&self.0);
+        let status = StatusCode::from_u16(problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        if status == StatusCode::INTERNAL_SERVER_ERROR {
+            tracing::error!(code = problem.code, detail = problem.detail, "request failed");
+        }
+        let mut response = (status, Json(problem)).into_response();
+        response
+            .headers_mut()
+            .insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        if status == StatusCode::SERVICE_UNAVAILABLE {
+            // A search takes a minute or so; asking more often than this is of no use.
+            response
+                .headers_mut()
+                .insert(header::RETRY_AFTER, HeaderValue::from_static("10"));
+        }
+        response
+    }
+}
+
+/// What a client hears of a panic: nothing of its inside.
+pub fn internal_error() -> Error {
+    Error::new(Code::Internal, "an error inside the server ended this request")
+        .with_hint("report it with the X-Request-Id of this answer")
+}

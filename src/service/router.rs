@@ -1,0 +1,107 @@
+//! All routes. A route and its documentation are registered together.
+
+use super::api;
+use super::problem::{Failure, internal_error};
+use super::state::Service;
+use super::telemetry::identify_and_log;
+use crate::app::{Code, Error};
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::http::Uri;
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use utoipa::OpenApi;
+use utoipa::openapi::OpenApi as Document;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use utoipa_swagger_ui::SwaggerUi;
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "dynident",
+        description = "Identifies the dynamics of robot arms. SI units, radians, joints by name. Errors are RFC 9457 problem documents \
+            with a stable `code` that name every bad field at once.",
+        license(name = "MIT OR Apache-2.0")
+    ),
+    tags(
+        (name = "excitation", description = "Trajectories that excite the dynamics of an arm"),
+        (name = "jobs", description = "Work that goes on: state, progress, cancelling"),
+        (name = "robots", description = "Robots that come with the program, and the lab's own"),
+        (name = "health", description = "For whoever watches the process"),
+    )
+)]
+struct ApiDocument;
+
+fn documented() -> (Router<Service>, Document) {
+    OpenApiRouter::with_openapi(ApiDocument::openapi())
+        .routes(routes!(api::excitation::post))
+        .routes(routes!(api::excitation::get))
+        .routes(routes!(api::excitation::trajectory))
+        .routes(routes!(api::jobs::list))
+        .routes(routes!(api::jobs::get, api::jobs::cancel))
+        .routes(routes!(api::jobs::events))
+        .routes(routes!(api::robots::list, api::robots::post))
+        .routes(routes!(api::robots::get, api::robots::put, api::robots::delete))
+        .routes(routes!(api::robots::base_parameters))
+        .routes(routes!(api::health::live))
+        .routes(routes!(api::health::ready))
+        .split_for_parts()
+}
+
+/// The interface as an OpenAPI document, as it is checked in under `openapi/`.
+pub fn openapi_json() -> String {
+    let mut text = documented().1.to_pretty_json().expect("an OpenAPI document is plain data");
+    text.push('\n');
+    text
+}
+
+/// The service as a tower of routes and layers.
+pub fn router(service: Service) -> Router {
+    let (routes, document) = documented();
+    let largest = service.config().largest_document;
+    routes
+        .route("/", get(api::pages::landing))
+        .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
+        .fallback(nothing_here)
+        .method_not_allowed_fallback(method_not_allowed)
+        .layer(DefaultBodyLimit::max(largest))
+        // Events must go out as they happen: the compressor leaves text/event-stream alone.
+        .layer(CompressionLayer::new())
+        .layer(CatchPanicLayer::custom(panicked))
+        .layer(axum::middleware::from_fn(identify_and_log))
+        .with_state(service)
+}
+
+async fn nothing_here(uri: Uri) -> Failure {
+    Failure(
+        Error::new(Code::NotFound, format!("there is nothing at `{}`", uri.path()))
+            .with_hint("/openapi.json lists all addresses"),
+    )
+}
+
+async fn method_not_allowed(uri: Uri) -> Failure {
+    let detail = format!("`{}` does not take this method", uri.path());
+    Failure(Error::new(Code::MethodNotAllowed, detail).with_hint("the Allow header of this answer lists those it takes"))
+}
+
+fn panicked(_: Box<dyn std::any::Any + Send>) -> Response {
+    Failure(internal_error()).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_panic_becomes_an_opaque_problem() {
+        let response = panicked(Box::new("the secret inside".to_string()));
+        assert_eq!(response.status().as_u16(), 500);
+        assert_eq!(response.headers()["content-type"], "application/problem+json");
+        let body = axum::body::to_bytes(response.into_body(), 10_000).await.unwrap();
+        let text = String::from_utf8(body.to_vec()).unwrap();
+        assert!(text.contains("\"code\":\"internal\"") && !text.contains("secret"), "{text}");
+    }
+}

@@ -1,0 +1,10 @@
+//! The service as its clients meet it: a real server on a free port, a real HTTP client.
+
+#[path = "../support/server.rs"]
+mod server;
+
+mod bad_input;
+mod jobs;
+mod openapi;
+mod readme;
+mod robots;

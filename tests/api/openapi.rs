@@ -1,0 +1,53 @@
+//! The OpenAPI document is the one checked in, and says what the readers read.
+
+use crate::server::Server;
+use serde_json::{Value, json};
+
+fn checked_in() -> String {
+    std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/openapi/openapi.json")).unwrap()
+}
+
+#[test]
+fn the_document_checked_in_is_the_one_made_from_the_code() {
+    assert!(
+        checked_in() == dynident::service::openapi_json(),
+        "openapi/openapi.json is out of date; run: dynident openapi > openapi/openapi.json"
+    );
+}
+
+#[test]
+fn the_server_hands_out_the_same_document() {
+    let server = Server::start();
+    let checked_in: Value = serde_json::from_str(&checked_in()).unwrap();
+    assert!(
+        server.get("/openapi.json").json() == checked_in,
+        "the server's document differs from openapi/openapi.json"
+    );
+}
+
+/// Every field of a request schema is known to its reader, and the reader knows no other.
+#[test]
+fn schemas_and_readers_have_the_same_fields() {
+    let document: Value = serde_json::from_str(&dynident::service::openapi_json()).unwrap();
+    let fields = |schema: &str| {
+        let properties = document["components"]["schemas"][schema]["properties"].as_object();
+        let mut names: Vec<String> = properties.unwrap_or_else(|| panic!("{schema}")).keys().cloned().collect();
+        names.sort();
+        names
+    };
+    for (schema, known) in dynident::io::KNOWN_FIELDS {
+        let mut known: Vec<String> = known.iter().map(|k| k.to_string()).collect();
+        known.sort();
+        assert_eq!(fields(schema), known, "{schema}");
+    }
+}
+
+/// The example of the document is one that the server accepts.
+#[test]
+fn the_example_works() {
+    let server = Server::start();
+    let document = server.get("/openapi.json").json();
+    let mut example = document["components"]["schemas"]["ExcitationRequest"]["example"].clone();
+    example["search"]["time_limit_s"] = json!(0.2);
+    assert_eq!(server.excite(&example).status, 200);
+}

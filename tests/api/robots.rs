@@ -1,0 +1,115 @@
+//! The robots of the program and of the lab.
+
+use crate::server::{Server, quick_request};
+use serde_json::json;
+
+const URDF: &str = include_str!("../../examples/robots/iiwa14.urdf");
+
+#[test]
+fn shipped_robots_are_listed_and_have_base_parameters() {
+    let server = Server::start();
+    let list = server.get("/robots").json();
+    let ids: Vec<_> = list["robots"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|r| r["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(ids, ["iiwa14", "ur10", "scara", "planar_two_link"]);
+    let document = server.get("/robots/iiwa14").json();
+    assert_eq!(document["joints"][2]["mdh"]["r"], 0.42);
+    let base = server.get("/robots/iiwa14/base-parameters").json();
+    assert_eq!(base["count"], 57);
+    assert_eq!(base["map"].as_array().unwrap().len(), 57);
+    assert_eq!(base["map"][0].as_array().unwrap().len(), 84);
+    let named = |name: &str| {
+        base["base_parameters"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|p| p["name"] == name)
+            .cloned()
+            .unwrap()
+    };
+    assert_eq!(named("MYR2")["expression"], "MY2 + MZ3 + 0.42 (M3 + M4 + M5 + M6 + M7)");
+    assert_eq!(named("FV1")["unit"], "N m s/rad");
+}
+
+#[test]
+fn robots_of_the_lab_are_kept_used_and_forgotten() {
+    let server = Server::start();
+    let put = |path: &str, kind: &str, body: &str| server.send("PUT", path, &[("content-type", kind)], body);
+    assert_eq!(put("/robots/lab-iiwa", "application/xml", URDF).status, 201);
+    assert_eq!(
+        put("/robots/lab-iiwa", "application/json", &json!({"urdf": URDF}).to_string()).status,
+        200
+    );
+    assert_eq!(server.get("/robots/lab-iiwa/base-parameters").json()["count"], 57);
+    let mut request = quick_request();
+    request["robot"] = json!("lab-iiwa");
+    let result = server.excite(&request);
+    assert_eq!((result.status, &result.json()["robot"]), (200, &json!("iiwa14")));
+    request["robot"] = json!("lab-iiwaa");
+    let unknown = server.post_json("/excitation", &request.to_string());
+    assert_eq!(unknown.errors(), ["/robot: is `lab-iiwaa` (did you mean `lab-iiwa`?)"]);
+    assert_eq!(server.delete("/robots/lab-iiwa").status, 204);
+    assert_eq!(server.get("/robots/lab-iiwa").status, 404);
+}
+
+#[test]
+fn a_posted_robot_gets_an_id_from_its_name_once() {
+    let server = Server::start();
+    let robot = json!({"name": "My Arm / 2", "joints": [
+        {"name": "J1", "kind": "prismatic", "placement": {"xyz": [0, 0, 1], "axis": [0, 1, 0]}, "limits": {"velocity": 1}}]});
+    let answer = server.post_json("/robots", &robot.to_string());
+    assert_eq!((answer.status, answer.header("location")), (201, Some("/robots/my-arm-2")));
+    assert_eq!(server.get("/robots/my-arm-2").json(), robot);
+    assert_eq!(
+        server.post_json("/robots", &robot.to_string()).problem()["code"],
+        "robot_exists"
+    );
+    let shipped = server.send(
+        "PUT",
+        "/robots/iiwa14",
+        &[("content-type", "application/json")],
+        &robot.to_string(),
+    );
+    assert_eq!(
+        (shipped.status, shipped.problem()["code"].as_str()),
+        (409, Some("robot_read_only"))
+    );
+    assert_eq!(server.delete("/robots/ur10").status, 409);
+}
+
+#[test]
+fn bad_robots_are_refused() {
+    let server = Server::start();
+    let cut_off = server.send("POST", "/robots", &[("content-type", "application/xml")], &URDF[..500]);
+    assert_eq!(cut_off.status, 422);
+    assert!(
+        cut_off.errors()[0].starts_with("/urdf: is not readable XML"),
+        "{:?}",
+        cut_off.errors()
+    );
+    let empty = server.post_json("/robots", r#"{"name": "", "joints": []}"#);
+    assert_eq!(empty.errors(), ["/joints: is empty: a robot has at least one joint ()"]);
+    let kind = server.send("POST", "/robots", &[("content-type", "text/csv")], "a,b");
+    assert_eq!(kind.status, 415);
+}
+
+#[test]
+fn pages_and_health_answer() {
+    let server = Server::start();
+    assert!(server.get("/").text.contains("/docs/"));
+    assert_eq!(server.get("/health/live").json()["status"], "ok");
+    assert_eq!(server.get("/health/ready").json()["status"], "ok");
+    let docs = server.get("/docs/");
+    assert!(docs.status == 200 && docs.text.contains("swagger-ui"));
+    // Offline: nothing is fetched from elsewhere.
+    assert!(
+        !docs.text.contains("//cdn") && !docs.text.contains("https://"),
+        "{}",
+        docs.text
+    );
+    assert_eq!(server.get("/docs/swagger-ui-bundle.js").status, 200);
+}

@@ -1,0 +1,280 @@
+//! The program from the command line, end to end.
+
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_dynident");
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A folder of its own for one test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("dynident-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_string()
+    }
+
+    fn write(&self, name: &str, content: &str) -> String {
+        std::fs::write(self.0.join(name), content).unwrap();
+        self.file(name)
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.join(name)).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(PROGRAM).args(arguments).current_dir(ROOT).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn quick() -> Value {
+    json!({
+        "robot": "planar_two_link", "fourier": {"order": 3, "fundamental_hz": 0.2}, "sample_rate_hz": 50,
+        "search": {"seed": 1, "starts": 2, "max_evaluations": 300}
+    })
+}
+
+#[test]
+fn excite_writes_the_result_and_the_trajectory() {
+    let folder = Folder::new("excite");
+    let request = folder.write("request.json", &quick().to_string());
+    let (out, csv) = (folder.file("design.json"), folder.file("motion.csv"));
+    let output = run(&[
+        "excite",
+        "--request",
+        &request,
+        "--out",
+        &out,
+        "--trajectory",
+        &csv,
+        "--rate-hz",
+        "100",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("condition number"));
+    assert_eq!(stderr(&output), "", "no bar of progress in a pipe");
+    let design: Value = serde_json::from_str(&folder.read("design.json")).unwrap();
+    assert!(design["condition_number"].as_f64().unwrap() >= 1.0);
+    assert_eq!(folder.read("motion.csv").lines().count(), 502);
+    assert_eq!(
+        std::fs::read_dir(&folder.0).unwrap().count(),
+        3,
+        "no half-written files are left"
+    );
+}
+
+#[test]
+fn the_same_seed_and_evaluations_give_the_same_answer_whatever_the_threads() {
+    let folder = Folder::new("repeat");
+    let request = folder.write("request.json", &quick().to_string());
+    let coefficients = |threads: &str| {
+        let output = Command::new(PROGRAM)
+            .args(["excite", "--request", &request])
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap();
+        let design: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (design["coefficients"].clone(), design["search"]["evaluations"].clone())
+    };
+    let one = coefficients("1");
+    assert!(one.1.as_u64().unwrap() > 0);
+    assert_eq!(one, coefficients("3"));
+}
+
+#[test]
+fn a_robot_file_replaces_the_robot_of_the_request() {
+    let folder = Folder::new("robot");
+    let mut document = quick();
+    document["robot"] = Value::Null;
+    let request = folder.write("request.json", &document.to_string());
+    let robot = "examples/robots/planar_two_link.json";
+    let output = run(&[
+        "--json",
+        "excite",
+        "--robot",
+        robot,
+        "--request",
+        &request,
+        "--out",
+        &folder.file("o.json"),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let design: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(design["robot"], "Planar two-link arm");
+    assert_eq!(design["request"]["robot"]["joints"][0]["name"], "J1");
+}
+
+#[test]
+fn bad_input_exits_with_2_and_names_all_fields() {
+    let folder = Folder::new("bad");
+    let request = folder.write(
+        "request.json",
+        r#"{"robot": "iiwa14", "fourier": {"order": 0, "fundamental_hz": NaN}, "sample_rate_hz": 100}"#,
+    );
+    let output = run(&["excite", "--request", &request]);
+    assert_eq!(output.status.code(), Some(2));
+    let text = stderr(&output);
+    assert!(text.starts_with("error[invalid_document]: "), "{text}");
+    assert!(
+        text.contains("/fourier/fundamental_hz: is NaN") && text.contains("/fourier/order: is 0"),
+        "{text}"
+    );
+    let output = run(&["excite", "--json", "--request", &request]);
+    let problem: Value = serde_json::from_str(&stderr(&output)).unwrap();
+    assert_eq!(
+        (&problem["code"], problem["errors"].as_array().unwrap().len()),
+        (&json!("invalid_document"), 2)
+    );
+}
+
+#[test]
+fn files_that_are_not_there_and_wrong_usage_exit_with_2() {
+    let missing = run(&["excite", "--request", "/nowhere/request.json"]);
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(stderr(&missing).contains("error[file_unreadable]: cannot read /nowhere/request.json"));
+    assert_eq!(run(&["excite"]).status.code(), Some(2));
+    assert_eq!(run(&["fly"]).status.code(), Some(2));
+    let robot = run(&["base-parameters", "--robot", "iiwa7"]);
+    assert_eq!(robot.status.code(), Some(2));
+    assert!(stderr(&robot).contains("iiwa14, ur10, scara, planar_two_link"));
+    let folder = Folder::new("unwritable");
+    let request = folder.write("request.json", &quick().to_string());
+    let unwritable = run(&["excite", "--request", &request, "--out", "/nowhere/out.json"]);
+    assert_eq!(unwritable.status.code(), Some(2));
+    assert!(stderr(&unwritable).contains("error[file_unwritable]"));
+}
+
+#[test]
+fn an_infeasible_problem_is_an_outcome_and_exits_with_3() {
+    let folder = Folder::new("infeasible");
+    let mut document = quick();
+    // Right at the upper limit: nowhere to go from there.
+    document["constraints"] = json!({"start_position": [0, 2.6179938779914944]});
+    let request = folder.write("request.json", &document.to_string());
+    let output = run(&["excite", "--request", &request]);
+    assert_eq!(output.status.code(), Some(3), "{} {}", stdout(&output), stderr(&output));
+    let design: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(design["status"], "Infeasible");
+    assert!(design["reason"].as_str().unwrap().contains("J2"));
+    assert!(design["coefficients"].is_null() && design["condition_number"].is_null());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_the_search_and_keeps_the_best() {
+    let folder = Folder::new("interrupt");
+    let mut document = quick();
+    document["robot"] = json!("ur10");
+    document["search"] = json!({"seed": 1, "time_limit_s": 300});
+    let request = folder.write("request.json", &document.to_string());
+    let out = folder.file("design.json");
+    let mut child = Command::new(PROGRAM)
+        .args(["excite", "--request", &request, "--out", &out])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // Long enough for some local solves; the test does not depend on how many.
+    std::thread::sleep(Duration::from_secs(5));
+    let asked = Instant::now();
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let status = child.wait().unwrap();
+    assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+    assert_eq!(status.code(), Some(4));
+    let design: Value = serde_json::from_str(&folder.read("design.json")).unwrap();
+    assert_eq!(design["status"], "Cancelled");
+    assert!(design["condition_number"].as_f64().unwrap() > 1.0);
+}
+
+#[test]
+fn base_parameters_are_printed_for_people_and_programs() {
+    let output = run(&["base-parameters", "--robot", "examples/robots/iiwa14.urdf"]);
+    assert!(
+        stdout(&output).starts_with("iiwa14: 57 base parameters\n"),
+        "{}",
+        stdout(&output)
+    );
+    assert!(stdout(&output).contains("MYR2     [kg m]  MY2 + MZ3 + 0.42 (M3 + M4 + M5 + M6 + M7)\n"));
+    let json = run(&["base-parameters", "--robot", "scara", "--json"]);
+    let document: Value = serde_json::from_str(&stdout(&json)).unwrap();
+    assert_eq!(document["count"], document["base_parameters"].as_array().unwrap().len());
+}
+
+#[test]
+fn openapi_prints_the_document() {
+    let document: Value = serde_json::from_str(&stdout(&run(&["openapi"]))).unwrap();
+    assert!(document["paths"]["/excitation"]["post"].is_object());
+}
+
+#[test]
+fn serve_refuses_an_address_that_is_taken() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let output = run(&["serve", "--listen", &address]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("error[address_unavailable]"), "{}", stderr(&output));
+}
+
+/// Designs for several robots, recomputed by a program that shares no code with this one.
+#[test]
+fn val_an_independent_program_agrees_with_the_designs() {
+    let has_numpy = Command::new("python3").args(["-c", "import numpy"]).output();
+    if !has_numpy.is_ok_and(|o| o.status.success()) {
+        println!("SKIPPED val_an_independent_program_agrees_with_the_designs: python3 with numpy is not installed");
+        return;
+    }
+    let folder = Folder::new("independent");
+    let cases = [
+        ("iiwa14", json!({"form": "paper", "start": "zero"}), 5, 0.1, 100),
+        ("iiwa14", json!({"form": "exact", "start": "free"}), 5, 0.1, 100),
+        ("ur10", json!({"form": "paper", "start": "zero"}), 4, 0.1, 50),
+        ("scara", json!({"form": "exact", "start": "zero"}), 5, 0.5, 200),
+        ("planar_two_link", json!({"form": "paper", "start": "free"}), 3, 0.2, 50),
+    ];
+    for (robot, constraints, order, fundamental, rate) in cases {
+        let document = json!({
+            "robot": robot, "fourier": {"order": order, "fundamental_hz": fundamental}, "sample_rate_hz": rate,
+            "constraints": constraints, "search": {"seed": 1, "time_limit_s": 2}
+        });
+        let request = folder.write("request.json", &document.to_string());
+        let out = folder.file("design.json");
+        let robot_file = format!("examples/robots/{robot}.json");
+        let output = run(&["excite", "--robot", &robot_file, "--request", &request, "--out", &out]);
+        assert_eq!(output.status.code(), Some(0), "{robot}: {}", stderr(&output));
+        let check = Command::new("python3")
+            .args(["examples/check_design.py", &robot_file, &out])
+            .current_dir(ROOT)
+            .output()
+            .unwrap();
+        assert!(
+            check.status.success(),
+            "{robot} {constraints}:\n{}{}",
+            stdout(&check),
+            stderr(&check)
+        );
+        assert!(stdout(&check).contains("all agree"));
+    }
+}
