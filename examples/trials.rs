@@ -24,9 +24,18 @@ fn main() {
 
 /// What was found: codes with joints, or `nothing`, or `unexplained`.
 fn found(outcome: &Outcome) -> Vec<String> {
-    let mut list: Vec<String> = outcome.report.findings.iter().map(|f| format!("{}:{}", f.effect, f.joints.join("+"))).collect();
+    let mut list: Vec<String> = outcome
+        .report
+        .findings
+        .iter()
+        .map(|f| format!("{}:{}", f.effect, f.joints.join("+")))
+        .collect();
     if let Some(rest) = &outcome.report.remainder {
-        list.push(format!("unexplained:{}({})", rest.joints.join("+"), rest.depends_on.join(",")));
+        list.push(format!(
+            "unexplained:{}({})",
+            rest.joints.join("+"),
+            rest.depends_on.join(",")
+        ));
     }
     list
 }
@@ -39,12 +48,19 @@ fn nothing(count: u64, first: u64) {
         // Every second log with coloured noise, every fifth with jitter as well.
         let correlation = if seed % 2 == 1 { 0.7 } else { 0.0 };
         let jitter = if seed % 5 == 4 { 1e-4 } else { 0.0 };
-        let noise = Noise { torque_correlation: correlation, jitter, ..sensor_noise(robot.joint_count()) };
+        let noise = Noise {
+            torque_correlation: correlation,
+            jitter,
+            ..sensor_noise(robot.joint_count())
+        };
         let outcome = traced(robot, &[], &noise, 9000 + seed);
         let list = found(&outcome);
         if outcome.report.verdict != Verdict::NothingMissing {
             false_findings += 1;
-            println!("seed {seed} {} correlation {correlation} jitter {jitter}: {list:?}", robot.name());
+            println!(
+                "seed {seed} {} correlation {correlation} jitter {jitter}: {list:?}",
+                robot.name()
+            );
         }
     }
     println!("{false_findings} of {count} logs with nothing in them had a finding");
@@ -62,14 +78,40 @@ fn grid(only: &[String]) {
         for (i, &size) in SIZES.iter().enumerate() {
             for joint in [1, 3, 5] {
                 let hidden = effect(code, joint, size, &robot);
-                let outcome = traced(&robot, std::slice::from_ref(&hidden), &noise, 500 + joint as u64 * 10 + i as u64);
+                let outcome = traced(
+                    &robot,
+                    std::slice::from_ref(&hidden),
+                    &noise,
+                    500 + joint as u64 * 10 + i as u64,
+                );
                 let list = found(&outcome);
-                let named = list.first().map_or("nothing", |f| f.split(':').next().unwrap_or("")).to_string();
+                let named = list
+                    .first()
+                    .map_or("nothing", |f| f.split(':').next().unwrap_or(""))
+                    .to_string();
                 let right = list.len() == 1 && named == *code && on_joint(&list[0], &robot, &hidden);
                 *right_at.entry((code.to_string(), i)).or_default() += usize::from(right);
-                *confusion.entry((code.to_string(), if list.len() > 1 { format!("{named}+more") } else { named })).or_default() += 1;
-                let values: Vec<String> = outcome.report.findings.iter().flat_map(|f| &f.parameters).take(4).map(|p| format!("{}={:.4}±{:.4}", p.name, p.value, p.std_dev)).collect();
-                println!("{} {hidden:?}: {list:?} {values:?}", if right { "right" } else if list.is_empty() { "missed" } else { "WRONG" });
+                *confusion
+                    .entry((code.to_string(), if list.len() > 1 { format!("{named}+more") } else { named }))
+                    .or_default() += 1;
+                let values: Vec<String> = outcome
+                    .report
+                    .findings
+                    .iter()
+                    .flat_map(|f| &f.parameters)
+                    .take(4)
+                    .map(|p| format!("{}={:.4}±{:.4}", p.name, p.value, p.std_dev))
+                    .collect();
+                println!(
+                    "{} {hidden:?}: {list:?} {values:?}",
+                    if right {
+                        "right"
+                    } else if list.is_empty() {
+                        "missed"
+                    } else {
+                        "WRONG"
+                    }
+                );
             }
         }
     }
@@ -87,14 +129,27 @@ fn on_joint(finding: &str, robot: &Robot, hidden: &HiddenEffect) -> bool {
     use HiddenEffect::*;
     let joint = match hidden {
         BaseTilt { .. } | TorqueDelay { .. } | Payload { .. } => return true,
-        TorqueOffset { joint, .. } | StribeckFriction { joint, .. } | NonlinearViscousFriction { joint, .. } | AsymmetricViscousFriction { joint, .. }
-        | LoadDependentFriction { joint, .. } | PreslidingHysteresis { joint, .. } | RotorInertia { joint, .. } | JointSpring { joint, .. }
-        | PositionRipple { joint, .. } | JointElasticity { joint, .. } | EncoderOffset { joint, .. } | TorqueGain { joint, .. }
-        | TorqueCrosstalk { joint, .. } | FrictionDrift { joint, .. } => *joint,
+        TorqueOffset { joint, .. }
+        | StribeckFriction { joint, .. }
+        | NonlinearViscousFriction { joint, .. }
+        | AsymmetricViscousFriction { joint, .. }
+        | LoadDependentFriction { joint, .. }
+        | PreslidingHysteresis { joint, .. }
+        | RotorInertia { joint, .. }
+        | JointSpring { joint, .. }
+        | PositionRipple { joint, .. }
+        | JointElasticity { joint, .. }
+        | EncoderOffset { joint, .. }
+        | TorqueGain { joint, .. }
+        | TorqueCrosstalk { joint, .. }
+        | FrictionDrift { joint, .. } => *joint,
         TransmissionCoupling { joints, .. } | Unmodelled { joints, .. } => joints[0],
         ExternalContact { torque, .. } => torque.iter().position(|t| *t != 0.0).unwrap_or(0),
     };
-    finding.split(':').nth(1).is_some_and(|joints| joints.starts_with(&robot.joints()[joint].name))
+    finding
+        .split(':')
+        .nth(1)
+        .is_some_and(|joints| joints.starts_with(&robot.joints()[joint].name))
 }
 
 fn pairs(count: u64) {
@@ -106,7 +161,10 @@ fn pairs(count: u64) {
         if a == b {
             continue;
         }
-        let effects = [effect(a, 1 + (k % 3) as usize, 1.0, &robot), effect(b, 4 + (k % 2) as usize, 1.0, &robot)];
+        let effects = [
+            effect(a, 1 + (k % 3) as usize, 1.0, &robot),
+            effect(b, 4 + (k % 2) as usize, 1.0, &robot),
+        ];
         let list = found(&traced(&robot, &effects, &noise, 700 + k));
         let both = list.len() == 2 && [a, b].iter().all(|c| list.iter().any(|f| f.starts_with(c)));
         right += usize::from(both);

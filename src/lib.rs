@@ -68,16 +68,16 @@ pub mod app;
 pub mod cli;
 pub mod docs;
 pub mod dynamics;
-pub mod excitation;
 pub mod effects;
-pub mod residual;
-pub mod simulate;
+pub mod excitation;
 pub mod identification;
 pub mod io;
 pub mod model;
 pub mod parameters;
+pub mod residual;
 #[cfg(feature = "service")]
 pub mod service;
+pub mod simulate;
 pub mod spatial;
 pub mod trajectory;
 

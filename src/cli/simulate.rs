@@ -58,9 +58,20 @@ fn usual_rate() -> f64 {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Path {
-    Fourier { fundamental_hz: f64, a: Vec<Vec<f64>>, b: Vec<Vec<f64>>, offset: Option<Vec<f64>> },
-    WayPoints { positions: Vec<Vec<f64>>, durations: Vec<f64> },
-    Sines { terms: Vec<Vec<(f64, f64)>>, duration: f64 },
+    Fourier {
+        fundamental_hz: f64,
+        a: Vec<Vec<f64>>,
+        b: Vec<Vec<f64>>,
+        offset: Option<Vec<f64>>,
+    },
+    WayPoints {
+        positions: Vec<Vec<f64>>,
+        durations: Vec<f64>,
+    },
+    Sines {
+        terms: Vec<Vec<(f64, f64)>>,
+        duration: f64,
+    },
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
@@ -78,7 +89,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         return Err(invalid(problems));
     }
     let log = record(&request, &robot).ok_or_else(|| {
-        invalid(vec![FieldProblem::new("/parameters", "is missing, and the robot has no prior parameters for every link")])
+        invalid(vec![FieldProblem::new(
+            "/parameters",
+            "is missing, and the robot has no prior parameters for every link",
+        )])
     })?;
     let table = csv(&log);
     match &arguments.out {
@@ -86,16 +100,20 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         None => return files::print(&table).map(|()| Ending::Done),
     }
     let done = serde_json::json!({"rows": log.time.len(), "joints": log.q.len()});
-    files::print(&if json { files::pretty(&done) } else { format!("{} rows of {} joints\n", log.time.len(), log.q.len()) })?;
+    files::print(&if json {
+        files::pretty(&done)
+    } else {
+        format!("{} rows of {} joints\n", log.time.len(), log.q.len())
+    })?;
     Ok(Ending::Done)
 }
 
 fn robot(name_or_file: &str) -> Result<Robot, Error> {
     let parsed = files::robot(name_or_file)?;
     let RobotDocument { robot, .. } = match &parsed.value {
-        Value::String(name) => {
-            Shipped.named(name).ok_or_else(|| Error::new(Code::UnknownRobot, format!("there is no robot `{name}`")))?
-        }
+        Value::String(name) => Shipped
+            .named(name)
+            .ok_or_else(|| Error::new(Code::UnknownRobot, format!("there is no robot `{name}`")))?,
         _ => robot_document(&parsed).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors))?,
     };
     Ok(robot)
@@ -109,8 +127,14 @@ fn number_joints(value: &mut Value, robot: &Robot, at: &str, problems: &mut Vec<
     };
     let Some(fields) = value.as_object_mut() else { return };
     for list in ["effects", "faults"] {
-        let Some(entries) = fields.get_mut(list).and_then(Value::as_array_mut) else { continue };
-        for (i, entry) in entries.iter_mut().enumerate().filter_map(|(i, e)| e.as_object_mut().map(|e| (i, e))) {
+        let Some(entries) = fields.get_mut(list).and_then(Value::as_array_mut) else {
+            continue;
+        };
+        for (i, entry) in entries
+            .iter_mut()
+            .enumerate()
+            .filter_map(|(i, e)| e.as_object_mut().map(|e| (i, e)))
+        {
             for field in ["joint", "from", "joints"] {
                 let names: Vec<&mut Value> = match entry.get_mut(field) {
                     Some(Value::Array(names)) => names.iter_mut().collect(),
@@ -121,8 +145,14 @@ fn number_joints(value: &mut Value, robot: &Robot, at: &str, problems: &mut Vec<
                     match number(name) {
                         Some(index) => *name = index,
                         None => problems.push(
-                            FieldProblem::new(format!("{at}/{list}/{i}/{field}"), format!("{name} is not the name of a joint"))
-                                .with_hint(format!("joints are {}", robot.joints().iter().map(|j| j.name.as_str()).collect::<Vec<_>>().join(", "))),
+                            FieldProblem::new(
+                                format!("{at}/{list}/{i}/{field}"),
+                                format!("{name} is not the name of a joint"),
+                            )
+                            .with_hint(format!(
+                                "joints are {}",
+                                robot.joints().iter().map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ")
+                            )),
                         ),
                     }
                 }
@@ -135,7 +165,10 @@ fn check(request: &Request, robot: &Robot, problems: &mut Vec<FieldProblem>) {
     let n = robot.joint_count();
     let mut count = |field: &str, have: usize, want: usize| {
         if have != want {
-            problems.push(FieldProblem::new(field, format!("has {have} entries where {want} are wanted")));
+            problems.push(FieldProblem::new(
+                field,
+                format!("has {have} entries where {want} are wanted"),
+            ));
         }
     };
     if let Some(noise) = &request.noise {
@@ -149,18 +182,28 @@ fn check(request: &Request, robot: &Robot, problems: &mut Vec<FieldProblem>) {
             count("/trajectory/fourier/a", a.len(), n);
             count("/trajectory/fourier/b", b.len(), n);
             let order = a.first().map_or(0, Vec::len);
-            a.iter().chain(b).for_each(|row| count("/trajectory/fourier", row.len(), order));
+            a.iter()
+                .chain(b)
+                .for_each(|row| count("/trajectory/fourier", row.len(), order));
             offset.iter().for_each(|o| count("/trajectory/fourier/offset", o.len(), n));
         }
         Path::WayPoints { positions, durations } => {
             count("/trajectory/way_points/positions", positions.len(), durations.len() + 1);
-            positions.iter().for_each(|p| count("/trajectory/way_points/positions", p.len(), n));
+            positions
+                .iter()
+                .for_each(|p| count("/trajectory/way_points/positions", p.len(), n));
         }
         Path::Sines { terms, .. } => count("/trajectory/sines/terms", terms.len(), n),
     }
     let durations: Vec<f64> = match &request.trajectory {
         Path::Fourier { fundamental_hz, .. } => vec![*fundamental_hz],
-        Path::WayPoints { durations, .. } => if durations.is_empty() { vec![0.0] } else { durations.clone() },
+        Path::WayPoints { durations, .. } => {
+            if durations.is_empty() {
+                vec![0.0]
+            } else {
+                durations.clone()
+            }
+        }
         Path::Sines { duration, .. } => vec![*duration],
     };
     let mut positive = |field: &str, values: &[f64]| {
@@ -197,13 +240,26 @@ fn record(request: &Request, robot: &Robot) -> Option<RecordedLog> {
 
 fn trajectory(path: &Path, joints: usize) -> Box<dyn Trajectory> {
     match path {
-        Path::Fourier { fundamental_hz, a, b, offset } => {
+        Path::Fourier {
+            fundamental_hz,
+            a,
+            b,
+            offset,
+        } => {
             let matrix = |rows: &[Vec<f64>]| DMatrix::from_fn(joints, rows[0].len(), |r, c| rows[r][c]);
             let offset = offset.clone().unwrap_or_else(|| vec![0.0; joints]);
-            Box::new(FourierSeries { fundamental_hz: *fundamental_hz, a: matrix(a), b: matrix(b), offset })
+            Box::new(FourierSeries {
+                fundamental_hz: *fundamental_hz,
+                a: matrix(a),
+                b: matrix(b),
+                offset,
+            })
         }
         Path::WayPoints { positions, durations } => Box::new(QuinticWayPoints::new(positions.clone(), durations)),
-        Path::Sines { terms, duration } => Box::new(SineSeries { terms: terms.clone(), duration: *duration }),
+        Path::Sines { terms, duration } => Box::new(SineSeries {
+            terms: terms.clone(),
+            duration: *duration,
+        }),
     }
 }
 

@@ -25,6 +25,9 @@ impl Effect for AsymmetricViscousFriction {
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
-        vec![ParameterInfo::new("coefficient", times_position_unit(robot, joints[0], " s/rad"))]
+        vec![ParameterInfo::new(
+            "coefficient",
+            times_position_unit(robot, joints[0], " s/rad"),
+        )]
     }
 }

@@ -26,7 +26,11 @@ impl Effect for BaseTilt {
     }
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
-        if robot.gravity().norm() > 0.0 { vec![Vec::new()] } else { Vec::new() }
+        if robot.gravity().norm() > 0.0 {
+            vec![Vec::new()]
+        } else {
+            Vec::new()
+        }
     }
 
     fn distort(&self, scene: &Scene, _joints: &[usize], theta: &[f64], world: &mut World) {

@@ -35,7 +35,9 @@ pub struct Column {
 impl Column {
     /// A column on one joint alone.
     pub fn on(joint: usize, values: Vec<f64>) -> Self {
-        Self { rows: vec![(joint, values)] }
+        Self {
+            rows: vec![(joint, values)],
+        }
     }
 }
 
@@ -71,7 +73,10 @@ pub struct ParameterInfo {
 
 impl ParameterInfo {
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: unit.into() }
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+        }
     }
 }
 
@@ -87,7 +92,11 @@ impl Shape {
     /// A grid of `count` values at equal ratios.
     pub fn geometric(low: f64, high: f64, count: usize) -> Self {
         let ratio = (high / low).powf(1.0 / (count - 1) as f64);
-        Self { low, high, grid: (0..count).map(|i| low * ratio.powi(i as i32)).collect() }
+        Self {
+            low,
+            high,
+            grid: (0..count).map(|i| low * ratio.powi(i as i32)).collect(),
+        }
     }
 }
 
@@ -175,7 +184,10 @@ pub trait Effect: Sync + Send {
 
 /// A column on `joint` from its own `[q, qd, qdd]`.
 pub(crate) fn own_joint(scene: &Scene, joint: usize, value: impl Fn([f64; 3]) -> f64) -> Column {
-    Column::on(joint, (0..scene.samples()).map(|s| value(scene.motion.get(joint, s))).collect())
+    Column::on(
+        joint,
+        (0..scene.samples()).map(|s| value(scene.motion.get(joint, s))).collect(),
+    )
 }
 
 /// `N m s/rad` and the like: effort unit of the joint with `suffix` written for its position unit.

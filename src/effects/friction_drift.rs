@@ -27,12 +27,18 @@ impl Effect for FrictionDrift {
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         let sign = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
-        vec![own_joint(scene, joints[0], |[_, v, _]| v), own_joint(scene, joints[0], |[_, v, _]| sign(v))]
+        vec![
+            own_joint(scene, joints[0], |[_, v, _]| v),
+            own_joint(scene, joints[0], |[_, v, _]| sign(v)),
+        ]
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
         let viscous = if joint.is_revolute() { "N m s/rad" } else { "N s/m" };
-        vec![ParameterInfo::new("viscous_change", viscous), ParameterInfo::new("coulomb_change", joint.effort_unit())]
+        vec![
+            ParameterInfo::new("viscous_change", viscous),
+            ParameterInfo::new("coulomb_change", joint.effort_unit()),
+        ]
     }
 }

@@ -73,12 +73,20 @@ mod tests {
 
     #[test]
     fn prop_quintic_reproduces_a_quintic_motion() {
-        let state = |t: f64| [1.0 + t + t.powi(3) - 2.0 * t.powi(5), 1.0 + 3.0 * t * t - 10.0 * t.powi(4), 6.0 * t - 40.0 * t.powi(3)];
+        let state = |t: f64| {
+            [
+                1.0 + t + t.powi(3) - 2.0 * t.powi(5),
+                1.0 + 3.0 * t * t - 10.0 * t.powi(4),
+                6.0 * t - 40.0 * t.powi(3),
+            ]
+        };
         let motion = Motion::from_fn(1, 11, |_, s| state(0.1 * s as f64));
         for at in [0.3, 4.7, 9.99] {
             let (have, want) = (at_time(&motion, 0, at, 0.1, false), state(0.1 * at));
             // Accelerations are differences of values of order 10 divided by h² = 1e-2.
-            have.iter().zip(want).for_each(|(h, w)| assert!((h - w).abs() < 1e-11, "{h} for {w}"));
+            have.iter()
+                .zip(want)
+                .for_each(|(h, w)| assert!((h - w).abs() < 1e-11, "{h} for {w}"));
         }
     }
 

@@ -30,7 +30,11 @@ impl Effect for JointElasticity {
         let [load, load_d, load_dd] = derivatives(&scene.rigid[j], scene.interval, scene.periodic);
         for s in 0..scene.samples() {
             let [q, qd, qdd] = world.motion.get(j, s);
-            world.motion.set(j, s, [q - theta[0] * load[s], qd - theta[0] * load_d[s], qdd - theta[0] * load_dd[s]]);
+            world.motion.set(
+                j,
+                s,
+                [q - theta[0] * load[s], qd - theta[0] * load_d[s], qdd - theta[0] * load_dd[s]],
+            );
         }
     }
 

@@ -22,7 +22,10 @@ impl Effect for JointSpring {
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
-        vec![own_joint(scene, joints[0], |[q, _, _]| q), own_joint(scene, joints[0], |_| 1.0)]
+        vec![
+            own_joint(scene, joints[0], |[q, _, _]| q),
+            own_joint(scene, joints[0], |_| 1.0),
+        ]
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

@@ -24,7 +24,12 @@ impl Effect for LoadDependentFriction {
         let j = joints[0];
         let load = &scene.rigid[j];
         let direction = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
-        let values = scene.motion.velocities(j).iter().zip(load).map(|(&v, t)| t.abs() * direction(v));
+        let values = scene
+            .motion
+            .velocities(j)
+            .iter()
+            .zip(load)
+            .map(|(&v, t)| t.abs() * direction(v));
         vec![Column::on(j, values.collect())]
     }
 

@@ -34,7 +34,11 @@ impl Effect for NonlinearViscousFriction {
 
     fn shapes(&self, form: usize, _joints: &[usize], _spans: &[Span]) -> Vec<Shape> {
         // 0 and 1 are columns of the declared model; next to them the coefficient is determined by rounding alone.
-        let free = Shape { low: 0.15, high: 5.0, grid: vec![0.25, 0.35, 0.7, 0.85, 1.25, 1.6, 2.5, 4.0] };
+        let free = Shape {
+            low: 0.15,
+            high: 5.0,
+            grid: vec![0.25, 0.35, 0.7, 0.85, 1.25, 1.6, 2.5, 4.0],
+        };
         if form == 3 { vec![free] } else { Vec::new() }
     }
 
@@ -45,7 +49,10 @@ impl Effect for NonlinearViscousFriction {
 
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let exponent = FIXED.get(form).map_or("alpha".into(), ToString::to_string);
-        let mut list = vec![ParameterInfo::new("coefficient", times_position_unit(robot, joints[0], &format!(" (s/rad)^{exponent}")))];
+        let mut list = vec![ParameterInfo::new(
+            "coefficient",
+            times_position_unit(robot, joints[0], &format!(" (s/rad)^{exponent}")),
+        )];
         if form == 3 {
             list.push(ParameterInfo::new("exponent", "1"));
         }

@@ -50,7 +50,11 @@ impl Effect for Payload {
     fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {
         let named = [("mass", "kg"), ("center_x", "m"), ("center_y", "m"), ("center_z", "m")];
         let inertia = ["xx", "xy", "xz", "yy", "yz", "zz"].map(|i| ParameterInfo::new(format!("inertia_{i}"), "kg m^2"));
-        named.map(|(n, u)| ParameterInfo::new(n, u)).into_iter().chain(inertia).collect()
+        named
+            .map(|(n, u)| ParameterInfo::new(n, u))
+            .into_iter()
+            .chain(inertia)
+            .collect()
     }
 
     fn consistent(&self, coefficients: &[f64], information: &DMatrix<f64>) -> Vec<f64> {
@@ -80,7 +84,8 @@ pub fn consistent_payload(theta: &[f64], information: &DMatrix<f64>) -> [f64; 10
     }
     // Start: negative eigenvalues lifted to a thousandth of the largest.
     let least = 1e-3 * eigen.eigenvalues.amax().max(f64::MIN_POSITIVE);
-    let lifted = eigen.eigenvectors * Matrix4::from_diagonal(&eigen.eigenvalues.map(|v| v.max(least))) * eigen.eigenvectors.transpose();
+    let lifted =
+        eigen.eigenvectors * Matrix4::from_diagonal(&eigen.eigenvalues.map(|v| v.max(least))) * eigen.eigenvectors.transpose();
     let Some(start) = lifted.cholesky() else { return estimate };
     nearest(&estimate, information, start.l())
 }
@@ -105,7 +110,9 @@ fn nearest(estimate: &[f64; 10], information: &DMatrix<f64>, start: Matrix4<f64>
         for i in 0..10 {
             normal[(i, i)] += damping * normal[(i, i)].max(1e-12);
         }
-        let Some(step) = normal.cholesky().map(|c| c.solve(&jacobian.tr_mul(&r))) else { break };
+        let Some(step) = normal.cholesky().map(|c| c.solve(&jacobian.tr_mul(&r))) else {
+            break;
+        };
         let there: [f64; 10] = std::array::from_fn(|i| x[i] - step[i]);
         let tried = residual(&there);
         if tried.norm_squared() < r.norm_squared() {
@@ -131,7 +138,15 @@ fn parameters_of(x: &[f64; 10]) -> [f64; 10] {
     let j = l * l.transpose();
     let trace = j[(0, 0)] + j[(1, 1)] + j[(2, 2)];
     [
-        j[(3, 3)], j[(0, 3)], j[(1, 3)], j[(2, 3)],
-        trace - j[(0, 0)], -j[(0, 1)], -j[(0, 2)], trace - j[(1, 1)], -j[(1, 2)], trace - j[(2, 2)],
+        j[(3, 3)],
+        j[(0, 3)],
+        j[(1, 3)],
+        j[(2, 3)],
+        trace - j[(0, 0)],
+        -j[(0, 1)],
+        -j[(0, 2)],
+        trace - j[(1, 1)],
+        -j[(1, 2)],
+        trace - j[(2, 2)],
     ]
 }

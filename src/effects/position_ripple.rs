@@ -31,12 +31,20 @@ impl Effect for PositionRipple {
         let low = (2.0 * std::f64::consts::PI / span.range.max(1e-6)).max(2.5);
         let high = (std::f64::consts::PI / (0.75 * span.speed * span.interval).max(1e-12)).min(MOST_CYCLES.max(20.0 * low));
         if high <= low {
-            return vec![Shape { low, high: low, grid: Vec::new() }];
+            return vec![Shape {
+                low,
+                high: low,
+                grid: Vec::new(),
+            }];
         }
         // Two waves that differ by less than a third of a cycle over the travel are one to the search; refinement does the rest.
         let step = 2.0 * std::f64::consts::PI / (3.0 * span.range);
         let count = ((high - low) / step).ceil() as usize + 1;
-        vec![Shape { low, high, grid: (0..count).map(|i| (low + i as f64 * step).min(high)).collect() }]
+        vec![Shape {
+            low,
+            high,
+            grid: (0..count).map(|i| (low + i as f64 * step).min(high)).collect(),
+        }]
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
@@ -58,6 +66,10 @@ impl Effect for PositionRipple {
 
     /// `A sin x + B cos x = amplitude · sin(x + phase)`.
     fn reported(&self, _form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
-        vec![coefficients[0].hypot(coefficients[1]), coefficients[1].atan2(coefficients[0]), shape[0]]
+        vec![
+            coefficients[0].hypot(coefficients[1]),
+            coefficients[1].atan2(coefficients[0]),
+            shape[0],
+        ]
     }
 }

@@ -26,7 +26,9 @@ impl Effect for PreslidingHysteresis {
     fn shapes(&self, _form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
         let span = spans[joints[0]];
         // Narrower than a fiftieth of the travel per sample at top speed it is a jump; wider than the range it never slides.
-        let narrow = (0.02 * span.speed * span.interval).max(1e-5 * span.range).max(f64::MIN_POSITIVE);
+        let narrow = (0.02 * span.speed * span.interval)
+            .max(1e-5 * span.range)
+            .max(f64::MIN_POSITIVE);
         vec![Shape::geometric(narrow, span.range.max(2.0 * narrow), 18)]
     }
 
@@ -44,7 +46,10 @@ impl Effect for PreslidingHysteresis {
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
-        vec![ParameterInfo::new("amplitude", joint.effort_unit()), ParameterInfo::new("width", joint.position_unit())]
+        vec![
+            ParameterInfo::new("amplitude", joint.effort_unit()),
+            ParameterInfo::new("width", joint.position_unit()),
+        ]
     }
 }
 
@@ -74,7 +79,11 @@ fn dahl_state(scene: &Scene, joint: usize, width: f64) -> Vec<f64> {
 fn dahl_step(z: f64, [q0, v0]: [f64; 2], [q1, v1]: [f64; 2], interval: f64, width: f64) -> f64 {
     let slide = |z: f64, distance: f64| {
         let s = distance.signum();
-        if distance == 0.0 { z } else { s + (z - s) * (-distance.abs() / width).exp() }
+        if distance == 0.0 {
+            z
+        } else {
+            s + (z - s) * (-distance.abs() / width).exp()
+        }
     };
     if v0 * v1 >= 0.0 {
         return slide(z, q1 - q0);

@@ -30,7 +30,11 @@ impl Effect for RotorInertia {
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
-        let unit = if robot.joints()[joints[0]].is_revolute() { "kg m^2".into() } else { times_position_unit(robot, joints[0], " s^2/rad") };
+        let unit = if robot.joints()[joints[0]].is_revolute() {
+            "kg m^2".into()
+        } else {
+            times_position_unit(robot, joints[0], " s^2/rad")
+        };
         vec![ParameterInfo::new("inertia", unit)]
     }
 }

@@ -16,7 +16,11 @@ impl Effect for StribeckFriction {
             meaning: "friction above the Coulomb level at low speed, while the lubricant film builds up",
             identifiable: "when the joint is driven below and well above the Stribeck velocity; a very small v_s hides in the samples around \
                            reversal, a very large one in viscous and Coulomb friction",
-            rivals: &["nonlinear_viscous_friction", "presliding_hysteresis", "load_dependent_friction"],
+            rivals: &[
+                "nonlinear_viscous_friction",
+                "presliding_hysteresis",
+                "load_dependent_friction",
+            ],
             source: "Bittencourt & Gunnarsson 2012; Armstrong-Hélouvry 1994",
         }
     }
@@ -30,14 +34,24 @@ impl Effect for StribeckFriction {
         let speed = spans[joints[0]].speed.max(f64::MIN_POSITIVE);
         let mut shapes = vec![Shape::geometric(0.01 * speed, speed, 14)];
         if form == 2 {
-            shapes.push(Shape { low: 0.4, high: 4.0, grid: vec![0.5, 1.5, 3.0] });
+            shapes.push(Shape {
+                low: 0.4,
+                high: 4.0,
+                grid: vec![0.5, 1.5, 3.0],
+            });
         }
         shapes
     }
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let exponent = [2.0, 1.0, shape.get(1).copied().unwrap_or(2.0)][form];
-        let bump = |[_, v, _]: [f64; 3]| if v == 0.0 { 0.0 } else { (-(v.abs() / shape[0]).powf(exponent)).exp() * v.signum() };
+        let bump = |[_, v, _]: [f64; 3]| {
+            if v == 0.0 {
+                0.0
+            } else {
+                (-(v.abs() / shape[0]).powf(exponent)).exp() * v.signum()
+            }
+        };
         vec![own_joint(scene, joints[0], bump)]
     }
 

@@ -22,7 +22,9 @@ impl Effect for TorqueCrosstalk {
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
         let n = robot.joint_count();
-        (0..n).flat_map(|j| (0..n).filter(move |&i| i != j).map(move |i| vec![j, i])).collect()
+        (0..n)
+            .flat_map(|j| (0..n).filter(move |&i| i != j).map(move |i| vec![j, i]))
+            .collect()
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
@@ -32,6 +34,9 @@ impl Effect for TorqueCrosstalk {
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let unit = |j: usize| robot.joints()[j].effort_unit();
         let (to, from) = (unit(joints[0]), unit(joints[1]));
-        vec![ParameterInfo::new("coefficient", if to == from { "1".into() } else { format!("({to})/({from})") })]
+        vec![ParameterInfo::new(
+            "coefficient",
+            if to == from { "1".into() } else { format!("({to})/({from})") },
+        )]
     }
 }

@@ -33,7 +33,13 @@ impl Effect for TorqueDelay {
         let before = world.motion.clone();
         for s in 0..scene.samples() {
             for j in 0..before.joints() {
-                let state = at_time(&before, j, s as f64 - theta[0] / scene.interval, scene.interval, scene.periodic);
+                let state = at_time(
+                    &before,
+                    j,
+                    s as f64 - theta[0] / scene.interval,
+                    scene.interval,
+                    scene.periodic,
+                );
                 world.motion.set(j, s, state);
             }
         }

@@ -27,7 +27,10 @@ impl Effect for TorqueGain {
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
         // With one joint nothing is left to compare its scale with.
-        (0..robot.joint_count()).filter(|_| robot.joint_count() > 1).map(|j| vec![j]).collect()
+        (0..robot.joint_count())
+            .filter(|_| robot.joint_count() > 1)
+            .map(|j| vec![j])
+            .collect()
     }
 
     fn distort(&self, _scene: &Scene, joints: &[usize], theta: &[f64], world: &mut World) {

@@ -31,7 +31,10 @@ impl Effect for TransmissionCoupling {
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
         let n = robot.joint_count();
-        (0..n).flat_map(|i| (i + 1..n).map(move |j| vec![i, j])).filter(|pair| kinds_agree(robot, pair)).collect()
+        (0..n)
+            .flat_map(|i| (i + 1..n).map(move |j| vec![i, j]))
+            .filter(|pair| kinds_agree(robot, pair))
+            .collect()
     }
 
     fn forms(&self) -> usize {
@@ -41,8 +44,16 @@ impl Effect for TransmissionCoupling {
     fn shapes(&self, form: usize, _joints: &[usize], _spans: &[Span]) -> Vec<Shape> {
         // Near zero the second joint takes no part, and what is left is the first joint's own inertia.
         match form {
-            2 => vec![Shape { low: 0.25, high: 3.0, grid: vec![0.4, 0.7, 1.4, 2.0] }],
-            3 => vec![Shape { low: -3.0, high: -0.25, grid: vec![-2.0, -1.4, -0.7, -0.4] }],
+            2 => vec![Shape {
+                low: 0.25,
+                high: 3.0,
+                grid: vec![0.4, 0.7, 1.4, 2.0],
+            }],
+            3 => vec![Shape {
+                low: -3.0,
+                high: -0.25,
+                grid: vec![-2.0, -1.4, -0.7, -0.4],
+            }],
             _ => Vec::new(),
         }
     }
@@ -53,7 +64,9 @@ impl Effect for TransmissionCoupling {
         let v = sum(scene.motion.velocities(i), scene.motion.velocities(j));
         let a = sum(scene.motion.accelerations(i), scene.motion.accelerations(j));
         let sign = v.iter().map(|&v| if v == 0.0 { 0.0 } else { v.signum() }).collect();
-        let both = |x: Vec<f64>| Column { rows: vec![(j, x.iter().map(|x| k * x).collect()), (i, x)] };
+        let both = |x: Vec<f64>| Column {
+            rows: vec![(j, x.iter().map(|x| k * x).collect()), (i, x)],
+        };
         vec![both(v), both(sign), both(a)]
     }
 

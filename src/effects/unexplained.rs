@@ -85,7 +85,11 @@ impl Effect for Unexplained {
         let named = &shape[2 * codes.len()..];
         let per_row = products(codes, n);
         let all = per_row * if joints.len() > 3 { 2 } else { 1 };
-        let wanted: Vec<usize> = if named.is_empty() { (0..all).collect() } else { named.iter().map(|&k| k as usize).collect() };
+        let wanted: Vec<usize> = if named.is_empty() {
+            (0..all).collect()
+        } else {
+            named.iter().map(|&k| k as usize).collect()
+        };
         let product = |k: usize| {
             let row = if k < per_row { joints[0] } else { joints[3] };
             let (a, b) = (k % per_row % count(0), k % per_row / count(0));

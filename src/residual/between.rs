@@ -56,6 +56,7 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
     let mut cleaned = stretches.to_vec();
     let mut found: Vec<BetweenFinding> = Vec::new();
     for stretch in cleaned.iter_mut().filter(|s| s.periods.len() >= 3) {
+        leave_out_start(stretch);
         for _ in 0..MOST_FINDINGS {
             let Some(noise) = robust_noise(stretch) else { break };
             let drift = best_drift(robot, stretch, &noise);
@@ -64,7 +65,9 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
                 (Some(d), Some(c)) => Some(if d.0.gain > c.0.gain { d } else { c }),
                 (d, c) => d.or(c),
             };
-            let Some((finding, periods)) = best.filter(|(f, _)| f.p_value < limit) else { break };
+            let Some((finding, periods)) = best.filter(|(f, _)| f.p_value < limit) else {
+                break;
+            };
             stretch.periods = periods;
             let all: Vec<usize> = (0..stretch.periods.len()).collect();
             stretch.torque = stretch.mean_over(&all);
@@ -74,22 +77,45 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
     (cleaned, found)
 }
 
-/// Noise from the median over periods of each period's variance about the median period, so that one disturbed period does not raise it.
+/// Share of the first period in which friction still remembers where the robot stood before the log: no contact, and not the periodic state.
+const START: f64 = 0.05;
+
+fn leave_out_start(stretch: &mut Stretch) {
+    let count = stretch.periods.len();
+    for s in 0..(START * stretch.rows() as f64) as usize {
+        for j in 0..stretch.joints() {
+            stretch.periods[0][j][s] = stretch.periods[1..].iter().map(|p| p[j][s]).sum::<f64>() / (count - 1) as f64;
+        }
+    }
+    let all: Vec<usize> = (0..count).collect();
+    stretch.torque = stretch.mean_over(&all);
+}
+
+/// Noise from the quieter half of the periods of every joint, so that one disturbed period raises neither its level nor its correlation.
 fn robust_noise(stretch: &Stretch) -> Option<Vec<NoiseModel>> {
     (0..stretch.joints())
         .map(|j| {
-            let overall = NoiseModel::from_periods(std::slice::from_ref(stretch), j)?;
-            let variance = |p: &Vec<Vec<f64>>| {
-                let d = super::noise::deviation(stretch, p, j);
-                d.iter().map(|v| v * v).sum::<f64>() / d.len() as f64
+            let median = median_period(stretch, j);
+            let mut periods: Vec<(f64, usize)> = (0..stretch.periods.len())
+                .map(|p| {
+                    (
+                        stretch.periods[p][j]
+                            .iter()
+                            .zip(&median)
+                            .map(|(t, m)| (t - m) * (t - m))
+                            .sum(),
+                        p,
+                    )
+                })
+                .collect();
+            periods.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let quiet: Vec<usize> = periods.iter().take(periods.len().div_ceil(2).max(2)).map(|p| p.1).collect();
+            let half = Stretch {
+                torque: stretch.mean_over(&quiet),
+                periods: quiet.iter().map(|&p| stretch.periods[p].clone()).collect(),
+                ..stretch.clone()
             };
-            let mut variances: Vec<f64> = stretch.periods.iter().map(variance).collect();
-            variances.sort_by(f64::total_cmp);
-            let count = stretch.periods.len() as f64;
-            // Deviations from a mean of P have 1 − 1/P of the variance.
-            let median = variances[variances.len() / 2] * count / (count - 1.0);
-            let shrink = (median.sqrt() / overall.std_dev).min(1.0);
-            Some(NoiseModel { std_dev: overall.std_dev * shrink, innovation: overall.innovation * shrink, ..overall })
+            NoiseModel::from_periods(&[half], j)
         })
         .collect()
 }
@@ -114,7 +140,16 @@ fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<
     }
     let (_, j, coarse, ..) = best?;
     let (gain, course, solution, covariance) = refined_drift(stretch, noise, j, coarse);
-    let finding = drift_finding(robot, stretch, j, gain, course, &solution, &covariance, chance(gain, 3) * tries);
+    let finding = drift_finding(
+        robot,
+        stretch,
+        j,
+        gain,
+        course,
+        &solution,
+        &covariance,
+        chance(gain, 3) * tries,
+    );
     let mut periods = stretch.periods.clone();
     let mean = mean_course(stretch, course);
     for (p, period) in periods.iter_mut().enumerate() {
@@ -138,7 +173,9 @@ fn course_at(stretch: &Stretch, period: usize, row: usize, constant: f64) -> f64
 
 fn mean_course(stretch: &Stretch, constant: f64) -> f64 {
     let (periods, rows) = (stretch.periods.len(), stretch.rows());
-    let sum: f64 = (0..periods).map(|p| (0..rows).map(|s| course_at(stretch, p, s, constant)).sum::<f64>()).sum();
+    let sum: f64 = (0..periods)
+        .map(|p| (0..rows).map(|s| course_at(stretch, p, s, constant)).sum::<f64>())
+        .sum();
     sum / (periods * rows) as f64
 }
 
@@ -162,11 +199,15 @@ fn drift_fit(stretch: &Stretch, noise: &[NoiseModel], j: usize, constant: f64) -
     let rows = stretch.rows();
     let keep = noise[j].whitened_rows(&stretch.kept(&stretch.motion, j), stretch.periodic);
     let speed = stretch.motion.velocities(j);
-    let mean: Vec<f64> = (0..rows).map(|s| (0..count).map(|p| course_at(stretch, p, s, constant)).sum::<f64>() / count as f64).collect();
+    let mean: Vec<f64> = (0..rows)
+        .map(|s| (0..count).map(|p| course_at(stretch, p, s, constant)).sum::<f64>() / count as f64)
+        .collect();
     let (mut own, mut right) = (DMatrix::zeros(2, 2), DVector::zeros(2));
     for (p, period) in stretch.periods.iter().enumerate() {
         let column = |f: fn(f64) -> f64| {
-            let raw: Vec<f64> = (0..rows).map(|s| (course_at(stretch, p, s, constant) - mean[s]) * f(speed[s])).collect();
+            let raw: Vec<f64> = (0..rows)
+                .map(|s| (course_at(stretch, p, s, constant) - mean[s]) * f(speed[s]))
+                .collect();
             noise[j].whiten(&raw, &keep, 1)
         };
         let columns = DMatrix::from_columns(&[DVector::from_vec(column(|v| v)), DVector::from_vec(column(direction))]);
@@ -175,7 +216,10 @@ fn drift_fit(stretch: &Stretch, noise: &[NoiseModel], j: usize, constant: f64) -
         right += columns.tr_mul(&white);
     }
     let reduced = reduce(&own, &own, &right);
-    let covariance = own.clone().try_inverse().unwrap_or_else(|| DMatrix::from_element(2, 2, f64::INFINITY));
+    let covariance = own
+        .clone()
+        .try_inverse()
+        .unwrap_or_else(|| DMatrix::from_element(2, 2, f64::INFINITY));
     (reduced.gain, reduced.coefficients, covariance)
 }
 
@@ -203,8 +247,20 @@ fn drift_finding(
             std_dev: covariance[(i, i)].max(0.0).sqrt() * swing.abs(),
         })
         .collect();
-    parameters.push(ReportedParameter { name: "time_constant".into(), value: course, unit: "s".into(), std_dev: course / gain.sqrt().max(1.0) });
-    BetweenFinding { effect: "friction_drift", joints: vec![j], parameters, gain, p_value, rms: None }
+    parameters.push(ReportedParameter {
+        name: "time_constant".into(),
+        value: course,
+        unit: "s".into(),
+        std_dev: course / gain.sqrt().max(1.0),
+    });
+    BetweenFinding {
+        effect: "friction_drift",
+        joints: vec![j],
+        parameters,
+        gain,
+        p_value,
+        rms: None,
+    }
 }
 
 /// The interval of time in which the deviations of all joints from the median period are least like noise.
@@ -232,14 +288,18 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
         (0..n)
             .map(|j| {
                 let level = levels[j][to] - levels[j][from];
-                if level > 0.0 { (sums[j][to] - sums[j][from]).powi(2) / level } else { 0.0 }
+                if level > 0.0 {
+                    (sums[j][to] - sums[j][from]).powi(2) / level
+                } else {
+                    0.0
+                }
             })
             .sum()
     };
     let (mut best, mut windows) = ((0.0, 0, 0), 0.0);
     let mut width = (SHORTEST / stretch.interval).round().max(4.0) as usize;
     while width <= rows {
-        for from in (0..length.saturating_sub(width)).step_by((width / 4).max(1)) {
+        for from in ((START * rows as f64) as usize..length.saturating_sub(width)).step_by((width / 4).max(1)) {
             windows += 1.0;
             let gain = statistic(from, from + width);
             if gain > best.0 {
@@ -254,7 +314,10 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
     let p_value = chance(fair, n) * windows;
     let level = |j: usize| {
         let l = levels[j][to] - levels[j][from];
-        ((sums[j][to] - sums[j][from]) / l.max(f64::MIN_POSITIVE), l.max(f64::MIN_POSITIVE).sqrt().recip())
+        (
+            (sums[j][to] - sums[j][from]) / l.max(f64::MIN_POSITIVE),
+            l.max(f64::MIN_POSITIVE).sqrt().recip(),
+        )
     };
     // A touch that stays below the noise of every joint is slow drift of something else.
     let felt = (0..n).any(|j| level(j).0.abs() > noise[j].std_dev);
@@ -282,14 +345,23 @@ fn median_period(stretch: &Stretch, j: usize) -> Vec<f64> {
 }
 
 /// Moves the edges of an interval to where the statistic is largest, in steps that halve.
-fn sharpened((mut gain, mut from, mut to): (f64, usize, usize), length: usize, statistic: &impl Fn(usize, usize) -> f64) -> (f64, usize, usize) {
+fn sharpened(
+    (mut gain, mut from, mut to): (f64, usize, usize),
+    length: usize,
+    statistic: &impl Fn(usize, usize) -> f64,
+) -> (f64, usize, usize) {
     let mut step = (to - from).max(1);
     while step > 0 {
         let moves = [
-            (from.saturating_sub(step), to), ((from + step).min(to - 1), to),
-            (from, (to + step).min(length)), (from, (to.saturating_sub(step)).max(from + 1)),
+            (from.saturating_sub(step), to),
+            ((from + step).min(to - 1), to),
+            (from, (to + step).min(length)),
+            (from, (to.saturating_sub(step)).max(from + 1)),
         ];
-        let best = moves.into_iter().map(|(a, b)| (statistic(a, b), a, b)).fold((gain, from, to), |a, b| if b.0 > a.0 { b } else { a });
+        let best = moves
+            .into_iter()
+            .map(|(a, b)| (statistic(a, b), a, b))
+            .fold((gain, from, to), |a, b| if b.0 > a.0 { b } else { a });
         if best.0 > gain {
             (gain, from, to) = best;
         } else {
@@ -311,14 +383,30 @@ fn contact_finding(
     let rows = stretch.rows();
     let time = |at: usize| stretch.starts[(at / rows).min(stretch.starts.len() - 1)] + (at % rows) as f64 * stretch.interval;
     let end = time(to - 1) + stretch.interval;
-    let values = [(time(from), stretch.interval), (end, stretch.interval)].into_iter().chain(joints.iter().map(|&j| level(j)));
-    let infos = by_code("external_contact").expect("is in the list").parameters(0, robot, joints);
+    let values = [(time(from), stretch.interval), (end, stretch.interval)]
+        .into_iter()
+        .chain(joints.iter().map(|&j| level(j)));
+    let infos = by_code("external_contact")
+        .expect("is in the list")
+        .parameters(0, robot, joints);
     let parameters = infos
         .into_iter()
         .zip(values)
-        .map(|(info, (value, std_dev))| ReportedParameter { name: info.name, value, unit: info.unit, std_dev })
+        .map(|(info, (value, std_dev))| ReportedParameter {
+            name: info.name,
+            value,
+            unit: info.unit,
+            std_dev,
+        })
         .collect();
-    BetweenFinding { effect: "external_contact", joints: joints.to_vec(), parameters, gain, p_value, rms: None }
+    BetweenFinding {
+        effect: "external_contact",
+        joints: joints.to_vec(),
+        parameters,
+        gain,
+        p_value,
+        rms: None,
+    }
 }
 
 /// The periods with the interval filled by the mean of the other periods, with a margin of a tenth for edges that are not sharp.

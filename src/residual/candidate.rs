@@ -49,7 +49,12 @@ pub(crate) fn candidates(model: &AugmentedModel, spans: &[Span], against_model: 
             for form in 0..effect.forms() {
                 let shapes = effect.shapes(form, &joints, spans);
                 if shapes.iter().all(|s| !s.grid.is_empty()) {
-                    list.push(Candidate { effect, form, joints: joints.clone(), shapes });
+                    list.push(Candidate {
+                        effect,
+                        form,
+                        joints: joints.clone(),
+                        shapes,
+                    });
                 }
             }
         }
@@ -63,7 +68,11 @@ impl Candidate {
         self.shapes.iter().fold(vec![Vec::new()], |points, shape| {
             let longer = |point: &Vec<f64>| {
                 let point = point.clone();
-                shape.grid.iter().map(move |&v| [point.clone(), vec![v]].concat()).collect::<Vec<_>>()
+                shape
+                    .grid
+                    .iter()
+                    .map(move |&v| [point.clone(), vec![v]].concat())
+                    .collect::<Vec<_>>()
             };
             points.iter().flat_map(longer).collect()
         })
@@ -80,7 +89,11 @@ impl Candidate {
     /// The term with these coefficients at this shape; for a distortion the coefficients are its parameters.
     pub fn term(&self, coefficients: &[f64], shape: &[f64]) -> Term {
         let distortion = self.is_distortion();
-        let (coefficients, shape) = if distortion { (&[][..], coefficients) } else { (coefficients, shape) };
+        let (coefficients, shape) = if distortion {
+            (&[][..], coefficients)
+        } else {
+            (coefficients, shape)
+        };
         let bounds = if distortion {
             vec![[f64::NEG_INFINITY, f64::INFINITY]; shape.len()]
         } else {
@@ -127,7 +140,13 @@ fn distortion(system: &System, stretch: &super::Stretch, candidate: &Candidate) 
     let zero = candidate.term(&vec![0.0; candidate.effect.steps().len()], &[]);
     let plain = system.model.torques(&stretch.motion, &system.model.robot, None);
     let derivative = system.model.distortion_columns(stretch, &plain, &zero, None);
-    let column = |rows: Vec<Vec<f64>>| Column { rows: rows.into_iter().enumerate().filter(|(_, r)| r.iter().any(|v| *v != 0.0)).collect() };
+    let column = |rows: Vec<Vec<f64>>| Column {
+        rows: rows
+            .into_iter()
+            .enumerate()
+            .filter(|(_, r)| r.iter().any(|v| *v != 0.0))
+            .collect(),
+    };
     derivative.into_iter().map(column).collect()
 }
 
@@ -154,7 +173,17 @@ pub(crate) fn score(data: &Data, system: &System, candidate: &Candidate) -> Opti
         }
     }
     let (gain, rank, coefficients, shape) = best?;
-    (rank > 0).then(|| appraise(system, candidate, candidate.term(coefficients.as_slice(), shape), gain, rank, grid.len(), None))
+    (rank > 0).then(|| {
+        appraise(
+            system,
+            candidate,
+            candidate.term(coefficients.as_slice(), shape),
+            gain,
+            rank,
+            grid.len(),
+            None,
+        )
+    })
 }
 
 /// Refines the shape of a scored candidate: golden section along each shape in turn, between the neighbours on the grid.
@@ -183,15 +212,33 @@ pub(crate) fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
         return scored.clone();
     }
     let term = scored.candidate.term(reduced.coefficients.as_slice(), &shape);
-    appraise(system, &scored.candidate, term, reduced.gain, reduced.rank, scored.tried, None)
+    appraise(
+        system,
+        &scored.candidate,
+        term,
+        reduced.gain,
+        reduced.rank,
+        scored.tried,
+        None,
+    )
 }
 
 /// One shape needs one round; of two, the second round catches the turn of the first.
 const ROUNDS: usize = 2;
 
 fn neighbours(shape: &Shape, value: f64) -> (f64, f64) {
-    let below = shape.grid.iter().copied().filter(|&g| g < value * (1.0 - 1e-12 * value.signum())).fold(shape.low, f64::max);
-    let above = shape.grid.iter().copied().filter(|&g| g > value * (1.0 + 1e-12 * value.signum())).fold(shape.high, f64::min);
+    let below = shape
+        .grid
+        .iter()
+        .copied()
+        .filter(|&g| g < value * (1.0 - 1e-12 * value.signum()))
+        .fold(shape.low, f64::max);
+    let above = shape
+        .grid
+        .iter()
+        .copied()
+        .filter(|&g| g > value * (1.0 + 1e-12 * value.signum()))
+        .fold(shape.high, f64::min);
     (below, above)
 }
 
@@ -224,17 +271,32 @@ pub(crate) fn appraise(
     tried: usize,
     after: Option<&System>,
 ) -> Scored {
-    let cost = rank + if candidate.is_distortion() { 0 } else { candidate.shapes.len() };
+    let cost = rank
+        + if candidate.is_distortion() {
+            0
+        } else {
+            candidate.shapes.len()
+        };
     let fair_gain = gain / dispersion(system, candidate, gain, after);
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
     let evidence = fair_gain - cost as f64 * (rows as f64).ln() - 2.0 * (tried as f64).ln();
-    Scored { candidate: candidate.clone(), term, gain, cost, tried, fair_gain, evidence }
+    Scored {
+        candidate: candidate.clone(),
+        term,
+        gain,
+        cost,
+        tried,
+        fair_gain,
+        evidence,
+    }
 }
 
 /// Joints whose rows a candidate reaches.
 pub(crate) fn reach(candidate: &Candidate, joints: usize) -> Vec<usize> {
     match candidate.effect.kind() {
-        Kind::Additive if candidate.effect.code() == "torque_crosstalk" || candidate.effect.code() == "unexplained" => vec![candidate.joints[0]],
+        Kind::Additive if candidate.effect.code() == "torque_crosstalk" || candidate.effect.code() == "unexplained" => {
+            vec![candidate.joints[0]]
+        }
         Kind::Additive => candidate.joints.clone(),
         _ if candidate.effect.code() == "friction_drift" || candidate.effect.code() == "torque_gain" => candidate.joints.clone(),
         _ => (0..joints).collect(),
@@ -253,7 +315,11 @@ pub(crate) fn dispersion(system: &System, candidate: &Candidate, gain: f64, afte
     if !system.noise_is_measured {
         return left.max(f64::MIN_POSITIVE) * persistence();
     }
-    if left <= 1.0 { 1.0 } else { 1.0 + (left - 1.0) * persistence() }
+    if left <= 1.0 {
+        1.0
+    } else {
+        1.0 + (left - 1.0) * persistence()
+    }
 }
 
 /// How likely a gain as large as this is without the effect: χ² of as many degrees of freedom as parameters.
@@ -264,8 +330,10 @@ pub(crate) fn chance(fair_gain: f64, parameters: usize) -> f64 {
 
 /// Scores of all candidates that the model does not have already, best evidence first.
 pub(crate) fn scan(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Scored> {
-    let open: Vec<&Candidate> =
-        candidates.iter().filter(|c| !system.model.terms.iter().any(|t| c.is_same_effect(t))).collect();
+    let open: Vec<&Candidate> = candidates
+        .iter()
+        .filter(|c| !system.model.terms.iter().any(|t| c.is_same_effect(t)))
+        .collect();
     let mut scored: Vec<Scored> = open.par_iter().filter_map(|c| score(data, system, c)).collect();
     scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let refined: Vec<Scored> = scored.par_iter().take(REFINED).map(|s| refine(data, system, s)).collect();
@@ -277,7 +345,13 @@ pub(crate) fn scan(data: &Data, system: &System, candidates: &[Candidate]) -> Ve
 /// The best on the grid are within a tenth of their best shape: a dozen is enough to hold the right one.
 const REFINED: usize = 12;
 
-/// Number of hypotheses in a list of candidates: every shape on every grid is one.
-pub(crate) fn hypotheses(candidates: &[Candidate]) -> f64 {
-    candidates.iter().map(|c| c.grid().len() as f64).sum()
+/// What the chance of a gain is multiplied with: number of effects, times the places, forms and shapes that this one was tried with. Every
+/// effect has the same share of false findings (weighted Bonferroni); a fine grid of one does not make the others harder to find.
+pub(crate) fn hypotheses(candidates: &[Candidate], code: &str) -> f64 {
+    let own: usize = candidates
+        .iter()
+        .filter(|c| c.effect.code() == code)
+        .map(|c| c.grid().len())
+        .sum();
+    (own.max(1) * effects::all().len()) as f64
 }

@@ -22,14 +22,19 @@ const FOLDS: usize = 5;
 const BLOCKS: usize = 20;
 
 pub(crate) fn held_out_gain(data: &Data, system: &System, columns: &Whitened) -> HeldOutGain {
-    HeldOutGain { blocks: block_gain(data, system, columns), periods: period_gain(data, system, columns) }
+    HeldOutGain {
+        blocks: block_gain(data, system, columns),
+        periods: period_gain(data, system, columns),
+    }
 }
 
 fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
     let p = system.covariance.nrows();
     let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
     // Per fold: normal matrix and right side of [J C].
-    let mut folds: Vec<(DMatrix<f64>, DVector<f64>)> = (0..FOLDS).map(|_| (DMatrix::zeros(p + k, p + k), DVector::zeros(p + k))).collect();
+    let mut folds: Vec<(DMatrix<f64>, DVector<f64>)> = (0..FOLDS)
+        .map(|_| (DMatrix::zeros(p + k, p + k), DVector::zeros(p + k)))
+        .collect();
     for (blocks, parts) in system.blocks.iter().zip(columns) {
         for (j, block) in blocks.iter().enumerate() {
             let own = parts.iter().find(|(joint, _)| *joint == j).map(|(_, m)| m);

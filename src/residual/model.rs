@@ -25,7 +25,15 @@ pub struct Term {
 
 impl std::fmt::Debug for Term {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}[{}]{:?} c={:?} s={:?}", self.effect.code(), self.form, self.joints, self.coefficients, self.shape)
+        write!(
+            f,
+            "{}[{}]{:?} c={:?} s={:?}",
+            self.effect.code(),
+            self.form,
+            self.joints,
+            self.coefficients,
+            self.shape
+        )
     }
 }
 
@@ -68,7 +76,12 @@ impl AugmentedModel {
     pub fn declared(robot: &Robot) -> Self {
         let base = BaseParameters::exact(robot);
         let values = DVector::zeros(base.len());
-        Self { robot: robot.clone(), base, values, terms: Vec::new() }
+        Self {
+            robot: robot.clone(),
+            base,
+            values,
+            terms: Vec::new(),
+        }
     }
 
     /// Number of estimated parameters.
@@ -159,8 +172,15 @@ impl AugmentedModel {
         if with_jacobian {
             for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
                 let at = self.offset_of(t);
-                for (i, values) in self.distortion_columns(stretch, &plain, term, Some(t)).into_iter().enumerate() {
-                    values.into_iter().enumerate().for_each(|(j, v)| jacobian[j].push((at + i, v)));
+                for (i, values) in self
+                    .distortion_columns(stretch, &plain, term, Some(t))
+                    .into_iter()
+                    .enumerate()
+                {
+                    values
+                        .into_iter()
+                        .enumerate()
+                        .for_each(|(j, v)| jacobian[j].push((at + i, v)));
                 }
             }
         }
@@ -168,12 +188,25 @@ impl AugmentedModel {
         for list in &mut jacobian {
             list.iter_mut().for_each(|(_, v)| *v = stretch.shaped(std::mem::take(v)));
         }
-        Evaluated { motion: world.motion, torque: shaped(torque), rigid, declared, gain: world.gain, jacobian }
+        Evaluated {
+            motion: world.motion,
+            torque: shaped(torque),
+            rigid,
+            declared,
+            gain: world.gain,
+            jacobian,
+        }
     }
 
     /// Derivative of the declared torque by every parameter of a distortion, n × N each, by central differences around its present value
     /// (zero for a distortion that is not in the model).
-    pub(crate) fn distortion_columns(&self, stretch: &Stretch, plain: &Torques, term: &Term, at: Option<usize>) -> Vec<Vec<Vec<f64>>> {
+    pub(crate) fn distortion_columns(
+        &self,
+        stretch: &Stretch,
+        plain: &Torques,
+        term: &Term,
+        at: Option<usize>,
+    ) -> Vec<Vec<Vec<f64>>> {
         let steps = term.effect.steps();
         (0..steps.len())
             .map(|i| {
@@ -181,14 +214,17 @@ impl AugmentedModel {
                     let mut moved = term.clone();
                     moved.shape[i] += sign * steps[i];
                     let world = self.world(stretch, plain, Some((at, &moved)));
-                    let mut tau = self.torques(&world.motion, &self.robot.with_gravity(world.gravity), None).declared;
-                    tau.iter_mut().zip(&world.gain).for_each(|(row, g)| row.iter_mut().for_each(|v| *v *= g));
+                    let mut tau = self
+                        .torques(&world.motion, &self.robot.with_gravity(world.gravity), None)
+                        .declared;
+                    tau.iter_mut()
+                        .zip(&world.gain)
+                        .for_each(|(row, g)| row.iter_mut().for_each(|v| *v *= g));
                     tau
                 };
                 let (up, down) = (side(1.0), side(-1.0));
-                let difference = |(u, d): (&Vec<f64>, &Vec<f64>)| {
-                    u.iter().zip(d).map(|(u, d)| (u - d) / (2.0 * steps[i])).collect()
-                };
+                let difference =
+                    |(u, d): (&Vec<f64>, &Vec<f64>)| u.iter().zip(d).map(|(u, d)| (u - d) / (2.0 * steps[i])).collect();
                 up.iter().zip(&down).map(difference).collect()
             })
             .collect()
@@ -197,7 +233,11 @@ impl AugmentedModel {
     /// All distortions applied in turn; `changed` stands in for the term at that place, or comes on top.
     fn world(&self, stretch: &Stretch, plain: &Torques, changed: Option<(Option<usize>, &Term)>) -> World {
         let n = self.robot.joint_count();
-        let mut world = World { motion: stretch.motion.clone(), gravity: self.robot.gravity(), gain: vec![1.0; n] };
+        let mut world = World {
+            motion: stretch.motion.clone(),
+            gravity: self.robot.gravity(),
+            gain: vec![1.0; n],
+        };
         let scene = Scene {
             robot: &self.robot,
             motion: &stretch.motion,
@@ -224,7 +264,11 @@ impl AugmentedModel {
         let layout = Layout::standard(robot);
         let n = robot.joint_count();
         let mut phi = vec![0.0; layout.len()];
-        self.base.kept.iter().zip(self.values.iter()).for_each(|(&at, &v)| phi[at] = v);
+        self.base
+            .kept
+            .iter()
+            .zip(self.values.iter())
+            .for_each(|(&at, &v)| phi[at] = v);
         let inertial = |at: usize| matches!(layout.parameters()[at].kind, ParameterKind::Inertial(_));
         let rigid = match rows {
             Some((set, rows)) => (0..n)
@@ -238,16 +282,36 @@ impl AugmentedModel {
                 })
                 .collect(),
             None => {
-                let bare: Vec<f64> = phi.iter().enumerate().map(|(at, &v)| if inertial(at) { v } else { 0.0 }).collect();
+                let bare: Vec<f64> = phi
+                    .iter()
+                    .enumerate()
+                    .map(|(at, &v)| if inertial(at) { v } else { 0.0 })
+                    .collect();
                 let flat = crate::dynamics::inverse_dynamics_batch(&Chain::new(robot), &layout, &bare, motion, Coulomb::Sign);
-                (0..n).map(|j| flat[j * motion.stride()..j * motion.stride() + motion.samples()].to_vec()).collect::<Vec<_>>()
+                (0..n)
+                    .map(|j| flat[j * motion.stride()..j * motion.stride() + motion.samples()].to_vec())
+                    .collect::<Vec<_>>()
             }
         };
         let mut declared: Vec<Vec<f64>> = rigid.clone();
-        for (at, parameter) in layout.parameters().iter().enumerate().filter(|(at, _)| phi[*at] != 0.0 && !inertial(*at)) {
+        for (at, parameter) in layout
+            .parameters()
+            .iter()
+            .enumerate()
+            .filter(|(at, _)| phi[*at] != 0.0 && !inertial(*at))
+        {
             let speeds = motion.velocities(parameter.link);
-            let column = |v: f64| if parameter.kind == ParameterKind::Viscous { v } else { Coulomb::Sign.value(v) };
-            declared[parameter.link].iter_mut().zip(speeds).for_each(|(t, &v)| *t += phi[at] * column(v));
+            let column = |v: f64| {
+                if parameter.kind == ParameterKind::Viscous {
+                    v
+                } else {
+                    Coulomb::Sign.value(v)
+                }
+            };
+            declared[parameter.link]
+                .iter_mut()
+                .zip(speeds)
+                .for_each(|(t, &v)| *t += phi[at] * column(v));
         }
         Torques { rigid, declared }
     }
@@ -301,7 +365,9 @@ pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
             rows.sort_unstable();
             rows.dedup();
             let values = |j: usize| up[j].iter().zip(&down[j]).map(|(u, d)| (u - d) / (2.0 * step)).collect();
-            Column { rows: rows.into_iter().map(|j| (j, values(j))).collect() }
+            Column {
+                rows: rows.into_iter().map(|j| (j, values(j))).collect(),
+            }
         })
         .collect()
 }
@@ -309,7 +375,12 @@ pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
 /// Standard deviations of what a term reports, from the covariance of its coefficients and free shapes.
 pub(crate) fn reported(term: &Term, covariance: &DMatrix<f64>) -> Vec<(f64, f64)> {
     let k = term.coefficients.len();
-    let point: Vec<f64> = term.coefficients.iter().chain(&term.shape[..term.free_shapes]).copied().collect();
+    let point: Vec<f64> = term
+        .coefficients
+        .iter()
+        .chain(&term.shape[..term.free_shapes])
+        .copied()
+        .collect();
     let at = |x: &[f64]| {
         let shape: Vec<f64> = x[k..].iter().chain(&term.shape[term.free_shapes..]).copied().collect();
         term.effect.reported(term.form, &x[..k], &shape)
@@ -318,11 +389,20 @@ pub(crate) fn reported(term: &Term, covariance: &DMatrix<f64>) -> Vec<(f64, f64)
     let mut jacobian = DMatrix::zeros(values.len(), point.len());
     for c in 0..point.len() {
         // A thousandth of a standard deviation: the map is smooth over that.
-        let step = (1e-3 * covariance[(c, c)].max(0.0).sqrt()).max(1e-9 * point[c].abs()).max(f64::MIN_POSITIVE);
+        let step = (1e-3 * covariance[(c, c)].max(0.0).sqrt())
+            .max(1e-9 * point[c].abs())
+            .max(f64::MIN_POSITIVE);
         let mut there = point.clone();
         there[c] += step;
-        at(&there).iter().enumerate().for_each(|(r, v)| jacobian[(r, c)] = (v - values[r]) / step);
+        at(&there)
+            .iter()
+            .enumerate()
+            .for_each(|(r, v)| jacobian[(r, c)] = (v - values[r]) / step);
     }
     let spread = &jacobian * covariance * jacobian.transpose();
-    values.iter().enumerate().map(|(r, &v)| (v, spread[(r, r)].max(0.0).sqrt())).collect()
+    values
+        .iter()
+        .enumerate()
+        .map(|(r, &v)| (v, spread[(r, r)].max(0.0).sqrt()))
+        .collect()
 }

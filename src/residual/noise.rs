@@ -75,7 +75,13 @@ impl NoiseModel {
         }
         let (_, autoregression, share) = best;
         let innovation = (variance * share).sqrt();
-        Self { source, std_dev: variance.sqrt(), autoregression, innovation, degrees_of_freedom: freedom }
+        Self {
+            source,
+            std_dev: variance.sqrt(),
+            autoregression,
+            innovation,
+            degrees_of_freedom: freedom,
+        }
     }
 
     /// Rows whose whitened value needs no row that is left out.
@@ -112,7 +118,9 @@ impl NoiseModel {
 /// Deviation of one period from the mean of all, zero where the row does not count.
 pub(super) fn deviation(stretch: &Stretch, period: &[Vec<f64>], joint: usize) -> Vec<f64> {
     let pairs = period[joint].iter().zip(&stretch.torque[joint]).zip(&stretch.usable[joint]);
-    pairs.map(|((t, mean), &usable)| if usable { t - mean } else { 0.0 }).collect()
+    pairs
+        .map(|((t, mean), &usable)| if usable { t - mean } else { 0.0 })
+        .collect()
 }
 
 fn lagged(x: &[f64], lag: usize) -> f64 {

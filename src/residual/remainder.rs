@@ -57,7 +57,9 @@ pub(crate) fn examine(
         }
     }
     match best {
-        Some((score, k, system)) if score > start + PREFERENCE => withdraw(data, selected, fixed, k, system, candidates, threshold),
+        Some((score, k, system)) if score > start + PREFERENCE => {
+            withdraw(data, selected, fixed, k, system, candidates, threshold)
+        }
         _ => (selected, None),
     }
 }
@@ -79,7 +81,11 @@ fn score_of(data: &Data, system: &System, candidates: &[Candidate], fixed: usize
             Some(candidate) => candidate.grid().len() as f64 * candidates.len() as f64,
             None => function_jobs(system.model.robot.joint_count(), &[0]).len() as f64,
         };
-        let each = if own.is_none() { 2.0 * (term.coefficients.len() as f64) * DICTIONARY.ln() } else { 0.0 };
+        let each = if own.is_none() {
+            2.0 * (term.coefficients.len() as f64) * DICTIONARY.ln()
+        } else {
+            0.0
+        };
         term.parameters() as f64 * (rows as f64).ln() + 2.0 * choice.ln() + each
     };
     -data.chi_square(system) - system.model.terms[fixed..].iter().map(price).sum::<f64>()
@@ -103,15 +109,21 @@ fn with_functions(data: &Data, system: &System) -> Option<System> {
 fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     let n = system.model.robot.joint_count();
     let excess = |j: usize| system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j);
-    let mut rows: Vec<usize> = (0..n).filter(|&j| excess(j) > 5.0 * (2.0 * system.rows(j) as f64).sqrt()).collect();
+    let mut rows: Vec<usize> = (0..n)
+        .filter(|&j| excess(j) > 5.0 * (2.0 * system.rows(j) as f64).sqrt())
+        .collect();
     rows.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)));
     rows.truncate(3);
     let jobs = function_jobs(n, &rows);
-    let scored: Vec<Smooth> = jobs.par_iter().filter_map(|job| score(data, system, job, jobs.len() as f64)).collect();
+    let scored: Vec<Smooth> = jobs
+        .par_iter()
+        .filter_map(|job| score(data, system, job, jobs.len() as f64))
+        .collect();
     let best = scored.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))?.clone();
     // Each product was the best of a dictionary, the function the best of all jobs.
     let products = best.term.coefficients.len();
-    let beyond_chance = chance(best.gain, products).ln() + products as f64 * DICTIONARY.ln() + (jobs.len() as f64).ln() < 1e-3f64.ln();
+    let beyond_chance =
+        chance(best.gain, products).ln() + products as f64 * DICTIONARY.ln() + (jobs.len() as f64).ln() < 1e-3f64.ln();
     let share = best.gain > 0.05 * excess(best.term.joints[0]);
     (best.evidence > PREFERENCE && beyond_chance && share).then_some(best)
 }
@@ -124,7 +136,11 @@ fn function_jobs(n: usize, rows: &[usize]) -> Vec<Vec<usize>> {
         jobs.extend((0..n).flat_map(|a| (a + 1..n).map(move |b| vec![row, a, b])));
         jobs.extend((0..n).chain([2 * n + row]).map(|a| vec![row, a, n + row]));
         // Two joints that act on each other: both rows, a function of both positions.
-        jobs.extend((0..n).filter(|&other| other != row).map(|other| vec![row, row.min(other), row.max(other), other]));
+        jobs.extend(
+            (0..n)
+                .filter(|&other| other != row)
+                .map(|other| vec![row, row.min(other), row.max(other), other]),
+        );
     }
     jobs
 }
@@ -178,7 +194,9 @@ fn pursue(own: &DMatrix<f64>, rest: &DMatrix<f64>, right: &DVector<f64>, price: 
             let set: Vec<usize> = chosen.iter().copied().chain([k]).collect();
             (k, with(&set))
         });
-        let Some((k, reduced)) = options.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain)) else { break };
+        let Some((k, reduced)) = options.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain)) else {
+            break;
+        };
         if reduced.gain - best.0 < price || reduced.rank <= chosen.len() {
             break;
         }
@@ -229,13 +247,13 @@ fn withdraw(
     threshold: &Threshold,
 ) -> (Selected, Option<Remainder>) {
     let mut accepted = selected.accepted[..kept].to_vec();
-    let tried = hypotheses(candidates);
     for at in (0..kept).rev() {
         let mut model = system.model.clone();
         let term = model.terms.remove(fixed + at);
         let without = data.fit(model);
         let loss = data.chi_square(&without) - data.chi_square(&system);
-        let needed = chance(loss, term.parameters()) * tried < threshold.chance && loss > SHARE_BESIDE * accepted[at].gain;
+        let needed = chance(loss, term.parameters()) * hypotheses(candidates, term.effect.code()) < threshold.chance
+            && loss > SHARE_BESIDE * accepted[at].gain;
         if !needed {
             system = without;
             accepted.remove(at);
@@ -244,7 +262,13 @@ fn withdraw(
     let remainder = describe(data, &system, fixed + accepted.len());
     let mut model = system.model.clone();
     model.terms.truncate(fixed + accepted.len());
-    (Selected { system: data.fit(model), accepted }, Some(remainder))
+    (
+        Selected {
+            system: data.fit(model),
+            accepted,
+        },
+        Some(remainder),
+    )
 }
 
 /// An effect that keeps less than this share of its gain beside a smooth function has been that function's stand-in.
@@ -255,12 +279,19 @@ fn describe(data: &Data, with: &System, from: usize) -> Remainder {
     let mut plain = with.model.clone();
     let functions: Vec<Term> = plain.terms.drain(from..).collect();
     let without = data.fit(plain);
-    let mut rows: Vec<usize> = functions.iter().flat_map(|t| std::iter::once(t.joints[0]).chain(t.joints.get(3).copied())).collect();
+    let mut rows: Vec<usize> = functions
+        .iter()
+        .flat_map(|t| std::iter::once(t.joints[0]).chain(t.joints.get(3).copied()))
+        .collect();
     let mut seen = std::collections::BTreeSet::new();
     rows.retain(|r| seen.insert(*r));
     let excess = |system: &System, j: usize| (system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j)).max(0.0);
     let total = |system: &System| rows.iter().map(|&j| excess(system, j)).sum::<f64>();
-    let share = if total(&without) > 0.0 { 1.0 - total(with) / total(&without) } else { 0.0 };
+    let share = if total(&without) > 0.0 {
+        1.0 - total(with) / total(&without)
+    } else {
+        0.0
+    };
     let mut depends_on = Vec::new();
     for code in functions.iter().flat_map(|t| by_strength(data, &without, t)) {
         let name = variable_name(code, n);
@@ -276,14 +307,28 @@ fn describe(data: &Data, with: &System, from: usize) -> Remainder {
         depends_on.join(" and "),
         100.0 * share.clamp(0.0, 1.0)
     );
-    Remainder { joints, depends_on, predicted_share: share.clamp(0.0, 1.0), rms, note }
+    Remainder {
+        joints,
+        depends_on,
+        predicted_share: share.clamp(0.0, 1.0),
+        rms,
+        note,
+    }
 }
 
 /// Variables of a function, the one that predicts more alone first.
 fn by_strength(data: &Data, without: &System, term: &Term) -> Vec<usize> {
     let rows = std::iter::once(term.joints[0]).chain(term.joints.get(3).copied());
-    let gain = |code: usize| rows.clone().filter_map(|row| score(data, without, &[row, code], 1.0)).map(|s| s.gain).sum::<f64>();
-    let mut codes: Vec<(f64, usize)> = term.joints[1..term.joints.len().min(3)].iter().map(|&c| (gain(c), c)).collect();
+    let gain = |code: usize| {
+        rows.clone()
+            .filter_map(|row| score(data, without, &[row, code], 1.0))
+            .map(|s| s.gain)
+            .sum::<f64>()
+    };
+    let mut codes: Vec<(f64, usize)> = term.joints[1..term.joints.len().min(3)]
+        .iter()
+        .map(|&c| (gain(c), c))
+        .collect();
     codes.sort_by(|a, b| b.0.total_cmp(&a.0));
     codes.into_iter().map(|c| c.1).collect()
 }

@@ -18,7 +18,9 @@ pub(crate) struct Contest {
 const NOT_EXCLUDED: f64 = 6.0;
 
 pub(crate) fn rivals(data: &Data, selected: &Selected, fixed: usize, candidates: &[Candidate]) -> Vec<Contest> {
-    (0..selected.accepted.len()).map(|i| contest(data, selected, fixed + i, candidates)).collect()
+    (0..selected.accepted.len())
+        .map(|i| contest(data, selected, fixed + i, candidates))
+        .collect()
 }
 
 fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]) -> Contest {
@@ -26,13 +28,22 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
     let own = model.terms.remove(at);
     let without = data.fit(model);
     let loss = data.chi_square(&without) - data.chi_square(&selected.system);
-    let Some(mine) = candidates.iter().find(|c| c.is_same_effect(&own) && c.form == own.form) else { return Contest::default() };
+    let Some(mine) = candidates.iter().find(|c| c.is_same_effect(&own) && c.form == own.form) else {
+        return Contest::default();
+    };
     let tried = mine.grid().len();
     let cost = own.parameters() - mine.shapes.len();
     let finding = appraise(&without, mine, own.clone(), loss, cost, tried, Some(&selected.system));
-    let others: Vec<_> = scan(data, &without, candidates).into_iter().filter(|s| !s.candidate.is_same_effect(&own)).collect();
+    let others: Vec<_> = scan(data, &without, candidates)
+        .into_iter()
+        .filter(|s| !s.candidate.is_same_effect(&own))
+        .collect();
     // The linearised gain errs by a fraction: what comes near is fitted properly.
-    let near: Vec<_> = others.iter().filter(|s| s.evidence > 0.7 * finding.evidence - 2.0 * NOT_EXCLUDED).take(6).collect();
+    let near: Vec<_> = others
+        .iter()
+        .filter(|s| s.evidence > 0.7 * finding.evidence - 2.0 * NOT_EXCLUDED)
+        .take(6)
+        .collect();
     let mut rivals: Vec<Rival> = near
         .par_iter()
         .filter_map(|s| {

@@ -39,23 +39,33 @@ pub(crate) struct Threshold {
 
 pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     let fixed = start.terms.len();
-    let mut now = Selected { system: data.fit(start), accepted: Vec::new() };
-    let tried = hypotheses(candidates);
+    let mut now = Selected {
+        system: data.fit(start),
+        accepted: Vec::new(),
+    };
     for _ in 0..threshold.most_effects {
-        let Some((system, accepted)) = step(data, &now.system, candidates, threshold, tried) else { break };
+        let Some((system, accepted)) = step(data, &now.system, candidates, threshold) else {
+            break;
+        };
         now.system = system;
         now.accepted.push(accepted);
-        drop_superfluous(data, &mut now, fixed, threshold, tried);
+        drop_superfluous(data, &mut now, fixed, candidates, threshold);
     }
     now
 }
 
 /// The best candidate that earns its place, fitted together with everything else.
-fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Threshold, tried: f64) -> Option<(System, Accepted)> {
+fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Threshold) -> Option<(System, Accepted)> {
     let scored = scan(data, system, candidates);
     let best = scored.first()?.evidence;
     // The linearised gain of a distortion, or of a column made of torques that are not right yet, is off by a fraction; the true one decides.
-    let contenders: Vec<&Scored> = scored.iter().filter(|s| s.evidence > 0.0 && s.evidence > best - (0.3 * best).max(6.0)).take(4).collect();
+    // Without measured noise what is left decides, and that is known only afterwards.
+    let open = |s: &Scored| s.evidence > 0.0 || !system.noise_is_measured;
+    let contenders: Vec<&Scored> = scored
+        .iter()
+        .filter(|s| open(s) && s.evidence > best - (0.3 * best.abs()).max(6.0))
+        .take(4)
+        .collect();
     let before = data.chi_square(system);
     let mut fitted: Vec<(Scored, System)> = contenders
         .par_iter()
@@ -64,13 +74,18 @@ fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Thre
             model.terms.push(s.term.clone());
             let there = data.fit(model);
             let gain = before - data.chi_square(&there);
-            let rank = if s.term.is_distortion() { s.cost } else { s.cost - s.candidate.shapes.len().min(s.cost) };
+            let rank = if s.term.is_distortion() {
+                s.cost
+            } else {
+                s.cost - s.candidate.shapes.len().min(s.cost)
+            };
             let scored = appraise(system, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&there));
             (scored, there)
         })
         .collect();
     fitted.sort_by(|a, b| b.0.evidence.total_cmp(&a.0.evidence));
     fitted.into_iter().find_map(|(scored, there)| {
+        let tried = hypotheses(candidates, scored.candidate.effect.code());
         let accepted = judge(data, system, &scored, &there, threshold, tried)?;
         Some((there, accepted))
     })
@@ -95,8 +110,19 @@ fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshol
     if !(generalises && repeats) {
         return None;
     }
-    let Scored { candidate, fair_gain, evidence, .. } = scored;
-    Some(Accepted { effect: candidate.effect.code(), gain: *fair_gain, evidence: *evidence, p_value, held_out })
+    let Scored {
+        candidate,
+        fair_gain,
+        evidence,
+        ..
+    } = scored;
+    Some(Accepted {
+        effect: candidate.effect.code(),
+        gain: *fair_gain,
+        evidence: *evidence,
+        p_value,
+        held_out,
+    })
 }
 
 /// Whether the last term's parameters lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
@@ -105,7 +131,12 @@ fn is_physical(system: &System) -> bool {
     let term = &system.model.terms[at];
     let covariance = system.term_covariance(at);
     let k = term.coefficients.len();
-    let values: Vec<f64> = term.coefficients.iter().chain(&term.shape[..term.free_shapes]).copied().collect();
+    let values: Vec<f64> = term
+        .coefficients
+        .iter()
+        .chain(&term.shape[..term.free_shapes])
+        .copied()
+        .collect();
     let inside = term.bounds.iter().take(term.free_shapes).enumerate().all(|(i, [low, high])| {
         let margin = 1e-6 * (high - low);
         !margin.is_finite() || (values[k + i] > low + margin && values[k + i] < high - margin)
@@ -125,7 +156,7 @@ fn explains_a_share(system: &System, scored: &Scored, share: f64) -> bool {
 }
 
 /// Takes out effects that later ones have made superfluous.
-fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, threshold: &Threshold, tried: f64) {
+fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) {
     let mut at = now.system.model.terms.len();
     while at > fixed {
         at -= 1;
@@ -136,7 +167,7 @@ fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, threshold: &T
         let term: Term = model.terms.remove(at);
         let without = data.fit(model);
         let loss = data.chi_square(&without) - data.chi_square(&now.system);
-        if chance(loss, term.parameters()) * tried > threshold.chance {
+        if chance(loss, term.parameters()) * hypotheses(candidates, term.effect.code()) > threshold.chance {
             now.system = without;
             now.accepted.remove(at - fixed);
         }

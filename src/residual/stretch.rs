@@ -31,7 +31,13 @@ pub struct Stretch {
 
 impl std::fmt::Debug for Stretch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Stretch({}, {} samples, {} periods)", self.name, self.motion.samples(), self.periods.len())
+        write!(
+            f,
+            "Stretch({}, {} samples, {} periods)",
+            self.name,
+            self.motion.samples(),
+            self.periods.len()
+        )
     }
 }
 
@@ -77,7 +83,10 @@ impl Stretch {
             let Some(t) = next(s) else { continue };
             if v[s] * v[t] <= 0.0 {
                 let before = if s > 0 { Some(s - 1) } else { self.periodic.then_some(n - 1) };
-                [before, Some(s), Some(t), next(t)].into_iter().flatten().for_each(|at| keep[at] = false);
+                [before, Some(s), Some(t), next(t)]
+                    .into_iter()
+                    .flatten()
+                    .for_each(|at| keep[at] = false);
             }
         }
         keep
@@ -87,7 +96,9 @@ impl Stretch {
     pub(crate) fn mean_over(&self, which: &[usize]) -> Vec<Vec<f64>> {
         let scale = 1.0 / which.len() as f64;
         let mean = |j: usize, s: usize| which.iter().map(|&p| self.periods[p][j][s]).sum::<f64>() * scale;
-        (0..self.joints()).map(|j| (0..self.rows()).map(|s| mean(j, s)).collect()).collect()
+        (0..self.joints())
+            .map(|j| (0..self.rows()).map(|s| mean(j, s)).collect())
+            .collect()
     }
 }
 
@@ -95,7 +106,11 @@ impl Stretch {
 pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
     let extreme = |j: usize, f: fn(&Motion, usize) -> &[f64], low: bool| {
         let values = stretches.iter().flat_map(|s| f(&s.motion, j).iter().copied());
-        if low { values.fold(f64::INFINITY, f64::min) } else { values.fold(f64::NEG_INFINITY, f64::max) }
+        if low {
+            values.fold(f64::INFINITY, f64::min)
+        } else {
+            values.fold(f64::NEG_INFINITY, f64::max)
+        }
     };
     (0..stretches[0].joints())
         .map(|j| {
@@ -103,7 +118,11 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
             let speed = extreme(j, Motion::velocities, false).max(-extreme(j, Motion::velocities, true));
             // Rows, not samples, limit what can be told apart where a filter thins them out.
             let thinned = stretches[0].motion.samples() as f64 / stretches[0].rows().max(1) as f64;
-            Span { range, speed, interval: stretches[0].interval * thinned }
+            Span {
+                range,
+                speed,
+                interval: stretches[0].interval * thinned,
+            }
         })
         .collect()
 }
@@ -115,7 +134,12 @@ impl Stretch {
         let (mut periods, mut starts) = (Vec::new(), vec![prepared.start_s]);
         if let Some(p) = prepared.periods.as_ref().filter(|p| p.count >= 2) {
             let unfolded: Vec<Vec<f64>> = log.tau.iter().map(|t| p.unfold(t)).collect();
-            let rows = |k: usize| unfolded.iter().map(|t| prepared.row_filter.torque_rows(&t[k * n..(k + 1) * n])).collect();
+            let rows = |k: usize| {
+                unfolded
+                    .iter()
+                    .map(|t| prepared.row_filter.torque_rows(&t[k * n..(k + 1) * n]))
+                    .collect()
+            };
             periods = (0..p.count).map(rows).collect();
             starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
         }
@@ -141,11 +165,19 @@ fn usable_rows(prepared: &PreparedLog, joint: usize) -> Vec<bool> {
     let speed = prepared.motion.velocities(joint);
     let n = prepared.samples();
     let mut gaps = vec![0usize];
-    prepared.usable.iter().enumerate().for_each(|(s, &u)| gaps.push(gaps[s] + usize::from(!u)));
+    prepared
+        .usable
+        .iter()
+        .enumerate()
+        .for_each(|(s, &u)| gaps.push(gaps[s] + usize::from(!u)));
     // Single samples that were interpolated do not spoil a row that a filter makes of hundreds; a twentieth of them does.
     let intact = |s: usize| {
         let (from, to) = (s.saturating_sub(reach), (s + reach + 1).min(n));
         20 * (gaps[to] - gaps[from]) <= if reach > 0 { to - from } else { 0 }
     };
-    prepared.row_filter.rows(n).map(|s| intact(s) && speed[s].abs() >= prepared.dead_zone[joint]).collect()
+    prepared
+        .row_filter
+        .rows(n)
+        .map(|s| intact(s) && speed[s].abs() >= prepared.dead_zone[joint])
+        .collect()
 }

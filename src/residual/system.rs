@@ -57,10 +57,19 @@ impl<'a> Data<'a> {
             .stretches
             .iter()
             .zip(&evaluated)
-            .map(|(stretch, e)| (0..stretch.joints()).into_par_iter().map(|j| self.block(stretch, e, j, p)).collect())
+            .map(|(stretch, e)| {
+                (0..stretch.joints())
+                    .into_par_iter()
+                    .map(|j| self.block(stretch, e, j, p))
+                    .collect()
+            })
             .collect();
         let (mut normal, mut gradient) = (DMatrix::zeros(p, p), DVector::zeros(p));
-        let parts: Vec<_> = blocks.par_iter().flatten().map(|b| (b.normal(), b.jacobian.tr_mul(&b.residual))).collect();
+        let parts: Vec<_> = blocks
+            .par_iter()
+            .flatten()
+            .map(|b| (b.normal(), b.jacobian.tr_mul(&b.residual)))
+            .collect();
         for (g, r) in parts {
             normal += g;
             gradient += r;
@@ -76,7 +85,14 @@ impl<'a> Data<'a> {
         }
         let covariance = pseudo_inverse(&normal, RANK);
         let noise_is_measured = self.noise.iter().all(|n| n.source == NoiseSource::Periods);
-        System { model, evaluated, blocks, covariance, gradient, noise_is_measured }
+        System {
+            model,
+            evaluated,
+            blocks,
+            covariance,
+            gradient,
+            noise_is_measured,
+        }
     }
 
     fn block(&self, stretch: &Stretch, e: &Evaluated, joint: usize, parameters: usize) -> Block {
@@ -87,9 +103,17 @@ impl<'a> Data<'a> {
             let white = noise.whiten(values, &rows, stretch.repetitions());
             jacobian.column_mut(*at).iter_mut().zip(white).for_each(|(m, v)| *m += v);
         }
-        let difference: Vec<f64> = stretch.torque[joint].iter().zip(&e.torque[joint]).map(|(y, f)| y - f).collect();
+        let difference: Vec<f64> = stretch.torque[joint]
+            .iter()
+            .zip(&e.torque[joint])
+            .map(|(y, f)| y - f)
+            .collect();
         let residual = DVector::from_vec(noise.whiten(&difference, &rows, stretch.repetitions()));
-        Block { jacobian, residual, rows }
+        Block {
+            jacobian,
+            residual,
+            rows,
+        }
     }
 
     /// Gauss-Newton from `model` until a step is below a hundredth of the standard deviations. A step that makes the fit worse is halved.
@@ -124,7 +148,12 @@ impl<'a> Data<'a> {
     /// Inverse covariance of the parameters: the normal matrix with the prior's part.
     pub fn information(&self, system: &System) -> DMatrix<f64> {
         let p = system.covariance.nrows();
-        let mut normal = system.blocks.iter().flatten().map(Block::normal).fold(DMatrix::zeros(p, p), |a, b| a + b);
+        let mut normal = system
+            .blocks
+            .iter()
+            .flatten()
+            .map(Block::normal)
+            .fold(DMatrix::zeros(p, p), |a, b| a + b);
         if let Some(prior) = self.prior {
             let k = prior.mean.len();
             let mut corner = normal.view_mut((0, 0), (k, k));
@@ -217,7 +246,13 @@ impl System {
 /// Pseudo-inverse of a positive semidefinite matrix, scaled to a unit diagonal first; eigenvalues below `relative` of the largest count as zero.
 pub(crate) fn pseudo_inverse(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
     let p = normal.nrows();
-    let scale = DVector::from_fn(p, |i, _| if normal[(i, i)] > 0.0 { normal[(i, i)].sqrt().recip() } else { 0.0 });
+    let scale = DVector::from_fn(p, |i, _| {
+        if normal[(i, i)] > 0.0 {
+            normal[(i, i)].sqrt().recip()
+        } else {
+            0.0
+        }
+    });
     let scaled = DMatrix::from_fn(p, p, |r, c| normal[(r, c)] * scale[r] * scale[c]);
     let eigen = scaled.symmetric_eigen();
     let least = relative * eigen.eigenvalues.amax();
@@ -310,5 +345,9 @@ pub(crate) fn reduce(own: &DMatrix<f64>, rest: &DMatrix<f64>, right: &DVector<f6
         rank += 1;
         solution += direction * along;
     }
-    Reduced { gain, rank, coefficients: solution.component_mul(&scale) }
+    Reduced {
+        gain,
+        rank,
+        coefficients: solution.component_mul(&scale),
+    }
 }

@@ -3,13 +3,16 @@
 use super::between::{self, BetweenFinding};
 use super::candidate::candidates;
 use super::model::reported;
+use super::remainder;
 use super::report::Outcome;
 use super::rivals::{Contest, rivals};
 use super::select::{Accepted, Threshold, select};
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
-use super::{AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, RmsPair, Stretch, Verdict};
-use super::remainder;
+use super::{
+    AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, RmsPair, Stretch,
+    Verdict,
+};
 use crate::model::Robot;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
@@ -26,7 +29,11 @@ pub struct TraceOptions {
 
 impl Default for TraceOptions {
     fn default() -> Self {
-        Self { chance: 1e-3, existing: None, most_effects: 10 }
+        Self {
+            chance: 1e-3,
+            existing: None,
+            most_effects: 10,
+        }
     }
 }
 
@@ -35,15 +42,27 @@ pub type Traced = Outcome;
 
 /// Traces what `robot`'s declared model leaves over on `stretches`. `held_out` is only ever predicted: it chooses nothing.
 pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options: &TraceOptions) -> Traced {
-    let start = options.existing.as_ref().map_or_else(|| AugmentedModel::declared(robot), |(model, _)| model.clone());
+    let start = options
+        .existing
+        .as_ref()
+        .map_or_else(|| AugmentedModel::declared(robot), |(model, _)| model.clone());
     let prior = options.existing.as_ref().map(|(_, prior)| prior);
     let (cleaned, between) = between::separate(robot, stretches, options.chance);
     let measured = stretches;
     let stretches = &cleaned[..];
-    let data = Data { stretches, noise: floor(robot, stretches, &start, prior), prior };
+    let data = Data {
+        stretches,
+        noise: floor(robot, stretches, &start, prior),
+        prior,
+    };
     let first = data.fit(start.clone());
     let lack_of_fit = fits(&data, &first);
-    let threshold = Threshold { chance: options.chance, share: 0.05, generalises: 0.5, most_effects: options.most_effects };
+    let threshold = Threshold {
+        chance: options.chance,
+        share: 0.05,
+        generalises: 0.5,
+        most_effects: options.most_effects,
+    };
     let list = candidates(&start, &spans(stretches), prior.is_some());
     let selected = select(&data, start.clone(), &list, &threshold);
     let (selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
@@ -66,13 +85,24 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         rms_before: before_rms,
         rms_after: rms(&selected.system.model, stretches, held_out),
     };
-    Outcome { report, information: data.information(&selected.system), model: selected.system.model, noise: data.noise }
+    Outcome {
+        report,
+        information: data.information(&selected.system),
+        model: selected.system.model,
+        noise: data.noise,
+    }
 }
 
 impl Outcome {
     /// The model and what is known about it, for tracing what changes afterwards. The remainder's stand-in terms stay out of it.
     pub fn existing(&self) -> (AugmentedModel, Prior) {
-        (self.model.clone(), Prior { mean: self.model.vector(), information: self.information.clone() })
+        (
+            self.model.clone(),
+            Prior {
+                mean: self.model.vector(),
+                information: self.information.clone(),
+            },
+        )
     }
 }
 
@@ -89,10 +119,13 @@ fn between_findings(
         return Vec::new();
     }
     let (before, after) = (rms(model, measured, held_out), rms(model, cleaned, held_out));
-    between.into_iter().map(|mut b| {
-        b.rms = Some((before.clone(), after.clone()));
-        b.finding(robot, &before)
-    }).collect()
+    between
+        .into_iter()
+        .map(|mut b| {
+            b.rms = Some((before.clone(), after.clone()));
+            b.finding(robot, &before)
+        })
+        .collect()
 }
 
 fn verdict(findings: usize, something_left: bool) -> Verdict {
@@ -113,12 +146,19 @@ fn source(noise: &[NoiseModel]) -> String {
 
 /// The noise of every joint: from the periods where there are at least two, otherwise from what the model leaves.
 pub(super) fn floor(robot: &Robot, stretches: &[Stretch], model: &AugmentedModel, prior: Option<&Prior>) -> Vec<NoiseModel> {
-    let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count()).map(|j| NoiseModel::from_periods(stretches, j)).collect();
+    let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count())
+        .map(|j| NoiseModel::from_periods(stretches, j))
+        .collect();
     from_periods.unwrap_or_else(|| residual_noise(robot, stretches, model, prior))
 }
 
 /// Noise taken from the residual of an ordinary fit, weights refined once by the noise found.
-pub(super) fn residual_noise(robot: &Robot, stretches: &[Stretch], model: &AugmentedModel, prior: Option<&Prior>) -> Vec<NoiseModel> {
+pub(super) fn residual_noise(
+    robot: &Robot,
+    stretches: &[Stretch],
+    model: &AugmentedModel,
+    prior: Option<&Prior>,
+) -> Vec<NoiseModel> {
     let unit = NoiseModel {
         source: NoiseSource::Residual,
         std_dev: 1.0,
@@ -128,9 +168,19 @@ pub(super) fn residual_noise(robot: &Robot, stretches: &[Stretch], model: &Augme
     };
     let mut noise = vec![unit; robot.joint_count()];
     for _ in 0..2 {
-        let white: Vec<NoiseModel> =
-            noise.iter().map(|n| NoiseModel { autoregression: Vec::new(), innovation: n.std_dev, ..n.clone() }).collect();
-        let data = Data { stretches, noise: white, prior };
+        let white: Vec<NoiseModel> = noise
+            .iter()
+            .map(|n| NoiseModel {
+                autoregression: Vec::new(),
+                innovation: n.std_dev,
+                ..n.clone()
+            })
+            .collect();
+        let data = Data {
+            stretches,
+            noise: white,
+            prior,
+        };
         let system = data.fit(model.clone());
         noise = (0..robot.joint_count())
             .map(|j| {
@@ -139,7 +189,11 @@ pub(super) fn residual_noise(robot: &Robot, stretches: &[Stretch], model: &Augme
                 let residuals: Vec<Vec<f64>> = system.blocks.iter().map(rows).collect();
                 // White: how far the rows go together is weighed effect by effect, or slow effects would pass for noise.
                 let coloured = NoiseModel::from_residual(&residuals, system.rows(j), system.spent(j));
-                NoiseModel { autoregression: Vec::new(), innovation: coloured.std_dev, ..coloured }
+                NoiseModel {
+                    autoregression: Vec::new(),
+                    innovation: coloured.std_dev,
+                    ..coloured
+                }
             })
             .collect();
     }
@@ -171,7 +225,10 @@ fn fits(data: &Data, system: &System) -> Vec<JointFit> {
 fn raw_residual(data: &Data, system: &System, joint: usize) -> (f64, f64, f64) {
     let (mut sum, mut count) = (0.0, 0.0);
     for (stretch, (e, blocks)) in data.stretches.iter().zip(system.evaluated.iter().zip(&system.blocks)) {
-        let rows = blocks[joint].rows.iter().zip(stretch.torque[joint].iter().zip(&e.torque[joint]));
+        let rows = blocks[joint]
+            .rows
+            .iter()
+            .zip(stretch.torque[joint].iter().zip(&e.torque[joint]));
         for (_, (y, f)) in rows.filter(|(keep, _)| **keep) {
             sum += (y - f) * (y - f);
             count += 1.0;
@@ -182,7 +239,10 @@ fn raw_residual(data: &Data, system: &System, joint: usize) -> (f64, f64, f64) {
 
 /// RMS of single measurements about a model, per joint.
 pub(super) fn rms(model: &AugmentedModel, identification: &[Stretch], held_out: &[Stretch]) -> RmsPair {
-    RmsPair { identification: rms_over(model, identification), held_out: rms_over(model, held_out) }
+    RmsPair {
+        identification: rms_over(model, identification),
+        held_out: rms_over(model, held_out),
+    }
 }
 
 fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
@@ -192,7 +252,11 @@ fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
         for (j, total) in sums.iter_mut().enumerate() {
             let keep = stretch.kept(&e.motion, j);
             let single = [stretch.torque.clone()];
-            let records = if stretch.periods.is_empty() { &single[..] } else { &stretch.periods[..] };
+            let records = if stretch.periods.is_empty() {
+                &single[..]
+            } else {
+                &stretch.periods[..]
+            };
             for record in records {
                 for s in (0..keep.len()).filter(|&s| keep[s]) {
                     total.0 += (record[j][s] - e.torque[j][s]).powi(2);
@@ -201,7 +265,9 @@ fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
             }
         }
     }
-    sums.into_iter().map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).sqrt()).collect()
+    sums.into_iter()
+        .map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).sqrt())
+        .collect()
 }
 
 /// One finding per accepted effect; before and after by fitting the model with the effects up to it.
@@ -230,7 +296,11 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
     let robot = &last.model.robot;
     let term_joints = &last.model.terms[at].joints;
     // Misfit that is left widens the deviations as it narrows the evidence.
-    let joints: Vec<usize> = if term_joints.is_empty() { (0..robot.joint_count()).collect() } else { term_joints.clone() };
+    let joints: Vec<usize> = if term_joints.is_empty() {
+        (0..robot.joint_count()).collect()
+    } else {
+        term_joints.clone()
+    };
     let covariance = last.term_covariance(at) * last.inflation(&joints);
     let mut term = last.model.terms[at].clone();
     let k = term.coefficients.len();
@@ -242,7 +312,12 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
     let parameters = names
         .into_iter()
         .zip(values)
-        .map(|(info, (value, std_dev))| ReportedParameter { name: info.name, value, unit: info.unit, std_dev })
+        .map(|(info, (value, std_dev))| ReportedParameter {
+            name: info.name,
+            value,
+            unit: info.unit,
+            std_dev,
+        })
         .collect();
     Finding {
         effect: accepted.effect.into(),
@@ -265,5 +340,9 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
 /// Names of the joints; all of them for an effect of the whole robot.
 pub(super) fn joint_names(robot: &Robot, joints: &[usize]) -> Vec<String> {
     let name = |j: usize| robot.joints()[j].name.clone();
-    if joints.is_empty() { (0..robot.joint_count()).map(name).collect() } else { joints.iter().map(|&j| name(j)).collect() }
+    if joints.is_empty() {
+        (0..robot.joint_count()).map(name).collect()
+    } else {
+        joints.iter().map(|&j| name(j)).collect()
+    }
 }

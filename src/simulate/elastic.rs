@@ -5,7 +5,14 @@ use crate::parameters::Layout;
 
 /// Solves `q = θ − tau(q, qd, qdd)/K` for the links, on a grid in time, by fixed-point iteration with fourth-order differences: the slow
 /// motion of the elastic joint, without its ringing. `compliance` has 1/K per joint, zero for stiff ones.
-pub(super) fn link_motion(chain: &Chain, layout: &Layout, phi: &[f64], motor: &Motion, interval: f64, compliance: &[f64]) -> Motion {
+pub(super) fn link_motion(
+    chain: &Chain,
+    layout: &Layout,
+    phi: &[f64],
+    motor: &Motion,
+    interval: f64,
+    compliance: &[f64],
+) -> Motion {
     let mut link = motor.clone();
     // Each iteration shrinks the error by compliance × (stiffness of gravity + inertia × bandwidth²), about a hundredth.
     for _ in 0..8 {
@@ -27,5 +34,8 @@ pub(super) fn link_motion(chain: &Chain, layout: &Layout, phi: &[f64], motor: &M
 fn differences(x: &[f64], s: usize, h: f64) -> [f64; 2] {
     let s = s.clamp(2, x.len() - 3);
     let [a, b, c, d, e] = [x[s - 2], x[s - 1], x[s], x[s + 1], x[s + 2]];
-    [(a - 8.0 * b + 8.0 * d - e) / (12.0 * h), (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / (12.0 * h * h)]
+    [
+        (a - 8.0 * b + 8.0 * d - e) / (12.0 * h),
+        (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / (12.0 * h * h),
+    ]
 }

@@ -54,18 +54,39 @@ pub fn simulate(experiment: &Experiment) -> RecordedLog {
     let torque_times: Vec<f64> = actual.iter().map(|t| t - late).collect();
     let mut tau = true_torque(experiment, &torque_times);
     for (j, row) in tau.iter_mut().enumerate() {
-        let noise = correlated(&mut rng, samples, experiment.noise.torque[j], experiment.noise.torque_correlation);
-        row.iter_mut().zip(noise).for_each(|(t, e)| *t = quantised(*t + e, experiment.noise.torque_step));
+        let noise = correlated(
+            &mut rng,
+            samples,
+            experiment.noise.torque[j],
+            experiment.noise.torque_correlation,
+        );
+        row.iter_mut()
+            .zip(noise)
+            .for_each(|(t, e)| *t = quantised(*t + e, experiment.noise.torque_step));
     }
     let reading = |j: usize, t: f64, e: f64| quantised(position_at(experiment, j, t) + e, experiment.noise.position_step);
     let q = (0..n)
-        .map(|j| actual.iter().map(|&t| reading(j, t, experiment.noise.position * normal(&mut rng))).collect())
+        .map(|j| {
+            actual
+                .iter()
+                .map(|&t| reading(j, t, experiment.noise.position * normal(&mut rng)))
+                .collect()
+        })
         .collect();
     RecordedLog { time, q, tau }
 }
 
 fn delay(effects: &[HiddenEffect]) -> f64 {
-    effects.iter().map(|e| if let HiddenEffect::TorqueDelay { seconds } = e { *seconds } else { 0.0 }).sum()
+    effects
+        .iter()
+        .map(|e| {
+            if let HiddenEffect::TorqueDelay { seconds } = e {
+                *seconds
+            } else {
+                0.0
+            }
+        })
+        .sum()
 }
 
 /// Time within the trajectory, which repeats.
@@ -79,7 +100,9 @@ fn position_at(experiment: &Experiment, joint: usize, t: f64) -> f64 {
 
 /// What the trajectory says the encoders read, at these times.
 fn encoder_motion(experiment: &Experiment, times: &[f64]) -> Motion {
-    Motion::from_fn(experiment.robot.joint_count(), times.len(), |j, s| experiment.trajectory.state(j, phase(experiment, times[s])))
+    Motion::from_fn(experiment.robot.joint_count(), times.len(), |j, s| {
+        experiment.trajectory.state(j, phase(experiment, times[s]))
+    })
 }
 
 /// Torque readings without noise, n × N.
@@ -90,12 +113,15 @@ fn true_torque(experiment: &Experiment, times: &[f64]) -> Vec<Vec<f64>> {
     let motor = encoder_motion(experiment, times);
     let link = true_links(experiment, &robot, &layout, &rigid_phi, times, &motor);
     let flat = inverse_dynamics_batch(&Chain::new(&robot), &layout, &rigid_phi, &link, Coulomb::Sign);
-    let rigid: Vec<Vec<f64>> =
-        (0..robot.joint_count()).map(|j| flat[j * link.stride()..j * link.stride() + link.samples()].to_vec()).collect();
+    let rigid: Vec<Vec<f64>> = (0..robot.joint_count())
+        .map(|j| flat[j * link.stride()..j * link.stride() + link.samples()].to_vec())
+        .collect();
     let mut tau = rigid.clone();
     for (j, row) in tau.iter_mut().enumerate() {
         let [viscous, coulomb] = friction[j];
-        row.iter_mut().zip(motor.velocities(j)).for_each(|(t, &v)| *t += viscous * v + coulomb * direction(v));
+        row.iter_mut()
+            .zip(motor.velocities(j))
+            .for_each(|(t, &v)| *t += viscous * v + coulomb * direction(v));
     }
     for effect in experiment.effects {
         add_torque(effect, experiment, times, &motor, &rigid, &mut tau);
@@ -134,14 +160,22 @@ fn bodies(experiment: &Experiment, layout: &Layout) -> (Vec<f64>, Vec<[f64; 2]>)
     }
     let last = experiment.robot.joint_count() - 1;
     for effect in experiment.effects {
-        if let HiddenEffect::Payload { mass, center_of_mass, inertia } = effect {
+        if let HiddenEffect::Payload {
+            mass,
+            center_of_mass,
+            inertia,
+        } = effect
+        {
             let body = PhysicalInertia {
                 mass: *mass,
                 center_of_mass: (*center_of_mass).into(),
                 inertia: Matrix3::from_fn(|r, c| inertia[r][c]),
             }
             .about_origin();
-            Inertial::ALL.iter().zip(body.parameters()).for_each(|(&i, p)| phi[layout.inertial(last, i)] += p);
+            Inertial::ALL
+                .iter()
+                .zip(body.parameters())
+                .for_each(|(&i, p)| phi[layout.inertial(last, i)] += p);
         }
     }
     (phi, friction)
@@ -168,10 +202,22 @@ fn true_links(experiment: &Experiment, robot: &Robot, layout: &Layout, phi: &[f6
         return shifted(motor);
     }
     // A millisecond grid over all the time needed, with a margin for the differences at its ends.
-    let (first, last) = (times.iter().copied().fold(f64::INFINITY, f64::min), times.iter().copied().fold(0.0, f64::max));
+    let (first, last) = (
+        times.iter().copied().fold(f64::INFINITY, f64::min),
+        times.iter().copied().fold(0.0, f64::max),
+    );
     let from = first - 0.01;
-    let grid: Vec<f64> = (0..((last - from) / GRID) as usize + 12).map(|k| from + k as f64 * GRID).collect();
-    let links = elastic::link_motion(&Chain::new(robot), layout, phi, &shifted(&encoder_motion(experiment, &grid)), GRID, &compliance);
+    let grid: Vec<f64> = (0..((last - from) / GRID) as usize + 12)
+        .map(|k| from + k as f64 * GRID)
+        .collect();
+    let links = elastic::link_motion(
+        &Chain::new(robot),
+        layout,
+        phi,
+        &shifted(&encoder_motion(experiment, &grid)),
+        GRID,
+        &compliance,
+    );
     Motion::from_fn(n, times.len(), |j, s| between(&links, j, (times[s] - from) / GRID))
 }
 
@@ -184,17 +230,38 @@ fn between(motion: &Motion, joint: usize, at: f64) -> [f64; 3] {
     std::array::from_fn(|i| a[i] + u * (b[i] - a[i]))
 }
 
-fn add_torque(effect: &HiddenEffect, experiment: &Experiment, times: &[f64], motor: &Motion, rigid: &[Vec<f64>], tau: &mut [Vec<f64>]) {
+fn add_torque(
+    effect: &HiddenEffect,
+    experiment: &Experiment,
+    times: &[f64],
+    motor: &Motion,
+    rigid: &[Vec<f64>],
+    tau: &mut [Vec<f64>],
+) {
     use HiddenEffect::*;
     let mut add = |joint: usize, value: &dyn Fn(usize, [f64; 3]) -> f64| {
-        tau[joint].iter_mut().enumerate().for_each(|(s, t)| *t += value(s, motor.get(joint, s)));
+        tau[joint]
+            .iter_mut()
+            .enumerate()
+            .for_each(|(s, t)| *t += value(s, motor.get(joint, s)));
     };
     match effect {
         TorqueOffset { joint, offset } => add(*joint, &|_, _| *offset),
-        StribeckFriction { joint, amplitude, velocity, exponent } => {
-            add(*joint, &|_, [_, v, _]| amplitude * (-(v.abs() / velocity).powf(*exponent)).exp() * direction(v));
+        StribeckFriction {
+            joint,
+            amplitude,
+            velocity,
+            exponent,
+        } => {
+            add(*joint, &|_, [_, v, _]| {
+                amplitude * (-(v.abs() / velocity).powf(*exponent)).exp() * direction(v)
+            });
         }
-        NonlinearViscousFriction { joint, coefficient, exponent } => {
+        NonlinearViscousFriction {
+            joint,
+            coefficient,
+            exponent,
+        } => {
             add(*joint, &|_, [_, v, _]| coefficient * v.abs().powf(*exponent) * direction(v));
         }
         AsymmetricViscousFriction { joint, coefficient } => add(*joint, &|_, [_, v, _]| coefficient * v.abs()),
@@ -206,7 +273,13 @@ fn add_torque(effect: &HiddenEffect, experiment: &Experiment, times: &[f64], mot
             add(*joint, &|s, [_, v, _]| amplitude * (z[s] - direction(v)));
         }
         RotorInertia { joint, inertia } => add(*joint, &|_, [_, _, a]| inertia * a),
-        TransmissionCoupling { joints, ratio, viscous, coulomb, inertia } => {
+        TransmissionCoupling {
+            joints,
+            ratio,
+            viscous,
+            coulomb,
+            inertia,
+        } => {
             let [first, second] = *joints;
             let load = |s: usize| {
                 let ([_, v, a], [_, w, b]) = (motor.get(first, s), motor.get(second, s));
@@ -217,20 +290,41 @@ fn add_torque(effect: &HiddenEffect, experiment: &Experiment, times: &[f64], mot
             add(second, &|s, _| ratio * load(s));
         }
         JointSpring { joint, stiffness, rest } => add(*joint, &|_, [q, _, _]| stiffness * (q - rest)),
-        PositionRipple { joint, amplitude, cycles, phase } => add(*joint, &|_, [q, _, _]| amplitude * (cycles * q + phase).sin()),
-        FrictionDrift { joint, viscous, coulomb, time_constant } => {
-            add(*joint, &|s, [_, v, _]| (viscous * v + coulomb * direction(v)) * (-times[s] / time_constant).exp());
+        PositionRipple {
+            joint,
+            amplitude,
+            cycles,
+            phase,
+        } => add(*joint, &|_, [q, _, _]| amplitude * (cycles * q + phase).sin()),
+        FrictionDrift {
+            joint,
+            viscous,
+            coulomb,
+            time_constant,
+        } => {
+            add(*joint, &|s, [_, v, _]| {
+                (viscous * v + coulomb * direction(v)) * (-times[s] / time_constant).exp()
+            });
         }
         ExternalContact { start, end, torque } => {
             for (joint, level) in torque.iter().enumerate() {
-                add(joint, &|s, _| if times[s] >= *start && times[s] < *end { *level } else { 0.0 });
+                add(joint, &|s, _| {
+                    if times[s] >= *start && times[s] < *end { *level } else { 0.0 }
+                });
             }
         }
         Unmodelled { joints, amplitude } => {
             let other = joints[1];
-            add(joints[0], &|s, [q, _, _]| amplitude * (2.0 * q).sin() * (3.0 * motor.get(other, s)[0]).cos());
+            add(joints[0], &|s, [q, _, _]| {
+                amplitude * (2.0 * q).sin() * (3.0 * motor.get(other, s)[0]).cos()
+            });
         }
-        JointElasticity { .. } | EncoderOffset { .. } | BaseTilt { .. } | Payload { .. } | TorqueDelay { .. } | TorqueGain { .. }
+        JointElasticity { .. }
+        | EncoderOffset { .. }
+        | BaseTilt { .. }
+        | Payload { .. }
+        | TorqueDelay { .. }
+        | TorqueGain { .. }
         | TorqueCrosstalk { .. } => {}
     }
 }
@@ -239,9 +333,16 @@ fn add_torque(effect: &HiddenEffect, experiment: &Experiment, times: &[f64], mot
 fn disturb_reading(effect: &HiddenEffect, tau: &mut [Vec<f64>]) {
     match effect {
         HiddenEffect::TorqueGain { joint, gain } => tau[*joint].iter_mut().for_each(|t| *t *= gain),
-        HiddenEffect::TorqueCrosstalk { joint, from, coefficient } => {
+        HiddenEffect::TorqueCrosstalk {
+            joint,
+            from,
+            coefficient,
+        } => {
             let source = tau[*from].clone();
-            tau[*joint].iter_mut().zip(source).for_each(|(t, other)| *t += coefficient * other);
+            tau[*joint]
+                .iter_mut()
+                .zip(source)
+                .for_each(|(t, other)| *t += coefficient * other);
         }
         _ => {}
     }

@@ -35,7 +35,9 @@ pub fn corrupt(log: &mut RecordedLog, fault: &LogFault, seed: u64) {
     let samples = log.time.len();
     match fault {
         LogFault::FlippedTorque { joints } => joints.iter().for_each(|&j| log.tau[j].iter_mut().for_each(|t| *t = -*t)),
-        LogFault::Degrees { joints } => joints.iter().for_each(|&j| log.q[j].iter_mut().for_each(|q| *q = q.to_degrees())),
+        LogFault::Degrees { joints } => joints
+            .iter()
+            .for_each(|&j| log.q[j].iter_mut().for_each(|q| *q = q.to_degrees())),
         LogFault::SwappedTorques { joints: [a, b] } => log.tau.swap(*a, *b),
         LogFault::SwappedPositions { joints: [a, b] } => log.q.swap(*a, *b),
         LogFault::ConstantTorque { joint } => {
@@ -47,7 +49,10 @@ pub fn corrupt(log: &mut RecordedLog, fault: &LogFault, seed: u64) {
             let held = log.time.iter().position(|t| t >= start).unwrap_or(samples - 1);
             for s in held..samples {
                 if log.time[s] < start + duration {
-                    log.q.iter_mut().chain(&mut log.tau).for_each(|column| column[s] = column[held]);
+                    log.q
+                        .iter_mut()
+                        .chain(&mut log.tau)
+                        .for_each(|column| column[s] = column[held]);
                 }
             }
         }
@@ -60,7 +65,10 @@ pub fn corrupt(log: &mut RecordedLog, fault: &LogFault, seed: u64) {
         LogFault::GarbageRows { count } => {
             for _ in 0..*count {
                 let s = rng.random_range(0..samples);
-                log.q.iter_mut().chain(&mut log.tau).for_each(|column| column[s] = rng.random_range(-1e4..1e4));
+                log.q
+                    .iter_mut()
+                    .chain(&mut log.tau)
+                    .for_each(|column| column[s] = rng.random_range(-1e4..1e4));
             }
         }
     }

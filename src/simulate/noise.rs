@@ -30,7 +30,14 @@ pub struct Noise {
 impl Noise {
     /// White torque noise and nothing else.
     pub fn white(torque: Vec<f64>) -> Self {
-        Self { torque, torque_correlation: 0.0, position: 0.0, position_step: 0.0, torque_step: 0.0, jitter: 0.0 }
+        Self {
+            torque,
+            torque_correlation: 0.0,
+            position: 0.0,
+            position_step: 0.0,
+            torque_step: 0.0,
+            jitter: 0.0,
+        }
     }
 }
 

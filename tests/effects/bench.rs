@@ -19,29 +19,63 @@ fn arm(name: &str, table: &[(f64, f64, f64, f64)]) -> Robot {
         Joint::from_mdh(format!("J{}", i + 1), JointKind::Revolute, Mdh { alpha, d, theta, r })
     };
     let joints = table.iter().enumerate().map(joint).collect();
-    Robot::new(name, Vector3::new(0.0, 0.0, -9.81), joints, Friction { viscous: true, coulomb: true }).unwrap()
+    Robot::new(
+        name,
+        Vector3::new(0.0, 0.0, -9.81),
+        joints,
+        Friction {
+            viscous: true,
+            coulomb: true,
+        },
+    )
+    .unwrap()
 }
 
 /// The iiwa 14 of the paper's Table 1.
 pub fn seven_axes() -> Robot {
     let q = std::f64::consts::FRAC_PI_2;
-    arm("iiwa 14", &[
-        (0.0, 0.0, 0.0, 0.0), (q, 0.0, 0.0, 0.0), (-q, 0.0, 0.0, 0.42), (-q, 0.0, 0.0, 0.0), (q, 0.0, 0.0, 0.4), (q, 0.0, 0.0, 0.0), (-q, 0.0, 0.0, 0.0),
-    ])
+    arm(
+        "iiwa 14",
+        &[
+            (0.0, 0.0, 0.0, 0.0),
+            (q, 0.0, 0.0, 0.0),
+            (-q, 0.0, 0.0, 0.42),
+            (-q, 0.0, 0.0, 0.0),
+            (q, 0.0, 0.0, 0.4),
+            (q, 0.0, 0.0, 0.0),
+            (-q, 0.0, 0.0, 0.0),
+        ],
+    )
 }
 
 /// Kinematics of a UR10-type arm.
 pub fn six_axes() -> Robot {
     let q = std::f64::consts::FRAC_PI_2;
-    arm("six axes", &[
-        (0.0, 0.0, 0.0, 0.128), (q, 0.0, 0.0, 0.0), (0.0, -0.612, 0.0, 0.0), (0.0, -0.572, 0.0, 0.164), (q, 0.0, 0.0, 0.116), (-q, 0.0, 0.0, 0.092),
-    ])
+    arm(
+        "six axes",
+        &[
+            (0.0, 0.0, 0.0, 0.128),
+            (q, 0.0, 0.0, 0.0),
+            (0.0, -0.612, 0.0, 0.0),
+            (0.0, -0.572, 0.0, 0.164),
+            (q, 0.0, 0.0, 0.116),
+            (-q, 0.0, 0.0, 0.092),
+        ],
+    )
 }
 
 /// Four axes: waist, shoulder, elbow and a roll.
 pub fn four_axes() -> Robot {
     let q = std::f64::consts::FRAC_PI_2;
-    arm("four axes", &[(0.0, 0.0, 0.0, 0.3), (-q, 0.1, 0.0, 0.0), (0.0, 0.4, 0.0, 0.0), (-q, 0.0, 0.0, 0.35)])
+    arm(
+        "four axes",
+        &[
+            (0.0, 0.0, 0.0, 0.3),
+            (-q, 0.1, 0.0, 0.0),
+            (0.0, 0.4, 0.0, 0.0),
+            (-q, 0.0, 0.0, 0.35),
+        ],
+    )
 }
 
 pub fn robots() -> Vec<Robot> {
@@ -61,7 +95,13 @@ pub fn bodies(robot: &Robot, seed: u64) -> Vec<f64> {
         let sides = Vector3::from_fn(|_, _| rng.random_range(0.08..0.3) * size);
         let square = sides.component_mul(&sides) * (mass / 12.0);
         let inertia = Matrix3::from_diagonal(&Vector3::new(square.y + square.z, square.x + square.z, square.x + square.y));
-        let body = PhysicalInertia { mass, center_of_mass: center, inertia }.about_origin().parameters();
+        let body = PhysicalInertia {
+            mass,
+            center_of_mass: center,
+            inertia,
+        }
+        .about_origin()
+        .parameters();
         for (at, parameter) in layout.parameters().iter().enumerate().filter(|(_, p)| p.link == link) {
             phi[at] = match parameter.kind {
                 ParameterKind::Inertial(i) => body[i as usize],
@@ -109,7 +149,9 @@ pub fn excitation(joints: usize, seed: u64) -> FourierSeries {
 /// Random way-points, 10 s.
 pub fn validation(joints: usize, seed: u64) -> QuinticWayPoints {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x9a11d);
-    let mut points: Vec<Vec<f64>> = (0..6).map(|_| (0..joints).map(|_| rng.random_range(-1.0..1.0)).collect()).collect();
+    let mut points: Vec<Vec<f64>> = (0..6)
+        .map(|_| (0..joints).map(|_| rng.random_range(-1.0..1.0)).collect())
+        .collect();
     points[0] = vec![0.0; joints];
     points[5] = vec![0.0; joints];
     QuinticWayPoints::new(points, &[2.0; 5])
@@ -120,7 +162,12 @@ pub fn noise_levels(joints: usize) -> Vec<f64> {
 }
 
 pub fn sensor_noise(joints: usize) -> Noise {
-    Noise { position: 2.5e-5, position_step: 1e-7, torque_step: 1e-5, ..Noise::white(noise_levels(joints)) }
+    Noise {
+        position: 2.5e-5,
+        position_step: 1e-7,
+        torque_step: 1e-5,
+        ..Noise::white(noise_levels(joints))
+    }
 }
 
 pub fn stretch(log: &RecordedLog, name: &str) -> Stretch {
@@ -142,7 +189,16 @@ pub fn logs(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -
     let n = robot.joint_count();
     let (phi, excitation, validation) = (bodies(robot, seed), excitation(n, seed), validation(n, seed));
     let run = |trajectory: &dyn Trajectory, periods: f64, seed: u64| {
-        simulate(&Experiment { robot, parameters: &phi, trajectory, periods, rate_hz: RATE, effects, noise, seed })
+        simulate(&Experiment {
+            robot,
+            parameters: &phi,
+            trajectory,
+            periods,
+            rate_hz: RATE,
+            effects,
+            noise,
+            seed,
+        })
     };
     [run(&excitation, 6.0, seed), run(&validation, 3.0, seed + 1_000_000)]
 }
@@ -150,7 +206,12 @@ pub fn logs(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -
 /// The tracing of an identification log.
 pub fn traced(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -> Outcome {
     let [identify, validate] = logs(robot, effects, noise, seed);
-    trace(robot, &[stretch(&identify, "identify")], &[stretch(&validate, "validate")], &TraceOptions::default())
+    trace(
+        robot,
+        &[stretch(&identify, "identify")],
+        &[stretch(&validate, "validate")],
+        &TraceOptions::default(),
+    )
 }
 
 /// Every effect on `joint` at `size` (1 is well visible), with the code it should be found under.
@@ -160,34 +221,118 @@ pub fn effect(code: &str, joint: usize, size: f64, robot: &Robot) -> HiddenEffec
     let level = noise_levels(n)[joint] / 0.2 * size;
     let other = if joint + 1 < n { joint + 1 } else { joint - 1 };
     match code {
-        "torque_offset" => TorqueOffset { joint, offset: 0.3 * level },
-        "stribeck_friction" => StribeckFriction { joint, amplitude: 0.8 * level, velocity: 0.1, exponent: 2.0 },
-        "nonlinear_viscous_friction" => NonlinearViscousFriction { joint, coefficient: 0.8 * level, exponent: 2.0 },
-        "asymmetric_viscous_friction" => AsymmetricViscousFriction { joint, coefficient: 0.5 * level },
-        "load_dependent_friction" => LoadDependentFriction { joint, coefficient: 0.04 * size },
-        "presliding_hysteresis" => PreslidingHysteresis { joint, amplitude: 1.0 * level, width: 0.02 },
-        "rotor_inertia" => RotorInertia { joint, inertia: 0.3 * level },
+        "torque_offset" => TorqueOffset {
+            joint,
+            offset: 0.3 * level,
+        },
+        "stribeck_friction" => StribeckFriction {
+            joint,
+            amplitude: 0.8 * level,
+            velocity: 0.1,
+            exponent: 2.0,
+        },
+        "nonlinear_viscous_friction" => NonlinearViscousFriction {
+            joint,
+            coefficient: 0.8 * level,
+            exponent: 2.0,
+        },
+        "asymmetric_viscous_friction" => AsymmetricViscousFriction {
+            joint,
+            coefficient: 0.5 * level,
+        },
+        "load_dependent_friction" => LoadDependentFriction {
+            joint,
+            coefficient: 0.04 * size,
+        },
+        "presliding_hysteresis" => PreslidingHysteresis {
+            joint,
+            amplitude: 1.0 * level,
+            width: 0.02,
+        },
+        "rotor_inertia" => RotorInertia {
+            joint,
+            inertia: 0.3 * level,
+        },
         "transmission_coupling" => {
             let (a, b) = (joint.min(other), joint.max(other));
-            TransmissionCoupling { joints: [a, b], ratio: 1.0, viscous: 0.4 * level, coulomb: 0.4 * level, inertia: 0.1 * level }
+            TransmissionCoupling {
+                joints: [a, b],
+                ratio: 1.0,
+                viscous: 0.4 * level,
+                coulomb: 0.4 * level,
+                inertia: 0.1 * level,
+            }
         }
-        "joint_spring" => JointSpring { joint, stiffness: 1.5 * level, rest: 0.2 },
-        "position_ripple" => PositionRipple { joint, amplitude: 0.2 * level, cycles: 23.4, phase: 0.5 },
-        "joint_elasticity" => JointElasticity { joint, stiffness: 4000.0 / size },
-        "encoder_offset" => EncoderOffset { joint, offset: 0.03 * size },
-        "base_tilt" => BaseTilt { roll: 0.02 * size, pitch: -0.015 * size },
+        "joint_spring" => JointSpring {
+            joint,
+            stiffness: 1.5 * level,
+            rest: 0.2,
+        },
+        "position_ripple" => PositionRipple {
+            joint,
+            amplitude: 0.2 * level,
+            cycles: 23.4,
+            phase: 0.5,
+        },
+        "joint_elasticity" => JointElasticity {
+            joint,
+            stiffness: 4000.0 / size,
+        },
+        "encoder_offset" => EncoderOffset {
+            joint,
+            offset: 0.03 * size,
+        },
+        "base_tilt" => BaseTilt {
+            roll: 0.02 * size,
+            pitch: -0.015 * size,
+        },
         "torque_delay" => TorqueDelay { seconds: 0.01 * size },
-        "torque_gain" => TorqueGain { joint, gain: 1.0 + 0.05 * size },
-        "torque_crosstalk" => TorqueCrosstalk { joint, from: other, coefficient: 0.05 * size },
-        "friction_drift" => FrictionDrift { joint, viscous: 0.5 * level, coulomb: 0.5 * level, time_constant: 20.0 },
-        "external_contact" => ExternalContact { start: 23.0, end: 24.0, torque: (0..n).map(|j| if j == joint { 2.0 * level } else { 0.0 }).collect() },
-        "unexplained" => Unmodelled { joints: [joint, other], amplitude: 1.5 * level },
+        "torque_gain" => TorqueGain {
+            joint,
+            gain: 1.0 + 0.05 * size,
+        },
+        "torque_crosstalk" => TorqueCrosstalk {
+            joint,
+            from: other,
+            coefficient: 0.05 * size,
+        },
+        "friction_drift" => FrictionDrift {
+            joint,
+            viscous: 0.5 * level,
+            coulomb: 0.5 * level,
+            time_constant: 20.0,
+        },
+        "external_contact" => ExternalContact {
+            start: 23.0,
+            end: 24.0,
+            torque: (0..n).map(|j| if j == joint { 2.0 * level } else { 0.0 }).collect(),
+        },
+        "unexplained" => Unmodelled {
+            joints: [joint, other],
+            amplitude: 1.5 * level,
+        },
         _ => panic!("no such effect: {code}"),
     }
 }
 
 pub const CODES: [&str; 19] = [
-    "torque_offset", "stribeck_friction", "nonlinear_viscous_friction", "asymmetric_viscous_friction", "load_dependent_friction",
-    "presliding_hysteresis", "rotor_inertia", "transmission_coupling", "joint_spring", "position_ripple", "joint_elasticity", "encoder_offset",
-    "base_tilt", "torque_delay", "torque_gain", "torque_crosstalk", "friction_drift", "external_contact", "unexplained",
+    "torque_offset",
+    "stribeck_friction",
+    "nonlinear_viscous_friction",
+    "asymmetric_viscous_friction",
+    "load_dependent_friction",
+    "presliding_hysteresis",
+    "rotor_inertia",
+    "transmission_coupling",
+    "joint_spring",
+    "position_ripple",
+    "joint_elasticity",
+    "encoder_offset",
+    "base_tilt",
+    "torque_delay",
+    "torque_gain",
+    "torque_crosstalk",
+    "friction_drift",
+    "external_contact",
+    "unexplained",
 ];

@@ -73,7 +73,9 @@ impl Periods {
 
     /// A signal of the log, period after period: K × N.
     pub(crate) fn unfold(&self, x: &[f64]) -> Vec<f64> {
-        (0..self.count * self.samples).map(|s| at(x, self.place(s / self.samples, s % self.samples))).collect()
+        (0..self.count * self.samples)
+            .map(|s| at(x, self.place(s / self.samples, s % self.samples)))
+            .collect()
     }
 
     /// Mean over the usable periods, for every sample of a period; the mean of all where none is usable.
