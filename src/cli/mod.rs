@@ -12,6 +12,7 @@ mod openapi;
 mod render;
 #[cfg(feature = "service")]
 mod serve;
+mod simulate;
 mod validate;
 
 use crate::app::Error;
@@ -58,6 +59,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Hold an identified model against logs.
     Validate(validate::Arguments),
+    /// Let a virtual robot write a log.
+    Simulate(simulate::Arguments),
     /// Print the base parameters of a robot.
     BaseParameters(base_parameters::Arguments),
     /// Serve the HTTP interface.
@@ -87,6 +90,7 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
         Command::Excite(arguments) => excite::run(&arguments, json),
         Command::Identify(arguments) => identify::run(&arguments, json),
         Command::Validate(arguments) => validate::run(&arguments, json),
+        Command::Simulate(arguments) => simulate::run(&arguments, json),
         Command::BaseParameters(arguments) => base_parameters::run(&arguments, json),
         #[cfg(feature = "service")]
         Command::Serve(arguments) => serve::run(&arguments),

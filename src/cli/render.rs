@@ -74,9 +74,18 @@ pub fn identification(found: &IdentifyDocument) -> String {
         }
     }
     if let Some(f) = &found.feasibility {
-        let _ = writeln!(text, "  physical parameters: {}, fit {:.4} times that of the base parameters", f.status, f.rms_ratio);
+        let _ = writeln!(
+            text,
+            "  physical parameters: {}, fit {:.4} times that of the base parameters",
+            f.status, f.rms_ratio
+        );
     }
-    let logs = found.rms.identification.iter().map(|l| ("identification", l)).chain(found.rms.validation.iter().map(|l| ("validation", l)));
+    let logs = found
+        .rms
+        .identification
+        .iter()
+        .map(|l| ("identification", l))
+        .chain(found.rms.validation.iter().map(|l| ("validation", l)));
     for (role, log) in logs {
         let _ = writeln!(text, "  {role} {}", log.name);
         errors(&mut text, "base", &log.base);
@@ -103,6 +112,11 @@ pub fn validation(found: &ValidateDocument) -> String {
 }
 
 fn errors(text: &mut String, what: &str, errors: &JointErrors) {
-    let list: Vec<String> = errors.rms.iter().zip(&errors.percent).map(|(r, p)| format!("{r:.3} ({p:.1} %)")).collect();
+    let list: Vec<String> = errors
+        .rms
+        .iter()
+        .zip(&errors.percent)
+        .map(|(r, p)| format!("{r:.3} ({p:.1} %)"))
+        .collect();
     let _ = writeln!(text, "    {what:9} {}   sum {:.3}", list.join("  "), errors.sum);
 }

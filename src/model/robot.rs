@@ -81,6 +81,11 @@ impl Robot {
         }
     }
 
+    /// The same robot where gravity pulls another way [m/s², base frame].
+    pub fn with_gravity(&self, gravity: Vector3<f64>) -> Self {
+        Self { gravity, ..self.clone() }
+    }
+
     fn problems(&self) -> Vec<FieldProblem> {
         let mut found = Vec::new();
         if !self.gravity.iter().all(|g| g.is_finite()) {

@@ -60,7 +60,7 @@ impl Periods {
     }
 
     /// Whether each sample of each period is data (K × N, period after period).
-    pub(super) fn usable(&self, log: &Log) -> Vec<bool> {
+    pub(crate) fn usable(&self, log: &Log) -> Vec<bool> {
         let n = log.samples();
         let place = |s: usize| self.place(s / self.samples, s % self.samples).floor() as usize;
         (0..self.count * self.samples)
@@ -72,7 +72,7 @@ impl Periods {
     }
 
     /// A signal of the log, period after period: K × N.
-    pub(super) fn unfold(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn unfold(&self, x: &[f64]) -> Vec<f64> {
         (0..self.count * self.samples)
             .map(|s| at(x, self.place(s / self.samples, s % self.samples)))
             .collect()

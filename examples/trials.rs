@@ -1,0 +1,174 @@
+//! Trials of the tracing on virtual robots, and the tables of `docs/closing-the-loop.md`.
+//!
+//! `trials nothing COUNT [FIRST]`: logs with nothing in them. `trials grid`: every effect on three joints at three sizes. `trials pairs`.
+
+#[path = "../tests/effects/bench.rs"]
+mod bench;
+
+use bench::*;
+use dynident::model::Robot;
+use dynident::residual::{Outcome, Verdict};
+use dynident::simulate::{HiddenEffect, Noise};
+use std::collections::BTreeMap;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |i: usize, otherwise: u64| arguments.get(i).and_then(|a| a.parse().ok()).unwrap_or(otherwise);
+    match arguments.first().map(String::as_str) {
+        Some("nothing") => nothing(number(1, 200), number(2, 0)),
+        Some("grid") => grid(&arguments[1..]),
+        Some("pairs") => pairs(number(1, 20)),
+        _ => eprintln!("usage: trials nothing COUNT [FIRST] | grid [CODE…] | pairs [COUNT]"),
+    }
+}
+
+/// What was found: codes with joints, or `nothing`, or `unexplained`.
+fn found(outcome: &Outcome) -> Vec<String> {
+    let mut list: Vec<String> = outcome
+        .report
+        .findings
+        .iter()
+        .map(|f| format!("{}:{}", f.effect, f.joints.join("+")))
+        .collect();
+    if let Some(rest) = &outcome.report.remainder {
+        list.push(format!(
+            "unexplained:{}({})",
+            rest.joints.join("+"),
+            rest.depends_on.join(",")
+        ));
+    }
+    list
+}
+
+fn nothing(count: u64, first: u64) {
+    let mut false_findings = 0;
+    for seed in first..first + count {
+        let robots = robots();
+        let robot = &robots[(seed % 3) as usize];
+        // Every second log with coloured noise, every fifth with jitter as well.
+        let correlation = if seed % 2 == 1 { 0.7 } else { 0.0 };
+        let jitter = if seed % 5 == 4 { 1e-4 } else { 0.0 };
+        let noise = Noise {
+            torque_correlation: correlation,
+            jitter,
+            ..sensor_noise(robot.joint_count())
+        };
+        let outcome = traced(robot, &[], &noise, 9000 + seed);
+        let list = found(&outcome);
+        if outcome.report.verdict != Verdict::NothingMissing {
+            false_findings += 1;
+            println!(
+                "seed {seed} {} correlation {correlation} jitter {jitter}: {list:?}",
+                robot.name()
+            );
+        }
+    }
+    println!("{false_findings} of {count} logs with nothing in them had a finding");
+}
+
+const SIZES: [f64; 3] = [0.15, 0.5, 1.5];
+
+fn grid(only: &[String]) {
+    let robot = seven_axes();
+    let noise = sensor_noise(7);
+    let mut confusion: BTreeMap<(String, String), usize> = BTreeMap::new();
+    let mut right_at: BTreeMap<(String, usize), usize> = BTreeMap::new();
+    let wanted = |code: &&&str| only.is_empty() || only.iter().any(|o| o == **code);
+    for code in CODES.iter().filter(wanted) {
+        for (i, &size) in SIZES.iter().enumerate() {
+            for joint in [1, 3, 5] {
+                let hidden = effect(code, joint, size, &robot);
+                let outcome = traced(
+                    &robot,
+                    std::slice::from_ref(&hidden),
+                    &noise,
+                    500 + joint as u64 * 10 + i as u64,
+                );
+                let list = found(&outcome);
+                let named = list
+                    .first()
+                    .map_or("nothing", |f| f.split(':').next().unwrap_or(""))
+                    .to_string();
+                let right = list.len() == 1 && named == *code && on_joint(&list[0], &robot, &hidden);
+                *right_at.entry((code.to_string(), i)).or_default() += usize::from(right);
+                *confusion
+                    .entry((code.to_string(), if list.len() > 1 { format!("{named}+more") } else { named }))
+                    .or_default() += 1;
+                let values: Vec<String> = outcome
+                    .report
+                    .findings
+                    .iter()
+                    .flat_map(|f| &f.parameters)
+                    .take(4)
+                    .map(|p| format!("{}={:.4}±{:.4}", p.name, p.value, p.std_dev))
+                    .collect();
+                println!(
+                    "{} {hidden:?}: {list:?} {values:?}",
+                    if right {
+                        "right"
+                    } else if list.is_empty() {
+                        "missed"
+                    } else {
+                        "WRONG"
+                    }
+                );
+            }
+        }
+    }
+    println!("\n| effect | right of 3 at 0.15 | at 0.5 | at 1.5 |\n|---|---|---|---|");
+    for code in CODES.iter().filter(wanted) {
+        let at = |i: usize| right_at[&(code.to_string(), i)];
+        println!("| `{code}` | {} | {} | {} |", at(0), at(1), at(2));
+    }
+    println!("\nconfusion (in → named first: count)");
+    confusion.iter().for_each(|((a, b), count)| println!("{a} -> {b}: {count}"));
+}
+
+/// Whether a finding names the joint the effect sits on.
+fn on_joint(finding: &str, robot: &Robot, hidden: &HiddenEffect) -> bool {
+    use HiddenEffect::*;
+    let joint = match hidden {
+        BaseTilt { .. } | TorqueDelay { .. } | Payload { .. } => return true,
+        TorqueOffset { joint, .. }
+        | StribeckFriction { joint, .. }
+        | NonlinearViscousFriction { joint, .. }
+        | AsymmetricViscousFriction { joint, .. }
+        | LoadDependentFriction { joint, .. }
+        | PreslidingHysteresis { joint, .. }
+        | RotorInertia { joint, .. }
+        | JointSpring { joint, .. }
+        | PositionRipple { joint, .. }
+        | JointElasticity { joint, .. }
+        | EncoderOffset { joint, .. }
+        | TorqueGain { joint, .. }
+        | TorqueCrosstalk { joint, .. }
+        | FrictionDrift { joint, .. } => *joint,
+        TransmissionCoupling { joints, .. } | Unmodelled { joints, .. } => joints[0],
+        ExternalContact { torque, .. } => torque.iter().position(|t| *t != 0.0).unwrap_or(0),
+    };
+    finding
+        .split(':')
+        .nth(1)
+        .is_some_and(|joints| joints.starts_with(&robot.joints()[joint].name))
+}
+
+fn pairs(count: u64) {
+    let robot = seven_axes();
+    let noise = sensor_noise(7);
+    let mut right = 0;
+    for k in 0..count {
+        let (a, b) = (CODES[(k * 5 % 16) as usize], CODES[((k * 7 + 3) % 16) as usize]);
+        if a == b {
+            continue;
+        }
+        let effects = [
+            effect(a, 1 + (k % 3) as usize, 1.0, &robot),
+            effect(b, 4 + (k % 2) as usize, 1.0, &robot),
+        ];
+        let list = found(&traced(&robot, &effects, &noise, 700 + k));
+        let both = list.len() == 2 && [a, b].iter().all(|c| list.iter().any(|f| f.starts_with(c)));
+        right += usize::from(both);
+        println!("{} {a} with {b}: {list:?}", if both { "right" } else { "WRONG" });
+    }
+    println!("{right} pairs right");
+}

@@ -1,0 +1,278 @@
+//! `dynident simulate`: a virtual robot writes a log.
+
+use super::{Ending, files};
+use crate::app::{Code, Error};
+use crate::io::shipped::Shipped;
+use crate::io::{NamedRobots, RobotDocument, robot_document};
+use crate::model::{FieldProblem, Robot};
+use crate::parameters::Layout;
+use crate::simulate::{Experiment, HiddenEffect, LogFault, Noise, RecordedLog, corrupt, simulate};
+use crate::trajectory::{FourierSeries, QuinticWayPoints, SineSeries, Trajectory};
+use nalgebra::DMatrix;
+use serde::Deserialize;
+use serde_json::Value;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Robot: a JSON or URDF file, or the name of one that comes with the program.
+    #[arg(long, value_name = "FILE|NAME")]
+    robot: String,
+    /// Request: a JSON file with `trajectory`, and as wanted `parameters`, `periods`, `sample_rate_hz`, `noise`, `effects`, `faults`, `seed`.
+    #[arg(long, value_name = "FILE")]
+    request: PathBuf,
+    /// Where the log goes (CSV); standard output if left out.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Request {
+    /// Standard parameters; the robot's prior link parameters if left out.
+    parameters: Option<Vec<f64>>,
+    trajectory: Path,
+    #[serde(default = "one")]
+    periods: f64,
+    #[serde(default = "usual_rate")]
+    sample_rate_hz: f64,
+    noise: Option<Noise>,
+    #[serde(default)]
+    effects: Vec<HiddenEffect>,
+    #[serde(default)]
+    faults: Vec<LogFault>,
+    #[serde(default)]
+    seed: u64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn usual_rate() -> f64 {
+    200.0
+}
+
+/// A trajectory as documents have it.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Path {
+    Fourier {
+        fundamental_hz: f64,
+        a: Vec<Vec<f64>>,
+        b: Vec<Vec<f64>>,
+        offset: Option<Vec<f64>>,
+    },
+    WayPoints {
+        positions: Vec<Vec<f64>>,
+        durations: Vec<f64>,
+    },
+    Sines {
+        terms: Vec<Vec<(f64, f64)>>,
+        duration: f64,
+    },
+}
+
+pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
+    let robot = robot(&arguments.robot)?;
+    let mut document = files::parse_json(&arguments.request)?.value;
+    let mut problems = Vec::new();
+    number_joints(&mut document, &robot, "", &mut problems);
+    let invalid = |problems| files::in_file(&arguments.request, Error::invalid("the simulation request", problems));
+    if !problems.is_empty() {
+        return Err(invalid(problems));
+    }
+    let request: Request = serde_json::from_value(document).map_err(|e| invalid(vec![FieldProblem::new("", e.to_string())]))?;
+    check(&request, &robot, &mut problems);
+    if !problems.is_empty() {
+        return Err(invalid(problems));
+    }
+    let log = record(&request, &robot).ok_or_else(|| {
+        invalid(vec![FieldProblem::new(
+            "/parameters",
+            "is missing, and the robot has no prior parameters for every link",
+        )])
+    })?;
+    let table = csv(&log);
+    match &arguments.out {
+        Some(out) => files::write(out, &table)?,
+        None => return files::print(&table).map(|()| Ending::Done),
+    }
+    let done = serde_json::json!({"rows": log.time.len(), "joints": log.q.len()});
+    files::print(&if json {
+        files::pretty(&done)
+    } else {
+        format!("{} rows of {} joints\n", log.time.len(), log.q.len())
+    })?;
+    Ok(Ending::Done)
+}
+
+fn robot(name_or_file: &str) -> Result<Robot, Error> {
+    let parsed = files::robot(name_or_file)?;
+    let RobotDocument { robot, .. } = match &parsed.value {
+        Value::String(name) => Shipped
+            .named(name)
+            .ok_or_else(|| Error::new(Code::UnknownRobot, format!("there is no robot `{name}`")))?,
+        _ => robot_document(&parsed).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors))?,
+    };
+    Ok(robot)
+}
+
+/// Joints are named in documents and counted inside: `joint`, `from` and `joints` of effects and faults.
+fn number_joints(value: &mut Value, robot: &Robot, at: &str, problems: &mut Vec<FieldProblem>) {
+    let number = |name: &Value| {
+        let wanted = name.as_str()?;
+        robot.joints().iter().position(|j| j.name == wanted).map(Value::from)
+    };
+    let Some(fields) = value.as_object_mut() else { return };
+    for list in ["effects", "faults"] {
+        let Some(entries) = fields.get_mut(list).and_then(Value::as_array_mut) else {
+            continue;
+        };
+        for (i, entry) in entries
+            .iter_mut()
+            .enumerate()
+            .filter_map(|(i, e)| e.as_object_mut().map(|e| (i, e)))
+        {
+            for field in ["joint", "from", "joints"] {
+                let names: Vec<&mut Value> = match entry.get_mut(field) {
+                    Some(Value::Array(names)) => names.iter_mut().collect(),
+                    Some(name) => vec![name],
+                    None => continue,
+                };
+                for name in names {
+                    match number(name) {
+                        Some(index) => *name = index,
+                        None => problems.push(
+                            FieldProblem::new(
+                                format!("{at}/{list}/{i}/{field}"),
+                                format!("{name} is not the name of a joint"),
+                            )
+                            .with_hint(format!(
+                                "joints are {}",
+                                robot.joints().iter().map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ")
+                            )),
+                        ),
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn check(request: &Request, robot: &Robot, problems: &mut Vec<FieldProblem>) {
+    let n = robot.joint_count();
+    let mut count = |field: &str, have: usize, want: usize| {
+        if have != want {
+            problems.push(FieldProblem::new(
+                field,
+                format!("has {have} entries where {want} are wanted"),
+            ));
+        }
+    };
+    if let Some(noise) = &request.noise {
+        count("/noise/torque", noise.torque.len(), n);
+    }
+    if let Some(parameters) = &request.parameters {
+        count("/parameters", parameters.len(), Layout::standard(robot).len());
+    }
+    match &request.trajectory {
+        Path::Fourier { a, b, offset, .. } => {
+            count("/trajectory/fourier/a", a.len(), n);
+            count("/trajectory/fourier/b", b.len(), n);
+            let order = a.first().map_or(0, Vec::len);
+            a.iter()
+                .chain(b)
+                .for_each(|row| count("/trajectory/fourier", row.len(), order));
+            offset.iter().for_each(|o| count("/trajectory/fourier/offset", o.len(), n));
+        }
+        Path::WayPoints { positions, durations } => {
+            count("/trajectory/way_points/positions", positions.len(), durations.len() + 1);
+            positions
+                .iter()
+                .for_each(|p| count("/trajectory/way_points/positions", p.len(), n));
+        }
+        Path::Sines { terms, .. } => count("/trajectory/sines/terms", terms.len(), n),
+    }
+    let durations: Vec<f64> = match &request.trajectory {
+        Path::Fourier { fundamental_hz, .. } => vec![*fundamental_hz],
+        Path::WayPoints { durations, .. } => {
+            if durations.is_empty() {
+                vec![0.0]
+            } else {
+                durations.clone()
+            }
+        }
+        Path::Sines { duration, .. } => vec![*duration],
+    };
+    let mut positive = |field: &str, values: &[f64]| {
+        if !values.iter().all(|v| v.is_finite() && *v > 0.0) {
+            problems.push(FieldProblem::new(field, "is not a positive number"));
+        }
+    };
+    positive("/trajectory", &durations);
+    positive("/periods", &[request.periods]);
+    positive("/sample_rate_hz", &[request.sample_rate_hz]);
+}
+
+/// `None` when nobody says the parameters.
+fn record(request: &Request, robot: &Robot) -> Option<RecordedLog> {
+    let n = robot.joint_count();
+    let prior = Layout::standard(robot).prior(robot).map(|p| p.as_slice().to_vec());
+    let parameters = request.parameters.clone().or(prior)?;
+    let silent = Noise::white(vec![0.0; n]);
+    let trajectory = trajectory(&request.trajectory, n);
+    let experiment = Experiment {
+        robot,
+        parameters: &parameters,
+        trajectory: trajectory.as_ref(),
+        periods: request.periods,
+        rate_hz: request.sample_rate_hz,
+        effects: &request.effects,
+        noise: request.noise.as_ref().unwrap_or(&silent),
+        seed: request.seed,
+    };
+    let mut log = simulate(&experiment);
+    request.faults.iter().for_each(|fault| corrupt(&mut log, fault, request.seed));
+    Some(log)
+}
+
+fn trajectory(path: &Path, joints: usize) -> Box<dyn Trajectory> {
+    match path {
+        Path::Fourier {
+            fundamental_hz,
+            a,
+            b,
+            offset,
+        } => {
+            let matrix = |rows: &[Vec<f64>]| DMatrix::from_fn(joints, rows[0].len(), |r, c| rows[r][c]);
+            let offset = offset.clone().unwrap_or_else(|| vec![0.0; joints]);
+            Box::new(FourierSeries {
+                fundamental_hz: *fundamental_hz,
+                a: matrix(a),
+                b: matrix(b),
+                offset,
+            })
+        }
+        Path::WayPoints { positions, durations } => Box::new(QuinticWayPoints::new(positions.clone(), durations)),
+        Path::Sines { terms, duration } => Box::new(SineSeries {
+            terms: terms.clone(),
+            duration: *duration,
+        }),
+    }
+}
+
+/// `time, q1 … qn, tau1 … taun`.
+fn csv(log: &RecordedLog) -> String {
+    let names = |prefix: &str| (1..=log.q.len()).map(|j| format!(",{prefix}{j}")).collect::<String>();
+    let mut text = format!("time{}{}\n", names("q"), names("tau"));
+    for (s, time) in log.time.iter().enumerate() {
+        let _ = write!(text, "{time}");
+        for column in log.q.iter().chain(&log.tau) {
+            let _ = write!(text, ",{}", column[s]);
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,197 @@
+//! What an effect says about itself, and what it is evaluated on.
+
+use crate::dynamics::Motion;
+use crate::model::Robot;
+use nalgebra::{DMatrix, Vector3};
+
+/// One stretch of motion, with the torques that the present model predicts for it: all that a column can be made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    pub robot: &'a Robot,
+    pub motion: &'a Motion,
+    /// Rigid-body torque of every joint over the samples, without friction [N·m or N]; n × N.
+    pub rigid: &'a [Vec<f64>],
+    /// Torque of the declared model with friction [N·m or N]; n × N.
+    pub declared: &'a [Vec<f64>],
+    /// Time between samples [s].
+    pub interval: f64,
+    /// Whether the sample after the last is the first.
+    pub periodic: bool,
+}
+
+impl Scene<'_> {
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.motion.samples()
+    }
+}
+
+/// The torque that one unit of a coefficient adds: rows of the joints named, zero on all others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    pub rows: Vec<(usize, Vec<f64>)>,
+}
+
+impl Column {
+    /// A column on one joint alone.
+    pub fn on(joint: usize, values: Vec<f64>) -> Self {
+        Self {
+            rows: vec![(joint, values)],
+        }
+    }
+}
+
+/// What the regressor is evaluated at: a distortion changes it before Y is computed.
+#[derive(Debug, Clone)]
+pub struct World {
+    pub motion: Motion,
+    pub gravity: Vector3<f64>,
+    /// Factor on the torque of every joint.
+    pub gain: Vec<f64>,
+}
+
+/// How an effect enters the equations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `tau += C(motion; shape) c`.
+    Additive,
+    /// Enters every row through the model: the distorted motion, gravity or gain is what Y is evaluated at, its parameters are found by
+    /// Gauss-Newton from the derivative of the whole torque.
+    Distortion,
+    /// Columns that the base parameters hold already: only against an existing model can they be seen.
+    AgainstModel,
+    /// Seen only when the periods are looked at one by one.
+    BetweenPeriods,
+}
+
+/// A parameter that is reported.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterInfo {
+    pub name: String,
+    pub unit: String,
+}
+
+impl ParameterInfo {
+    pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            unit: unit.into(),
+        }
+    }
+}
+
+/// A parameter the columns are not linear in: where it may lie, and the values a search starts from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    pub low: f64,
+    pub high: f64,
+    pub grid: Vec<f64>,
+}
+
+impl Shape {
+    /// A grid of `count` values at equal ratios.
+    pub fn geometric(low: f64, high: f64, count: usize) -> Self {
+        let ratio = (high / low).powf(1.0 / (count - 1) as f64);
+        Self {
+            low,
+            high,
+            grid: (0..count).map(|i| low * ratio.powi(i as i32)).collect(),
+        }
+    }
+}
+
+/// How far a joint moved over all data: shape parameters are searched where the data can show them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Difference of the largest and smallest position [rad or m].
+    pub range: f64,
+    /// Largest speed [rad/s or m/s].
+    pub speed: f64,
+    /// Time between samples [s].
+    pub interval: f64,
+}
+
+/// What a reader is told about an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct About {
+    pub meaning: &'static str,
+    /// When it can be identified, and when base parameters hide it.
+    pub identifiable: &'static str,
+    /// Codes of effects it is easily taken for.
+    pub rivals: &'static [&'static str],
+    pub source: &'static str,
+}
+
+/// A physical effect.
+pub trait Effect: Sync + Send {
+    /// The stable code of findings.
+    fn code(&self) -> &'static str;
+
+    fn about(&self) -> About;
+
+    fn kind(&self) -> Kind {
+        Kind::Additive
+    }
+
+    /// The joints it can sit on: one list per candidate; an empty list stands for the whole robot.
+    fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
+        (0..robot.joint_count()).map(|j| vec![j]).collect()
+    }
+
+    /// Variants with fewer or more shape parameters, simplest first.
+    fn forms(&self) -> usize {
+        1
+    }
+
+    /// Parameters the columns are not linear in.
+    fn shapes(&self, _form: usize, _joints: &[usize], _spans: &[Span]) -> Vec<Shape> {
+        Vec::new()
+    }
+
+    /// One column per coefficient. Distortions have none.
+    fn columns(&self, _form: usize, _scene: &Scene, _joints: &[usize], _shape: &[f64]) -> Vec<Column> {
+        Vec::new()
+    }
+
+    /// Applies a distortion with parameters `theta`. Effects of other kinds leave the world as it is.
+    fn distort(&self, _scene: &Scene, _joints: &[usize], _theta: &[f64], _world: &mut World) {}
+
+    /// For every parameter of a distortion: the step that its derivative is differenced with, small beside any value of interest and large
+    /// beside the rounding of the torques.
+    fn steps(&self) -> &'static [f64] {
+        &[]
+    }
+
+    /// What is reported: the coefficients in the order of the columns, then the shape parameters; for a distortion its parameters.
+    fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo>;
+
+    /// The physically consistent coefficients nearest to these, in the metric of their information matrix. The same unless said otherwise.
+    fn consistent(&self, coefficients: &[f64], _information: &DMatrix<f64>) -> Vec<f64> {
+        coefficients.to_vec()
+    }
+
+    /// Which of the coefficients, then shapes (for a distortion its parameters), are positive by their physical meaning. One that the data say is
+    /// negative is an imitation.
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[]
+    }
+
+    /// Reported values from coefficients and shape; differentiable, for the standard deviations. The identity unless said otherwise.
+    fn reported(&self, _form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
+        coefficients.iter().chain(shape).copied().collect()
+    }
+}
+
+/// A column on `joint` from its own `[q, qd, qdd]`.
+pub(crate) fn own_joint(scene: &Scene, joint: usize, value: impl Fn([f64; 3]) -> f64) -> Column {
+    Column::on(
+        joint,
+        (0..scene.samples()).map(|s| value(scene.motion.get(joint, s))).collect(),
+    )
+}
+
+/// `N m s/rad` and the like: effort unit of the joint with `suffix` written for its position unit.
+pub(crate) fn times_position_unit(robot: &Robot, joint: usize, suffix: &str) -> String {
+    let joint = &robot.joints()[joint];
+    format!("{}{}", joint.effort_unit(), suffix.replace("rad", joint.position_unit()))
+}

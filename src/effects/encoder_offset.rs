@@ -1,0 +1,42 @@
+//! An encoder whose zero is not where the model has it.
+
+use super::{About, Effect, Kind, ParameterInfo, Scene, World};
+use crate::model::Robot;
+
+/// `q_true = q + δ_j`.
+pub struct EncoderOffset;
+
+impl Effect for EncoderOffset {
+    fn code(&self) -> &'static str {
+        "encoder_offset"
+    }
+
+    fn about(&self) -> About {
+        About {
+            meaning: "the joint's zero differs from the model's: lost mastering, a wrong DH angle",
+            identifiable: "when gravity or coupling torques change with the joint's angle in a way that the base parameters cannot turn \
+                           with; joint 1 on a vertical axis cannot be seen, nor can the last joint, whose link turns with it",
+            rivals: &["base_tilt", "joint_elasticity", "joint_spring"],
+            source: "Khalil & Dombre 2004, chapter 11",
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Distortion
+    }
+
+    fn distort(&self, scene: &Scene, joints: &[usize], theta: &[f64], world: &mut World) {
+        for s in 0..scene.samples() {
+            let [q, qd, qdd] = world.motion.get(joints[0], s);
+            world.motion.set(joints[0], s, [q + theta[0], qd, qdd]);
+        }
+    }
+
+    fn steps(&self) -> &'static [f64] {
+        &[1e-5]
+    }
+
+    fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+        vec![ParameterInfo::new("offset", robot.joints()[joints[0]].position_unit())]
+    }
+}

@@ -1,0 +1,62 @@
+//! A gear that winds up between the encoder and the link.
+
+use super::interpolation::derivatives;
+use super::{About, Effect, Kind, ParameterInfo, Scene, World};
+use crate::model::Robot;
+
+/// Encoder on the motor side: `q_link = q − c tau_rigid`, c = 1/K the compliance, with velocity and acceleration to match.
+pub struct JointElasticity;
+
+impl Effect for JointElasticity {
+    fn code(&self) -> &'static str {
+        "joint_elasticity"
+    }
+
+    fn about(&self) -> About {
+        About {
+            meaning: "the gear between a motor-side encoder and the link gives way under load",
+            identifiable: "when load and its change move the link visibly: gravity loads of tens of N m at some 10 kN m/rad",
+            rivals: &["encoder_offset", "rotor_inertia", "torque_gain", "base_tilt"],
+            source: "Spong 1987; De Luca & Book 2016 (quasi-static part)",
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Distortion
+    }
+
+    fn distort(&self, scene: &Scene, joints: &[usize], theta: &[f64], world: &mut World) {
+        let j = joints[0];
+        let [load, load_d, load_dd] = derivatives(&scene.rigid[j], scene.interval, scene.periodic);
+        for s in 0..scene.samples() {
+            let [q, qd, qdd] = world.motion.get(j, s);
+            world.motion.set(
+                j,
+                s,
+                [q - theta[0] * load[s], qd - theta[0] * load_d[s], qdd - theta[0] * load_dd[s]],
+            );
+        }
+    }
+
+    fn steps(&self) -> &'static [f64] {
+        // 1e-7 rad/(N m) is 10 MN m/rad, a thousand times stiffer than a robot's gear.
+        &[1e-7]
+    }
+
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
+    fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+        let joint = &robot.joints()[joints[0]];
+        let (effort, position) = (joint.effort_unit(), joint.position_unit());
+        vec![
+            ParameterInfo::new("compliance", format!("{position}/({effort})")),
+            ParameterInfo::new("stiffness", format!("{effort}/{position}")),
+        ]
+    }
+
+    fn reported(&self, _form: usize, _coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
+        vec![shape[0], 1.0 / shape[0]]
+    }
+}

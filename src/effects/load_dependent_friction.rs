@@ -1,0 +1,43 @@
+//! Friction that grows with the torque carried.
+
+use super::{About, Column, Effect, ParameterInfo, Scene};
+use crate::model::Robot;
+
+/// `tau_j += μ |tau_rigid,j| sign qd`.
+pub struct LoadDependentFriction;
+
+impl Effect for LoadDependentFriction {
+    fn code(&self) -> &'static str {
+        "load_dependent_friction"
+    }
+
+    fn about(&self) -> About {
+        About {
+            meaning: "friction in proportion to the torque the gear carries, as in harmonic drives",
+            identifiable: "when the load of the joint changes along the motion: gravity loads do, a joint on a vertical axis needs acceleration",
+            rivals: &["torque_gain", "stribeck_friction"],
+            source: "Hamon, Gautier, Garrec, Janot 2010",
+        }
+    }
+
+    fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
+        let j = joints[0];
+        let load = &scene.rigid[j];
+        let direction = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
+        let values = scene
+            .motion
+            .velocities(j)
+            .iter()
+            .zip(load)
+            .map(|(&v, t)| t.abs() * direction(v));
+        vec![Column::on(j, values.collect())]
+    }
+
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
+    fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {
+        vec![ParameterInfo::new("coefficient", "1")]
+    }
+}

@@ -1,0 +1,64 @@
+//! Effects that move torque and that the declared model lacks, one file each.
+//!
+//! An effect is a block of columns per joint (or per robot) with, perhaps, shape parameters: `tau += C(motion; shape) c`, or a
+//! distortion of what the regressor is evaluated at (an encoder offset, a tilted base, a late torque stream). [`all`] is the list; one
+//! more effect is one more file and one more line there. How they are told apart on data is the business of
+//! [`residual`](crate::residual).
+
+mod asymmetric_viscous_friction;
+mod base_tilt;
+mod effect;
+mod encoder_offset;
+mod external_contact;
+mod friction_drift;
+mod interpolation;
+mod joint_elasticity;
+mod joint_spring;
+mod load_dependent_friction;
+mod nonlinear_viscous_friction;
+mod payload;
+mod position_ripple;
+mod presliding_hysteresis;
+mod rotor_inertia;
+mod stribeck_friction;
+mod torque_crosstalk;
+mod torque_delay;
+mod torque_gain;
+mod torque_offset;
+mod transmission_coupling;
+mod unexplained;
+
+pub use effect::{About, Column, Effect, Kind, ParameterInfo, Scene, Shape, Span, World};
+pub(crate) use effect::{own_joint, times_position_unit};
+pub use payload::consistent_payload;
+pub(crate) use unexplained::{Unexplained, products, variable, variable_name};
+
+/// Every effect that a search tries, in the order of the table in the documentation.
+pub fn all() -> &'static [&'static dyn Effect] {
+    &[
+        &torque_offset::TorqueOffset,
+        &stribeck_friction::StribeckFriction,
+        &nonlinear_viscous_friction::NonlinearViscousFriction,
+        &asymmetric_viscous_friction::AsymmetricViscousFriction,
+        &load_dependent_friction::LoadDependentFriction,
+        &presliding_hysteresis::PreslidingHysteresis,
+        &rotor_inertia::RotorInertia,
+        &transmission_coupling::TransmissionCoupling,
+        &joint_spring::JointSpring,
+        &position_ripple::PositionRipple,
+        &joint_elasticity::JointElasticity,
+        &encoder_offset::EncoderOffset,
+        &base_tilt::BaseTilt,
+        &payload::Payload,
+        &torque_delay::TorqueDelay,
+        &torque_gain::TorqueGain,
+        &torque_crosstalk::TorqueCrosstalk,
+        &friction_drift::FrictionDrift,
+        &external_contact::ExternalContact,
+    ]
+}
+
+/// The effect with this code.
+pub fn by_code(code: &str) -> Option<&'static dyn Effect> {
+    all().iter().copied().find(|e| e.code() == code)
+}

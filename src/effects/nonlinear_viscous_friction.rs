@@ -1,0 +1,61 @@
+//! Friction that grows faster or slower than the speed.
+
+use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint, times_position_unit};
+use crate::model::Robot;
+
+/// `tau_j += f |qd|^α sign qd`. Forms: α = 2, α = 3, α = 1/2, α free.
+pub struct NonlinearViscousFriction;
+
+const FIXED: [f64; 3] = [2.0, 3.0, 0.5];
+
+impl NonlinearViscousFriction {
+    fn exponent(form: usize, shape: &[f64]) -> f64 {
+        FIXED.get(form).copied().unwrap_or_else(|| shape[0])
+    }
+}
+
+impl Effect for NonlinearViscousFriction {
+    fn code(&self) -> &'static str {
+        "nonlinear_viscous_friction"
+    }
+
+    fn about(&self) -> About {
+        About {
+            meaning: "viscous friction that is not proportional to speed: churning (above 1), shear-thinning grease (below 1)",
+            identifiable: "when the joint is driven over a wide range of speeds; near α = 0 and α = 1 it is Coulomb and viscous friction",
+            rivals: &["stribeck_friction", "asymmetric_viscous_friction"],
+            source: "Bittencourt & Gunnarsson 2012; Simoni et al. 2015",
+        }
+    }
+
+    fn forms(&self) -> usize {
+        4
+    }
+
+    fn shapes(&self, form: usize, _joints: &[usize], _spans: &[Span]) -> Vec<Shape> {
+        // 0 and 1 are columns of the declared model; next to them the coefficient is determined by rounding alone.
+        let free = Shape {
+            low: 0.15,
+            high: 5.0,
+            grid: vec![0.25, 0.35, 0.7, 0.85, 1.25, 1.6, 2.5, 4.0],
+        };
+        if form == 3 { vec![free] } else { Vec::new() }
+    }
+
+    fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
+        let alpha = Self::exponent(form, shape);
+        vec![own_joint(scene, joints[0], |[_, v, _]| v.abs().powf(alpha) * v.signum())]
+    }
+
+    fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+        let exponent = FIXED.get(form).map_or("alpha".into(), ToString::to_string);
+        let mut list = vec![ParameterInfo::new(
+            "coefficient",
+            times_position_unit(robot, joints[0], &format!(" (s/rad)^{exponent}")),
+        )];
+        if form == 3 {
+            list.push(ParameterInfo::new("exponent", "1"));
+        }
+        list
+    }
+}

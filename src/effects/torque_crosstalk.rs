@@ -1,0 +1,42 @@
+//! A torque sensor that feels its neighbour.
+
+use super::{About, Column, Effect, ParameterInfo, Scene};
+use crate::model::Robot;
+
+/// `tau_j += c tau_i`; the joints of a finding are the disturbed one and the one it comes from.
+pub struct TorqueCrosstalk;
+
+impl Effect for TorqueCrosstalk {
+    fn code(&self) -> &'static str {
+        "torque_crosstalk"
+    }
+
+    fn about(&self) -> About {
+        About {
+            meaning: "the torque signal of one joint carries a part of another's: sensor cross-coupling, a wrong coupling matrix",
+            identifiable: "when the other joint's torque is not a combination of terms the joint's own row holds",
+            rivals: &["transmission_coupling", "torque_gain"],
+            source: "Hashimoto 1993 (torque sensors in gears)",
+        }
+    }
+
+    fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
+        let n = robot.joint_count();
+        (0..n)
+            .flat_map(|j| (0..n).filter(move |&i| i != j).map(move |i| vec![j, i]))
+            .collect()
+    }
+
+    fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
+        vec![Column::on(joints[0], scene.declared[joints[1]].clone())]
+    }
+
+    fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+        let unit = |j: usize| robot.joints()[j].effort_unit();
+        let (to, from) = (unit(joints[0]), unit(joints[1]));
+        vec![ParameterInfo::new(
+            "coefficient",
+            if to == from { "1".into() } else { format!("({to})/({from})") },
+        )]
+    }
+}

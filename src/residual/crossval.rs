@@ -1,0 +1,113 @@
+//! Does an effect predict data it was not fitted to? Blocks of time, and periods.
+//!
+//! What is missing repeats in every period, so a wrong effect that mimics it repeats as well: only parts of the motion that the fit has
+//! not seen can tell that. And noise that is not as assumed shows between periods.
+
+use super::system::{Data, System, Whitened, pseudo_inverse, reduce};
+use nalgebra::{DMatrix, DVector};
+use std::ops::AddAssign;
+
+/// Gain of a block of columns on data left out.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HeldOutGain {
+    /// Over blocks of time, all folds together.
+    pub blocks: f64,
+    /// Fitted to one half of the periods, evaluated on the other, both ways; `None` with fewer than two.
+    pub periods: Option<f64>,
+}
+
+/// Four blocks per fold, spread over the stretch, five folds: what is left out is never a whole region of the motion, or base parameters
+/// would extrapolate into it.
+const FOLDS: usize = 5;
+const BLOCKS: usize = 20;
+
+pub(crate) fn held_out_gain(data: &Data, system: &System, columns: &Whitened) -> HeldOutGain {
+    HeldOutGain {
+        blocks: block_gain(data, system, columns),
+        periods: period_gain(data, system, columns),
+    }
+}
+
+fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
+    let p = system.covariance.nrows();
+    let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+    // Per fold: normal matrix and right side of [J C].
+    let mut folds: Vec<(DMatrix<f64>, DVector<f64>)> = (0..FOLDS)
+        .map(|_| (DMatrix::zeros(p + k, p + k), DVector::zeros(p + k)))
+        .collect();
+    for (blocks, parts) in system.blocks.iter().zip(columns) {
+        for (j, block) in blocks.iter().enumerate() {
+            let own = parts.iter().find(|(joint, _)| *joint == j).map(|(_, m)| m);
+            let rows = block.residual.len();
+            for b in 0..BLOCKS {
+                let (from, to) = (b * rows / BLOCKS, (b + 1) * rows / BLOCKS);
+                let mut z = DMatrix::zeros(to - from, p + k);
+                z.columns_mut(0, p).copy_from(&block.jacobian.rows(from, to - from));
+                if let Some(m) = own {
+                    z.columns_mut(p, k).copy_from(&m.rows(from, to - from));
+                }
+                let fold = &mut folds[b % FOLDS];
+                fold.0 += z.tr_mul(&z);
+                fold.1 += z.tr_mul(&block.residual.rows(from, to - from));
+            }
+        }
+    }
+    let mut total = (DMatrix::zeros(p + k, p + k), DVector::zeros(p + k));
+    folds.iter().for_each(|(g, r)| {
+        total.0 += g;
+        total.1 += r;
+    });
+    if let Some(prior) = data.prior {
+        let n = prior.mean.len();
+        let off = &prior.mean - system.model.vector().rows(0, n);
+        total.0.view_mut((0, 0), (n, n)).add_assign(&prior.information);
+        total.1.rows_mut(0, n).add_assign(&(&prior.information * off));
+    }
+    folds.iter().map(|fold| fold_gain(&total, fold, p)).sum()
+}
+
+/// Decrease of the sum of squares on the fold, by the effect, both models fitted without the fold. `r'r − 2 x'b + x'G x` each.
+fn fold_gain(total: &(DMatrix<f64>, DVector<f64>), fold: &(DMatrix<f64>, DVector<f64>), base: usize) -> f64 {
+    let (normal, right) = (&total.0 - &fold.0, &total.1 - &fold.1);
+    let cost = |size: usize| {
+        let inverse = pseudo_inverse(&normal.view((0, 0), (size, size)).into_owned(), 1e-9);
+        let x = inverse * right.rows(0, size);
+        let g = fold.0.view((0, 0), (size, size));
+        (x.transpose() * g * &x)[0] - 2.0 * x.dot(&fold.1.rows(0, size))
+    };
+    cost(base) - cost(normal.nrows())
+}
+
+fn period_gain(data: &Data, system: &System, columns: &Whitened) -> Option<f64> {
+    if data.stretches.iter().any(|s| s.periods.len() < 2) {
+        return None;
+    }
+    let (own, rest, right) = system.projected(columns);
+    let halves = [0, 1].map(|half| half_right_side(data, system, columns, half) + &right);
+    let gain = |fit: &DVector<f64>, test: &DVector<f64>| {
+        let x = reduce(&own, &rest, fit).coefficients;
+        2.0 * x.dot(test) - (x.transpose() * &rest * &x)[0]
+    };
+    Some(0.5 * (gain(&halves[0], &halves[1]) + gain(&halves[1], &halves[0])))
+}
+
+/// `C_⊥ᵀ` times what the average of every second period deviates from the average of all.
+fn half_right_side(data: &Data, system: &System, columns: &Whitened, half: usize) -> DVector<f64> {
+    let p = system.covariance.nrows();
+    let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+    let (mut direct, mut through, mut cross) = (DVector::zeros(k), DVector::zeros(p), DMatrix::zeros(p, k));
+    for ((stretch, blocks), parts) in data.stretches.iter().zip(&system.blocks).zip(columns) {
+        let which: Vec<usize> = (half..stretch.periods.len()).step_by(2).collect();
+        let mean = stretch.mean_over(&which);
+        for (j, block) in blocks.iter().enumerate() {
+            let off: Vec<f64> = mean[j].iter().zip(&stretch.torque[j]).map(|(a, b)| a - b).collect();
+            let white = DVector::from_vec(data.noise[j].whiten(&off, &block.rows, stretch.repetitions()));
+            through += block.jacobian.tr_mul(&white);
+            if let Some((_, m)) = parts.iter().find(|(joint, _)| *joint == j) {
+                direct += m.tr_mul(&white);
+                cross += block.jacobian.tr_mul(m);
+            }
+        }
+    }
+    direct - cross.tr_mul(&(&system.covariance * through))
+}

@@ -1,0 +1,29 @@
+//! What the model leaves over, and the physical effect it comes from.
+//!
+//! Seven steps: data faults first ([`sample_faults`], [`column_faults`]); the noise floor from the scatter of the periods ([`NoiseModel`]); lack of fit;
+//! candidates after the base regressor is projected out; forward and backward selection; rivals; the remainder. [`trace`] runs them
+//! and says for every effect added what it did to the error, on data that fitted the model and on data that never touched it. The
+//! method is told in `docs/closing-the-loop.md`.
+
+mod between;
+mod candidate;
+mod crossval;
+mod faults;
+mod model;
+mod noise;
+mod remainder;
+mod report;
+mod rivals;
+mod select;
+mod stretch;
+mod system;
+mod trace;
+
+pub use faults::{DataFault, FaultKind, RawLog, column_faults, sample_faults};
+pub use model::{AugmentedModel, Term};
+pub use noise::{NoiseModel, NoiseSource};
+pub use report::{Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Verdict};
+pub use stretch::Stretch;
+pub use system::Prior;
+
+pub use trace::{TraceOptions, Traced, trace};

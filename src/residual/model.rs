@@ -1,0 +1,408 @@
+//! The declared model with effects added: what it predicts, and how that changes with every parameter.
+
+use super::Stretch;
+use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
+use crate::effects::{Column, Effect, Kind, Scene, World};
+use crate::model::Robot;
+use crate::parameters::{BaseParameters, Layout, ParameterKind};
+use nalgebra::{DMatrix, DVector};
+
+/// An effect with its values.
+#[derive(Clone)]
+pub struct Term {
+    pub effect: &'static dyn Effect,
+    pub form: usize,
+    pub joints: Vec<usize>,
+    /// Of the columns.
+    pub coefficients: Vec<f64>,
+    /// Shape parameters, or the parameters of a distortion.
+    pub shape: Vec<f64>,
+    /// How many of the shape parameters are estimated, from the first.
+    pub free_shapes: usize,
+    /// Where each of them may lie.
+    pub bounds: Vec<[f64; 2]>,
+}
+
+impl std::fmt::Debug for Term {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}[{}]{:?} c={:?} s={:?}",
+            self.effect.code(),
+            self.form,
+            self.joints,
+            self.coefficients,
+            self.shape
+        )
+    }
+}
+
+impl Term {
+    pub(crate) fn is_distortion(&self) -> bool {
+        self.effect.kind() == Kind::Distortion
+    }
+
+    /// Number of estimated parameters.
+    pub fn parameters(&self) -> usize {
+        self.coefficients.len() + self.free_shapes
+    }
+}
+
+/// Base parameters and effects.
+#[derive(Debug, Clone)]
+pub struct AugmentedModel {
+    pub robot: Robot,
+    pub base: BaseParameters,
+    /// Values of the base parameters.
+    pub values: DVector<f64>,
+    pub terms: Vec<Term>,
+}
+
+/// A model's rows over one stretch.
+pub(crate) struct Evaluated {
+    /// The motion after all distortions.
+    pub motion: Motion,
+    /// n × M, shaped.
+    pub torque: Vec<Vec<f64>>,
+    pub rigid: Vec<Vec<f64>>,
+    pub declared: Vec<Vec<f64>>,
+    pub gain: Vec<f64>,
+    /// Per joint, `(parameter, values)` of every column that is not zero there; shaped.
+    pub jacobian: Vec<Vec<(usize, Vec<f64>)>>,
+}
+
+impl AugmentedModel {
+    /// The declared model with all parameters zero.
+    pub fn declared(robot: &Robot) -> Self {
+        let base = BaseParameters::exact(robot);
+        let values = DVector::zeros(base.len());
+        Self {
+            robot: robot.clone(),
+            base,
+            values,
+            terms: Vec::new(),
+        }
+    }
+
+    /// Number of estimated parameters.
+    pub fn parameters(&self) -> usize {
+        self.values.len() + self.terms.iter().map(Term::parameters).sum::<usize>()
+    }
+
+    /// First parameter of term `at` in the order of [`Self::vector`].
+    pub fn offset_of(&self, at: usize) -> usize {
+        self.values.len() + self.terms[..at].iter().map(Term::parameters).sum::<usize>()
+    }
+
+    /// All parameters: base, then per term the coefficients and the free shapes.
+    pub fn vector(&self) -> DVector<f64> {
+        let mut all: Vec<f64> = self.values.iter().copied().collect();
+        for term in &self.terms {
+            all.extend(&term.coefficients);
+            all.extend(&term.shape[..term.free_shapes]);
+        }
+        DVector::from_vec(all)
+    }
+
+    /// The model with its parameters moved by `step`, shapes kept where they may lie.
+    pub fn moved(&self, step: &DVector<f64>) -> Self {
+        let mut there = self.clone();
+        let b = self.values.len();
+        there.values += step.rows(0, b);
+        let mut at = b;
+        for term in &mut there.terms {
+            for c in &mut term.coefficients {
+                *c += step[at];
+                at += 1;
+            }
+            for i in 0..term.free_shapes {
+                term.shape[i] = (term.shape[i] + step[at]).clamp(term.bounds[i][0], term.bounds[i][1]);
+                at += 1;
+            }
+        }
+        there
+    }
+
+    /// Torque of every joint over the rows of a stretch; n × M [N·m or N].
+    pub fn predict(&self, stretch: &Stretch) -> Vec<Vec<f64>> {
+        self.evaluate(stretch, false).torque
+    }
+
+    fn columns(&self) -> ColumnSet {
+        ColumnSet::new(&self.robot, &Layout::standard(&self.robot), &self.base.kept)
+    }
+
+    pub(crate) fn evaluate(&self, stretch: &Stretch, with_jacobian: bool) -> Evaluated {
+        let plain = self.torques(&stretch.motion, &self.robot, None);
+        let world = self.world(stretch, &plain, None);
+        let robot = self.robot.with_gravity(world.gravity);
+        let set = self.columns();
+        let mut rows = RowBlocks::new(&set, world.motion.samples());
+        rows.fill(&Chain::new(&robot), &set, &world.motion, Coulomb::Sign);
+        let mut here = self.torques(&world.motion, &robot, Some((&set, &rows)));
+        let (rigid, declared) = (std::mem::take(&mut here.rigid), std::mem::take(&mut here.declared));
+        let n = self.robot.joint_count();
+        let mut torque = declared.clone();
+        let mut jacobian = vec![Vec::new(); n];
+        if with_jacobian {
+            for (j, list) in jacobian.iter_mut().enumerate() {
+                for (values, &at) in rows.block(j).chunks_exact(rows.stride()).zip(set.row(j)) {
+                    list.push((at, values[..rows.samples()].to_vec()));
+                }
+            }
+        }
+        let scene = Scene {
+            robot: &robot,
+            motion: &world.motion,
+            rigid: &rigid,
+            declared: &declared,
+            interval: stretch.interval,
+            periodic: stretch.periodic,
+        };
+        for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| !t.is_distortion()) {
+            let columns = term.effect.columns(term.form, &scene, &term.joints, &term.shape);
+            add_columns(&mut torque, &columns, &term.coefficients);
+            if with_jacobian {
+                let at = self.offset_of(t);
+                push_columns(&mut jacobian, &columns, at);
+                push_columns(&mut jacobian, &shape_derivatives(term, &scene), at + term.coefficients.len());
+            }
+        }
+        scale_rows(&mut torque, &mut jacobian, &world.gain);
+        if with_jacobian {
+            for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
+                let at = self.offset_of(t);
+                for (i, values) in self
+                    .distortion_columns(stretch, &plain, term, Some(t))
+                    .into_iter()
+                    .enumerate()
+                {
+                    values
+                        .into_iter()
+                        .enumerate()
+                        .for_each(|(j, v)| jacobian[j].push((at + i, v)));
+                }
+            }
+        }
+        let shaped = |rows: Vec<Vec<f64>>| rows.into_iter().map(|r| stretch.shaped(r)).collect();
+        for list in &mut jacobian {
+            list.iter_mut().for_each(|(_, v)| *v = stretch.shaped(std::mem::take(v)));
+        }
+        Evaluated {
+            motion: world.motion,
+            torque: shaped(torque),
+            rigid,
+            declared,
+            gain: world.gain,
+            jacobian,
+        }
+    }
+
+    /// Derivative of the declared torque by every parameter of a distortion, n × N each, by central differences around its present value
+    /// (zero for a distortion that is not in the model).
+    pub(crate) fn distortion_columns(
+        &self,
+        stretch: &Stretch,
+        plain: &Torques,
+        term: &Term,
+        at: Option<usize>,
+    ) -> Vec<Vec<Vec<f64>>> {
+        let steps = term.effect.steps();
+        (0..steps.len())
+            .map(|i| {
+                let side = |sign: f64| {
+                    let mut moved = term.clone();
+                    moved.shape[i] += sign * steps[i];
+                    let world = self.world(stretch, plain, Some((at, &moved)));
+                    let mut tau = self
+                        .torques(&world.motion, &self.robot.with_gravity(world.gravity), None)
+                        .declared;
+                    tau.iter_mut()
+                        .zip(&world.gain)
+                        .for_each(|(row, g)| row.iter_mut().for_each(|v| *v *= g));
+                    tau
+                };
+                let (up, down) = (side(1.0), side(-1.0));
+                let difference =
+                    |(u, d): (&Vec<f64>, &Vec<f64>)| u.iter().zip(d).map(|(u, d)| (u - d) / (2.0 * steps[i])).collect();
+                up.iter().zip(&down).map(difference).collect()
+            })
+            .collect()
+    }
+
+    /// All distortions applied in turn; `changed` stands in for the term at that place, or comes on top.
+    fn world(&self, stretch: &Stretch, plain: &Torques, changed: Option<(Option<usize>, &Term)>) -> World {
+        let n = self.robot.joint_count();
+        let mut world = World {
+            motion: stretch.motion.clone(),
+            gravity: self.robot.gravity(),
+            gain: vec![1.0; n],
+        };
+        let scene = Scene {
+            robot: &self.robot,
+            motion: &stretch.motion,
+            rigid: &plain.rigid,
+            declared: &plain.declared,
+            interval: stretch.interval,
+            periodic: stretch.periodic,
+        };
+        for (t, own) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
+            let term = match changed {
+                Some((Some(at), other)) if at == t => other,
+                _ => own,
+            };
+            term.effect.distort(&scene, &term.joints, &term.shape, &mut world);
+        }
+        if let Some((None, term)) = changed {
+            term.effect.distort(&scene, &term.joints, &term.shape, &mut world);
+        }
+        world
+    }
+
+    /// Rigid and declared torque along `motion`, from rows where they are there already.
+    pub(crate) fn torques(&self, motion: &Motion, robot: &Robot, rows: Option<(&ColumnSet, &RowBlocks)>) -> Torques {
+        let layout = Layout::standard(robot);
+        let n = robot.joint_count();
+        let mut phi = vec![0.0; layout.len()];
+        self.base
+            .kept
+            .iter()
+            .zip(self.values.iter())
+            .for_each(|(&at, &v)| phi[at] = v);
+        let inertial = |at: usize| matches!(layout.parameters()[at].kind, ParameterKind::Inertial(_));
+        let rigid = match rows {
+            Some((set, rows)) => (0..n)
+                .map(|j| {
+                    let mut sum = vec![0.0; rows.samples()];
+                    let columns = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+                    for (values, &at) in columns.filter(|(_, at)| inertial(self.base.kept[**at])) {
+                        sum.iter_mut().zip(values).for_each(|(s, v)| *s += v * self.values[at]);
+                    }
+                    sum
+                })
+                .collect(),
+            None => {
+                let bare: Vec<f64> = phi
+                    .iter()
+                    .enumerate()
+                    .map(|(at, &v)| if inertial(at) { v } else { 0.0 })
+                    .collect();
+                let flat = crate::dynamics::inverse_dynamics_batch(&Chain::new(robot), &layout, &bare, motion, Coulomb::Sign);
+                (0..n)
+                    .map(|j| flat[j * motion.stride()..j * motion.stride() + motion.samples()].to_vec())
+                    .collect::<Vec<_>>()
+            }
+        };
+        let mut declared: Vec<Vec<f64>> = rigid.clone();
+        for (at, parameter) in layout
+            .parameters()
+            .iter()
+            .enumerate()
+            .filter(|(at, _)| phi[*at] != 0.0 && !inertial(*at))
+        {
+            let speeds = motion.velocities(parameter.link);
+            let column = |v: f64| {
+                if parameter.kind == ParameterKind::Viscous {
+                    v
+                } else {
+                    Coulomb::Sign.value(v)
+                }
+            };
+            declared[parameter.link]
+                .iter_mut()
+                .zip(speeds)
+                .for_each(|(t, &v)| *t += phi[at] * column(v));
+        }
+        Torques { rigid, declared }
+    }
+}
+
+/// Torques along a motion, n × N.
+#[derive(Debug, Clone)]
+pub(crate) struct Torques {
+    pub rigid: Vec<Vec<f64>>,
+    pub declared: Vec<Vec<f64>>,
+}
+
+fn add_columns(torque: &mut [Vec<f64>], columns: &[Column], coefficients: &[f64]) {
+    for (column, &c) in columns.iter().zip(coefficients) {
+        for (j, values) in &column.rows {
+            torque[*j].iter_mut().zip(values).for_each(|(t, v)| *t += c * v);
+        }
+    }
+}
+
+fn push_columns(jacobian: &mut [Vec<(usize, Vec<f64>)>], columns: &[Column], at: usize) {
+    for (i, column) in columns.iter().enumerate() {
+        for (j, values) in &column.rows {
+            jacobian[*j].push((at + i, values.clone()));
+        }
+    }
+}
+
+fn scale_rows(torque: &mut [Vec<f64>], jacobian: &mut [Vec<(usize, Vec<f64>)>], gain: &[f64]) {
+    for (j, &g) in gain.iter().enumerate().filter(|(_, g)| **g != 1.0) {
+        torque[j].iter_mut().for_each(|v| *v *= g);
+        jacobian[j].iter_mut().for_each(|(_, c)| c.iter_mut().for_each(|v| *v *= g));
+    }
+}
+
+/// `∂(C c)/∂shape` by central differences; a thousandth of the value is far above rounding and far below the curvature of any column.
+pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
+    (0..term.free_shapes)
+        .map(|i| {
+            let step = 1e-4 * term.shape[i].abs().max(1e-6);
+            let torque = |sign: f64| {
+                let mut shape = term.shape.clone();
+                shape[i] += sign * step;
+                let columns = term.effect.columns(term.form, scene, &term.joints, &shape);
+                let mut sum = vec![vec![0.0; scene.samples()]; scene.robot.joint_count()];
+                add_columns(&mut sum, &columns, &term.coefficients);
+                (sum, columns)
+            };
+            let ((up, columns), (down, _)) = (torque(1.0), torque(-1.0));
+            let mut rows: Vec<usize> = columns.iter().flat_map(|c| c.rows.iter().map(|r| r.0)).collect();
+            rows.sort_unstable();
+            rows.dedup();
+            let values = |j: usize| up[j].iter().zip(&down[j]).map(|(u, d)| (u - d) / (2.0 * step)).collect();
+            Column {
+                rows: rows.into_iter().map(|j| (j, values(j))).collect(),
+            }
+        })
+        .collect()
+}
+
+/// Standard deviations of what a term reports, from the covariance of its coefficients and free shapes.
+pub(crate) fn reported(term: &Term, covariance: &DMatrix<f64>) -> Vec<(f64, f64)> {
+    let k = term.coefficients.len();
+    let point: Vec<f64> = term
+        .coefficients
+        .iter()
+        .chain(&term.shape[..term.free_shapes])
+        .copied()
+        .collect();
+    let at = |x: &[f64]| {
+        let shape: Vec<f64> = x[k..].iter().chain(&term.shape[term.free_shapes..]).copied().collect();
+        term.effect.reported(term.form, &x[..k], &shape)
+    };
+    let values = at(&point);
+    let mut jacobian = DMatrix::zeros(values.len(), point.len());
+    for c in 0..point.len() {
+        // A thousandth of a standard deviation: the map is smooth over that.
+        let step = (1e-3 * covariance[(c, c)].max(0.0).sqrt())
+            .max(1e-9 * point[c].abs())
+            .max(f64::MIN_POSITIVE);
+        let mut there = point.clone();
+        there[c] += step;
+        at(&there)
+            .iter()
+            .enumerate()
+            .for_each(|(r, v)| jacobian[(r, c)] = (v - values[r]) / step);
+    }
+    let spread = &jacobian * covariance * jacobian.transpose();
+    values
+        .iter()
+        .enumerate()
+        .map(|(r, &v)| (v, spread[(r, r)].max(0.0).sqrt()))
+        .collect()
+}

@@ -1,0 +1,128 @@
+//! The noise floor: what the torque does from one period to the next, or, without periods, what is left at high frequency.
+
+use super::Stretch;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoiseSource {
+    /// Scatter between periods: needs no model.
+    Periods,
+    /// The residual's own behaviour from sample to sample: weaker, because what the model lacks can pass for noise.
+    Residual,
+}
+
+/// Noise on the torque of one joint: variance and correlation in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoiseModel {
+    pub source: NoiseSource,
+    /// Standard deviation of one measurement [N·m or N].
+    pub std_dev: f64,
+    /// Coefficients a of `e_t = Σ a_k e_{t−k} + w_t`; none for white noise.
+    pub autoregression: Vec<f64>,
+    /// Standard deviation of w for one measurement [N·m or N].
+    pub innovation: f64,
+    /// Degrees of freedom of the variance.
+    pub degrees_of_freedom: f64,
+}
+
+/// Sensor and filter dynamics of a few poles; more is decided against by the criterion anyway.
+const MOST_TERMS: usize = 12;
+
+impl NoiseModel {
+    /// From the deviations of every period from the mean of all, joint by joint. `None` for fewer than two periods.
+    pub fn from_periods(stretches: &[Stretch], joint: usize) -> Option<Self> {
+        let mut covariance = vec![0.0; MOST_TERMS + 1];
+        let mut freedom = 0.0;
+        for stretch in stretches.iter().filter(|s| s.periods.len() >= 2) {
+            let rows = stretch.usable[joint].iter().filter(|&&u| u).count() as f64;
+            freedom += rows * (stretch.periods.len() - 1) as f64;
+            for period in &stretch.periods {
+                let deviation = deviation(stretch, period, joint);
+                (0..=MOST_TERMS).for_each(|lag| covariance[lag] += lagged(&deviation, lag));
+            }
+        }
+        (freedom > 0.0).then(|| Self::from_covariance(NoiseSource::Periods, &covariance, freedom))
+    }
+
+    /// From what a fit leaves over, taken as noise: `residuals` of all stretches, unusable rows zero; `parameters` is the number the fit
+    /// has spent on this joint.
+    pub fn from_residual(residuals: &[Vec<f64>], rows: usize, parameters: f64) -> Self {
+        let mut covariance = vec![0.0; MOST_TERMS + 1];
+        for residual in residuals {
+            (0..=MOST_TERMS).for_each(|lag| covariance[lag] += lagged(residual, lag));
+        }
+        Self::from_covariance(NoiseSource::Residual, &covariance, (rows as f64 - parameters).max(1.0))
+    }
+
+    /// Levinson's recursion, the order chosen by the Bayesian information criterion.
+    fn from_covariance(source: NoiseSource, sums: &[f64], freedom: f64) -> Self {
+        let variance = (sums[0] / freedom).max(f64::MIN_POSITIVE);
+        let r: Vec<f64> = sums.iter().map(|c| c / sums[0].max(f64::MIN_POSITIVE)).collect();
+        let mut best = (0.0, Vec::new(), 1.0);
+        let (mut a, mut error): (Vec<f64>, f64) = (Vec::new(), 1.0);
+        for order in 1..r.len() {
+            let reflection = (r[order] - a.iter().enumerate().map(|(k, a)| a * r[order - 1 - k]).sum::<f64>()) / error;
+            let reversed: Vec<f64> = a.iter().rev().copied().collect();
+            a.iter_mut().zip(&reversed).for_each(|(a, b)| *a -= reflection * b);
+            a.push(reflection);
+            error *= 1.0 - reflection * reflection;
+            if error <= 1e-9 {
+                break;
+            }
+            let criterion = freedom * error.ln() + order as f64 * freedom.ln();
+            if criterion < best.0 {
+                best = (criterion, a.clone(), error);
+            }
+        }
+        let (_, autoregression, share) = best;
+        let innovation = (variance * share).sqrt();
+        Self {
+            source,
+            std_dev: variance.sqrt(),
+            autoregression,
+            innovation,
+            degrees_of_freedom: freedom,
+        }
+    }
+
+    /// Rows whose whitened value needs no row that is left out.
+    pub(crate) fn whitened_rows(&self, keep: &[bool], periodic: bool) -> Vec<bool> {
+        let order = self.autoregression.len();
+        let n = keep.len();
+        (0..n)
+            .map(|s| {
+                (0..=order).all(|k| match s.checked_sub(k) {
+                    Some(at) => keep[at],
+                    None => periodic && keep[(s + n - k % n) % n],
+                })
+            })
+            .collect()
+    }
+
+    /// `x` filtered to unit variance for a mean of `repetitions`; rows not in `rows` become zero.
+    pub(crate) fn whiten(&self, x: &[f64], rows: &[bool], repetitions: usize) -> Vec<f64> {
+        let n = x.len();
+        let scale = (repetitions as f64).sqrt() / self.innovation;
+        (0..n)
+            .map(|s| {
+                if !rows[s] {
+                    return 0.0;
+                }
+                let past = self.autoregression.iter().enumerate();
+                let predicted: f64 = past.map(|(k, a)| a * x[(s + n - 1 - k) % n]).sum();
+                (x[s] - predicted) * scale
+            })
+            .collect()
+    }
+}
+
+/// Deviation of one period from the mean of all, zero where the row does not count.
+pub(super) fn deviation(stretch: &Stretch, period: &[Vec<f64>], joint: usize) -> Vec<f64> {
+    let pairs = period[joint].iter().zip(&stretch.torque[joint]).zip(&stretch.usable[joint]);
+    pairs
+        .map(|((t, mean), &usable)| if usable { t - mean } else { 0.0 })
+        .collect()
+}
+
+fn lagged(x: &[f64], lag: usize) -> f64 {
+    x[lag.min(x.len())..].iter().zip(x).map(|(a, b)| a * b).sum()
+}

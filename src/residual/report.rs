@@ -1,0 +1,129 @@
+//! What the tracing hands back: the `residual` part of an answer.
+
+use super::{AugmentedModel, DataFault, NoiseModel};
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The declared model leaves nothing above the noise.
+    NothingMissing,
+    /// What it leaves is explained by the findings, down to the noise.
+    Explained,
+    /// The findings explain a part; the remainder says what is left.
+    PartlyExplained,
+    /// Something is left that no effect explains.
+    Unexplained,
+}
+
+/// Lack of fit of one joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointFit {
+    pub joint: String,
+    /// Mean square of the whitened residual over its expectation under pure noise: F with the degrees of freedom below.
+    pub statistic: f64,
+    pub p_value: f64,
+    pub degrees_of_freedom: [f64; 2],
+    /// RMS of the residual of the mean over the periods, and what noise alone would leave there [N·m or N].
+    pub residual_rms: f64,
+    pub expected_rms: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReportedParameter {
+    pub name: String,
+    pub value: f64,
+    pub unit: String,
+    pub std_dev: f64,
+}
+
+/// RMS per joint [N·m or N], of single measurements.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RmsPair {
+    pub identification: Vec<f64>,
+    /// Per joint over all held-out logs together; empty where there is none.
+    pub held_out: Vec<f64>,
+}
+
+/// Why an effect is believed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evidence {
+    /// Decrease of the weighted sum of squares when the effect is added, divided by what is left per degree of freedom.
+    pub gain: f64,
+    /// Twice the log of the evidence ratio against leaving it out, parameters and shapes tried paid for (Schwarz).
+    pub log_evidence_ratio: f64,
+    /// Chance of such a gain without the effect, times the number of hypotheses tried.
+    pub p_value: f64,
+    /// Gain on blocks of time that were left out of the fit.
+    pub held_out_blocks: f64,
+    /// Gain on one half of the periods when fitted to the other.
+    pub held_out_periods: Option<f64>,
+}
+
+/// Another effect that the data do not exclude in a finding's place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rival {
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// Twice the log of the evidence ratio in favour of the finding; below zero the rival fits better.
+    pub evidence: f64,
+}
+
+/// An effect found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    pub effect: String,
+    pub joints: Vec<String>,
+    pub parameters: Vec<ReportedParameter>,
+    pub rms_before: RmsPair,
+    pub rms_after: RmsPair,
+    pub evidence: Evidence,
+    pub rivals: Vec<Rival>,
+    /// In words, where something should be known about it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// What no effect explains.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Remainder {
+    pub joints: Vec<String>,
+    /// `q2`, `qd4`, `load3`, `time`, `period`: strongest first.
+    pub depends_on: Vec<String>,
+    /// Share of what is left above the noise on those joints that smooth functions of these variables predict.
+    pub predicted_share: f64,
+    /// RMS of what is left above the noise, per joint of `joints` [N·m or N].
+    pub rms: Vec<f64>,
+    pub note: String,
+}
+
+/// The `residual` part of an answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResidualReport {
+    /// Standard deviation of one measurement, per joint [N·m or N].
+    pub noise_floor: Vec<f64>,
+    /// How the floor was found.
+    pub noise_source: String,
+    pub lack_of_fit: Vec<JointFit>,
+    pub verdict: Verdict,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub data_faults: Vec<DataFault>,
+    pub findings: Vec<Finding>,
+    pub remainder: Option<Remainder>,
+    /// Lack of fit with all findings in the model.
+    pub lack_of_fit_after: Vec<JointFit>,
+    /// RMS of the declared model and of the final one.
+    pub rms_before: RmsPair,
+    pub rms_after: RmsPair,
+}
+
+/// Report and augmented model.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    pub report: ResidualReport,
+    pub model: AugmentedModel,
+    pub noise: Vec<NoiseModel>,
+    /// Inverse covariance of [`AugmentedModel::vector`].
+    pub information: DMatrix<f64>,
+}

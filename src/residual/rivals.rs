@@ -1,0 +1,68 @@
+//! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
+
+use super::Rival;
+use super::candidate::{Candidate, appraise, scan};
+use super::select::Selected;
+use super::system::Data;
+use super::trace::joint_names;
+use rayon::prelude::*;
+
+/// The other effects that the data do not exclude in the place of one.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Contest {
+    pub rivals: Vec<Rival>,
+    pub note: Option<String>,
+}
+
+/// Evidence of 20 to 1 and less does not exclude: `2 ln 20`.
+const NOT_EXCLUDED: f64 = 6.0;
+
+pub(crate) fn rivals(data: &Data, selected: &Selected, fixed: usize, candidates: &[Candidate]) -> Vec<Contest> {
+    (0..selected.accepted.len())
+        .map(|i| contest(data, selected, fixed + i, candidates))
+        .collect()
+}
+
+fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]) -> Contest {
+    let mut model = selected.system.model.clone();
+    let own = model.terms.remove(at);
+    let without = data.fit(model);
+    let loss = data.chi_square(&without) - data.chi_square(&selected.system);
+    let Some(mine) = candidates.iter().find(|c| c.is_same_effect(&own) && c.form == own.form) else {
+        return Contest::default();
+    };
+    let tried = mine.grid().len();
+    let cost = own.parameters() - mine.shapes.len();
+    let finding = appraise(&without, mine, own.clone(), loss, cost, tried, Some(&selected.system));
+    let others: Vec<_> = scan(data, &without, candidates)
+        .into_iter()
+        .filter(|s| !s.candidate.is_same_effect(&own))
+        .collect();
+    // The linearised gain errs by a fraction: what comes near is fitted properly.
+    let near: Vec<_> = others
+        .iter()
+        .filter(|s| s.evidence > 0.7 * finding.evidence - 2.0 * NOT_EXCLUDED)
+        .take(6)
+        .collect();
+    let mut rivals: Vec<Rival> = near
+        .par_iter()
+        .filter_map(|s| {
+            let mut model = without.model.clone();
+            model.terms.push(s.term.clone());
+            let fitted = data.fit(model);
+            let gain = data.chi_square(&without) - data.chi_square(&fitted);
+            let free = s.candidate.shapes.len().min(s.cost);
+            let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
+            let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));
+            let evidence = finding.evidence - there.evidence;
+            (evidence < NOT_EXCLUDED).then(|| Rival {
+                effect: s.candidate.effect.code().into(),
+                joints: joint_names(&without.model.robot, &s.candidate.joints),
+                evidence,
+            })
+        })
+        .collect();
+    rivals.sort_by(|a, b| a.evidence.total_cmp(&b.evidence));
+    rivals.dedup_by(|a, b| a.effect == b.effect && a.joints == b.joints);
+    Contest { rivals, note: None }
+}

@@ -1,0 +1,183 @@
+//! Measured torque along a motion, as the tracing sees it.
+
+use crate::dynamics::Motion;
+use crate::effects::Span;
+use crate::identification::{Log, PreparedLog};
+use std::sync::Arc;
+
+/// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike.
+pub type ColumnFilter = Arc<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
+
+/// One stretch of motion with its torque: the average over the periods of a log, or the log itself.
+#[derive(Clone)]
+pub struct Stretch {
+    pub name: String,
+    /// N samples, before the filter.
+    pub motion: Motion,
+    /// Mean torque over the periods, after the filter; n × M (M = N without filter) [N·m or N].
+    pub torque: Vec<Vec<f64>>,
+    /// Torque of every period; P × n × M. Empty where the log does not repeat.
+    pub periods: Vec<Vec<Vec<f64>>>,
+    /// When every period began on the log's clock [s].
+    pub starts: Vec<f64>,
+    /// Time between samples of the motion [s].
+    pub interval: f64,
+    /// Whether the sample after the last is the first.
+    pub periodic: bool,
+    /// Rows that count; n × M.
+    pub usable: Vec<Vec<bool>>,
+    pub filter: Option<ColumnFilter>,
+}
+
+impl std::fmt::Debug for Stretch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "Stretch({}, {} samples, {} periods)",
+            self.name,
+            self.motion.samples(),
+            self.periods.len()
+        )
+    }
+}
+
+impl Stretch {
+    pub fn joints(&self) -> usize {
+        self.torque.len()
+    }
+
+    /// Rows per joint.
+    pub fn rows(&self) -> usize {
+        self.torque[0].len()
+    }
+
+    /// How many measurements each value of the mean torque stands for.
+    pub fn repetitions(&self) -> usize {
+        self.periods.len().max(1)
+    }
+
+    /// `values` over the motion as they enter the rows.
+    pub(crate) fn shaped(&self, values: Vec<f64>) -> Vec<f64> {
+        match &self.filter {
+            Some(filter) => filter(&values),
+            None => values,
+        }
+    }
+
+    /// Rows of `joint` that can be compared with a model whose (distorted) motion is `motion`: usable ones, but not those at a reversal,
+    /// where a fraction of a sample decides on the sign of Coulomb friction.
+    ///
+    /// A filtered stretch keeps them: there the jump is filtered alike on both sides.
+    pub(crate) fn kept(&self, motion: &Motion, joint: usize) -> Vec<bool> {
+        let mut keep = self.usable[joint].clone();
+        if self.filter.is_some() {
+            return keep;
+        }
+        let v = motion.velocities(joint);
+        let n = v.len();
+        // Slower than a thousandth of the top speed the sign is a matter of the derivative's own ripple.
+        let slowest = 1e-3 * v.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+        keep.iter_mut().zip(v).for_each(|(k, v)| *k &= v.abs() >= slowest);
+        let next = |s: usize| if s + 1 < n { Some(s + 1) } else { self.periodic.then_some(0) };
+        for s in 0..n {
+            let Some(t) = next(s) else { continue };
+            if v[s] * v[t] <= 0.0 {
+                let before = if s > 0 { Some(s - 1) } else { self.periodic.then_some(n - 1) };
+                [before, Some(s), Some(t), next(t)]
+                    .into_iter()
+                    .flatten()
+                    .for_each(|at| keep[at] = false);
+            }
+        }
+        keep
+    }
+
+    /// Means over the periods in `which`, n × M.
+    pub(crate) fn mean_over(&self, which: &[usize]) -> Vec<Vec<f64>> {
+        let scale = 1.0 / which.len() as f64;
+        let mean = |j: usize, s: usize| which.iter().map(|&p| self.periods[p][j][s]).sum::<f64>() * scale;
+        (0..self.joints())
+            .map(|j| (0..self.rows()).map(|s| mean(j, s)).collect())
+            .collect()
+    }
+}
+
+/// Travel and speed of every joint over all stretches.
+pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
+    let extreme = |j: usize, f: fn(&Motion, usize) -> &[f64], low: bool| {
+        let values = stretches.iter().flat_map(|s| f(&s.motion, j).iter().copied());
+        if low {
+            values.fold(f64::INFINITY, f64::min)
+        } else {
+            values.fold(f64::NEG_INFINITY, f64::max)
+        }
+    };
+    (0..stretches[0].joints())
+        .map(|j| {
+            let range = extreme(j, Motion::positions, false) - extreme(j, Motion::positions, true);
+            let speed = extreme(j, Motion::velocities, false).max(-extreme(j, Motion::velocities, true));
+            // Rows, not samples, limit what can be told apart where a filter thins them out.
+            let thinned = stretches[0].motion.samples() as f64 / stretches[0].rows().max(1) as f64;
+            Span {
+                range,
+                speed,
+                interval: stretches[0].interval * thinned,
+            }
+        })
+        .collect()
+}
+
+impl Stretch {
+    /// From a prepared log and the record it was prepared from, which has the periods one by one.
+    pub fn new(prepared: &PreparedLog, log: &Log) -> Self {
+        let n = prepared.samples();
+        let (mut periods, mut starts) = (Vec::new(), vec![prepared.start_s]);
+        if let Some(p) = prepared.periods.as_ref().filter(|p| p.count >= 2) {
+            let unfolded: Vec<Vec<f64>> = log.tau.iter().map(|t| p.unfold(t)).collect();
+            let rows = |k: usize| {
+                unfolded
+                    .iter()
+                    .map(|t| prepared.row_filter.torque_rows(&t[k * n..(k + 1) * n]))
+                    .collect()
+            };
+            periods = (0..p.count).map(rows).collect();
+            starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
+        }
+        let filter = prepared.row_filter.clone();
+        let plain = filter.torque.is_none() && filter.columns.is_none() && filter.edges == 0 && filter.decimation == 1;
+        Self {
+            name: prepared.name.clone(),
+            motion: prepared.motion.clone(),
+            torque: prepared.torque.iter().map(|t| prepared.row_filter.torque_rows(t)).collect(),
+            periods,
+            starts,
+            interval: 1.0 / prepared.rate_hz,
+            periodic: prepared.is_periodic() && plain,
+            usable: (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect(),
+            filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
+        }
+    }
+}
+
+/// Rows whose samples are data as far as the filter reaches, and where the joint moves fast enough for its direction to be known.
+fn usable_rows(prepared: &PreparedLog, joint: usize) -> Vec<bool> {
+    let reach = prepared.row_filter.torque.as_ref().map_or(0, |f| f.settling_samples());
+    let speed = prepared.motion.velocities(joint);
+    let n = prepared.samples();
+    let mut gaps = vec![0usize];
+    prepared
+        .usable
+        .iter()
+        .enumerate()
+        .for_each(|(s, &u)| gaps.push(gaps[s] + usize::from(!u)));
+    // Single samples that were interpolated do not spoil a row that a filter makes of hundreds; a twentieth of them does.
+    let intact = |s: usize| {
+        let (from, to) = (s.saturating_sub(reach), (s + reach + 1).min(n));
+        20 * (gaps[to] - gaps[from]) <= if reach > 0 { to - from } else { 0 }
+    };
+    prepared
+        .row_filter
+        .rows(n)
+        .map(|s| intact(s) && speed[s].abs() >= prepared.dead_zone[joint])
+        .collect()
+}

@@ -1,0 +1,348 @@
+//! The whole course: from stretches of data to a report and an augmented model.
+
+use super::between::{self, BetweenFinding};
+use super::candidate::candidates;
+use super::model::reported;
+use super::remainder;
+use super::report::Outcome;
+use super::rivals::{Contest, rivals};
+use super::select::{Accepted, Threshold, select};
+use super::stretch::spans;
+use super::system::{Data, Prior, System};
+use super::{
+    AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, RmsPair, Stretch,
+    Verdict,
+};
+use crate::model::Robot;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+/// What can be asked of the tracing.
+#[derive(Debug, Clone)]
+pub struct TraceOptions {
+    /// Largest chance of a false finding in one log. One in a thousand: a false finding is worse than a miss, because somebody will
+    /// compensate for it.
+    pub chance: f64,
+    /// An existing model and its information, when the question is what has changed since.
+    pub existing: Option<(AugmentedModel, Prior)>,
+    pub most_effects: usize,
+}
+
+impl Default for TraceOptions {
+    fn default() -> Self {
+        Self {
+            chance: 1e-3,
+            existing: None,
+            most_effects: 10,
+        }
+    }
+}
+
+/// Report, model and noise.
+pub type Traced = Outcome;
+
+/// Traces what `robot`'s declared model leaves over on `stretches`. `held_out` is only ever predicted: it chooses nothing.
+pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options: &TraceOptions) -> Traced {
+    let start = options
+        .existing
+        .as_ref()
+        .map_or_else(|| AugmentedModel::declared(robot), |(model, _)| model.clone());
+    let prior = options.existing.as_ref().map(|(_, prior)| prior);
+    let (cleaned, between) = between::separate(robot, stretches, options.chance);
+    let measured = stretches;
+    let stretches = &cleaned[..];
+    let data = Data {
+        stretches,
+        noise: floor(robot, stretches, &start, prior),
+        prior,
+    };
+    let first = data.fit(start.clone());
+    let lack_of_fit = fits(&data, &first);
+    let threshold = Threshold {
+        chance: options.chance,
+        share: 0.05,
+        generalises: 0.5,
+        most_effects: options.most_effects,
+    };
+    let list = candidates(&start, &spans(stretches), prior.is_some());
+    let selected = select(&data, start.clone(), &list, &threshold);
+    let (selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
+    let after = fits(&data, &selected.system);
+    let contests = rivals(&data, &selected, start.terms.len(), &list);
+    let verdict = verdict(selected.accepted.len() + between.len(), rest.is_some());
+    let before_rms = rms(&first.model, stretches, held_out);
+    let findings = findings(&data, held_out, &start, &selected.system, &selected.accepted, &contests);
+    let mut all: Vec<Finding> = between_findings(robot, between, &first.model, measured, stretches, held_out);
+    all.extend(findings);
+    let report = ResidualReport {
+        noise_floor: data.noise.iter().map(|n| n.std_dev).collect(),
+        noise_source: source(&data.noise),
+        lack_of_fit,
+        verdict,
+        data_faults: Vec::new(),
+        findings: all,
+        remainder: rest,
+        lack_of_fit_after: after,
+        rms_before: before_rms,
+        rms_after: rms(&selected.system.model, stretches, held_out),
+    };
+    Outcome {
+        report,
+        information: data.information(&selected.system),
+        model: selected.system.model,
+        noise: data.noise,
+    }
+}
+
+impl Outcome {
+    /// The model and what is known about it, for tracing what changes afterwards. The remainder's stand-in terms stay out of it.
+    pub fn existing(&self) -> (AugmentedModel, Prior) {
+        (
+            self.model.clone(),
+            Prior {
+                mean: self.model.vector(),
+                information: self.information.clone(),
+            },
+        )
+    }
+}
+
+/// Drift and contacts as findings; the error before is that of the data as measured.
+fn between_findings(
+    robot: &Robot,
+    between: Vec<BetweenFinding>,
+    model: &AugmentedModel,
+    measured: &[Stretch],
+    cleaned: &[Stretch],
+    held_out: &[Stretch],
+) -> Vec<Finding> {
+    if between.is_empty() {
+        return Vec::new();
+    }
+    let (before, after) = (rms(model, measured, held_out), rms(model, cleaned, held_out));
+    between
+        .into_iter()
+        .map(|mut b| {
+            b.rms = Some((before.clone(), after.clone()));
+            b.finding(robot, &before)
+        })
+        .collect()
+}
+
+fn verdict(findings: usize, something_left: bool) -> Verdict {
+    match (findings, something_left) {
+        (0, false) => Verdict::NothingMissing,
+        (_, false) => Verdict::Explained,
+        (0, true) => Verdict::Unexplained,
+        (_, true) => Verdict::PartlyExplained,
+    }
+}
+
+fn source(noise: &[NoiseModel]) -> String {
+    match noise.first().map(|n| n.source) {
+        Some(NoiseSource::Periods) => "scatter between periods".into(),
+        _ => "the residual's own course from sample to sample: weaker, what the model lacks can pass for noise".into(),
+    }
+}
+
+/// The noise of every joint: from the periods where there are at least two, otherwise from what the model leaves.
+pub(super) fn floor(robot: &Robot, stretches: &[Stretch], model: &AugmentedModel, prior: Option<&Prior>) -> Vec<NoiseModel> {
+    let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count())
+        .map(|j| NoiseModel::from_periods(stretches, j))
+        .collect();
+    from_periods.unwrap_or_else(|| residual_noise(robot, stretches, model, prior))
+}
+
+/// Noise taken from the residual of an ordinary fit, weights refined once by the noise found.
+pub(super) fn residual_noise(
+    robot: &Robot,
+    stretches: &[Stretch],
+    model: &AugmentedModel,
+    prior: Option<&Prior>,
+) -> Vec<NoiseModel> {
+    let unit = NoiseModel {
+        source: NoiseSource::Residual,
+        std_dev: 1.0,
+        autoregression: Vec::new(),
+        innovation: 1.0,
+        degrees_of_freedom: 1.0,
+    };
+    let mut noise = vec![unit; robot.joint_count()];
+    for _ in 0..2 {
+        let white: Vec<NoiseModel> = noise
+            .iter()
+            .map(|n| NoiseModel {
+                autoregression: Vec::new(),
+                innovation: n.std_dev,
+                ..n.clone()
+            })
+            .collect();
+        let data = Data {
+            stretches,
+            noise: white,
+            prior,
+        };
+        let system = data.fit(model.clone());
+        noise = (0..robot.joint_count())
+            .map(|j| {
+                let scale = data.noise[j].innovation;
+                let rows = |b: &Vec<super::system::Block>| b[j].residual.iter().map(|r| r * scale).collect();
+                let residuals: Vec<Vec<f64>> = system.blocks.iter().map(rows).collect();
+                // White: how far the rows go together is weighed effect by effect, or slow effects would pass for noise.
+                let coloured = NoiseModel::from_residual(&residuals, system.rows(j), system.spent(j));
+                NoiseModel {
+                    autoregression: Vec::new(),
+                    innovation: coloured.std_dev,
+                    ..coloured
+                }
+            })
+            .collect();
+    }
+    noise
+}
+
+/// Lack of fit per joint: F of the whitened residual's mean square against the noise.
+fn fits(data: &Data, system: &System) -> Vec<JointFit> {
+    (0..data.noise.len())
+        .map(|j| {
+            let noise = &data.noise[j];
+            let freedom = (system.rows(j) as f64 - system.spent(j)).max(1.0);
+            let statistic = system.joint_chi_square(j) / freedom;
+            let p_value = FisherSnedecor::new(freedom, noise.degrees_of_freedom.max(1.0)).map_or(f64::NAN, |f| f.sf(statistic));
+            let (sum, count, repetitions) = raw_residual(data, system, j);
+            JointFit {
+                joint: system.model.robot.joints()[j].name.clone(),
+                statistic,
+                p_value,
+                degrees_of_freedom: [freedom, noise.degrees_of_freedom],
+                residual_rms: (sum / count.max(1.0)).sqrt(),
+                expected_rms: noise.std_dev / repetitions.sqrt(),
+            }
+        })
+        .collect()
+}
+
+/// Sum of squares of the mean residual of a joint, rows, and repetitions.
+fn raw_residual(data: &Data, system: &System, joint: usize) -> (f64, f64, f64) {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (stretch, (e, blocks)) in data.stretches.iter().zip(system.evaluated.iter().zip(&system.blocks)) {
+        let rows = blocks[joint]
+            .rows
+            .iter()
+            .zip(stretch.torque[joint].iter().zip(&e.torque[joint]));
+        for (_, (y, f)) in rows.filter(|(keep, _)| **keep) {
+            sum += (y - f) * (y - f);
+            count += 1.0;
+        }
+    }
+    (sum, count, data.stretches.first().map_or(1, Stretch::repetitions) as f64)
+}
+
+/// RMS of single measurements about a model, per joint.
+pub(super) fn rms(model: &AugmentedModel, identification: &[Stretch], held_out: &[Stretch]) -> RmsPair {
+    RmsPair {
+        identification: rms_over(model, identification),
+        held_out: rms_over(model, held_out),
+    }
+}
+
+fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); if stretches.is_empty() { 0 } else { stretches[0].joints() }];
+    for stretch in stretches {
+        let e = model.evaluate(stretch, false);
+        for (j, total) in sums.iter_mut().enumerate() {
+            let keep = stretch.kept(&e.motion, j);
+            let single = [stretch.torque.clone()];
+            let records = if stretch.periods.is_empty() {
+                &single[..]
+            } else {
+                &stretch.periods[..]
+            };
+            for record in records {
+                for s in (0..keep.len()).filter(|&s| keep[s]) {
+                    total.0 += (record[j][s] - e.torque[j][s]).powi(2);
+                    total.1 += 1.0;
+                }
+            }
+        }
+    }
+    sums.into_iter()
+        .map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).sqrt())
+        .collect()
+}
+
+/// One finding per accepted effect; before and after by fitting the model with the effects up to it.
+fn findings(
+    data: &Data,
+    held_out: &[Stretch],
+    start: &AugmentedModel,
+    last: &System,
+    accepted: &[Accepted],
+    contests: &[Contest],
+) -> Vec<Finding> {
+    let fixed = start.terms.len();
+    let mut before = rms(&data.fit(start.clone()).model, data.stretches, held_out);
+    let mut list = Vec::new();
+    for (i, a) in accepted.iter().enumerate() {
+        let mut model = start.clone();
+        model.terms.extend(last.model.terms[fixed..=fixed + i].iter().cloned());
+        let after = rms(&data.fit(model).model, data.stretches, held_out);
+        list.push(finding(last, fixed + i, a, &contests[i], before, after.clone()));
+        before = after;
+    }
+    list
+}
+
+fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
+    let robot = &last.model.robot;
+    let term_joints = &last.model.terms[at].joints;
+    // Misfit that is left widens the deviations as it narrows the evidence.
+    let joints: Vec<usize> = if term_joints.is_empty() {
+        (0..robot.joint_count()).collect()
+    } else {
+        term_joints.clone()
+    };
+    let covariance = last.term_covariance(at) * last.inflation(&joints);
+    let mut term = last.model.terms[at].clone();
+    let k = term.coefficients.len();
+    if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
+        term.coefficients = term.effect.consistent(&term.coefficients, &information);
+    }
+    let values = reported(&term, &covariance);
+    let names = term.effect.parameters(term.form, robot, &term.joints);
+    let parameters = names
+        .into_iter()
+        .zip(values)
+        .map(|(info, (value, std_dev))| ReportedParameter {
+            name: info.name,
+            value,
+            unit: info.unit,
+            std_dev,
+        })
+        .collect();
+    Finding {
+        effect: accepted.effect.into(),
+        joints: joint_names(robot, &term.joints),
+        parameters,
+        rms_before,
+        rms_after,
+        evidence: Evidence {
+            gain: accepted.gain,
+            log_evidence_ratio: accepted.evidence,
+            p_value: accepted.p_value,
+            held_out_blocks: accepted.held_out.blocks,
+            held_out_periods: accepted.held_out.periods,
+        },
+        rivals: contest.rivals.clone(),
+        note: contest.note.clone(),
+    }
+}
+
+/// Names of the joints; all of them for an effect of the whole robot.
+pub(super) fn joint_names(robot: &Robot, joints: &[usize]) -> Vec<String> {
+    let name = |j: usize| robot.joints()[j].name.clone();
+    if joints.is_empty() {
+        (0..robot.joint_count()).map(name).collect()
+    } else {
+        joints.iter().map(|&j| name(j)).collect()
+    }
+}

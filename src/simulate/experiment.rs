@@ -1,0 +1,349 @@
+//! From a trajectory to a log.
+
+use super::friction::{dahl, direction};
+use super::noise::{correlated, normal, quantised};
+use super::{HiddenEffect, Noise, elastic};
+use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
+use crate::model::Robot;
+use crate::parameters::{Inertial, Layout, ParameterKind};
+use crate::spatial::PhysicalInertia;
+use crate::trajectory::Trajectory;
+use nalgebra::{Matrix3, Rotation3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// A virtual robot on a trajectory.
+pub struct Experiment<'a> {
+    /// As declared to the identification.
+    pub robot: &'a Robot,
+    /// True standard parameters, in the order of [`Layout::standard`].
+    pub parameters: &'a [f64],
+    pub trajectory: &'a dyn Trajectory,
+    /// How often the trajectory is run through; may end within a period.
+    pub periods: f64,
+    pub rate_hz: f64,
+    pub effects: &'a [HiddenEffect],
+    pub noise: &'a Noise,
+    pub seed: u64,
+}
+
+/// A log as a recorder writes it: one row per sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedLog {
+    /// [s]
+    pub time: Vec<f64>,
+    /// Per joint [rad or m].
+    pub q: Vec<Vec<f64>>,
+    /// Per joint [N·m or N].
+    pub tau: Vec<Vec<f64>>,
+}
+
+/// Runs the experiment. Same seed, same log.
+///
+/// # Panics
+/// When parameters, noise or trajectory do not fit the robot, or an effect names a joint that is not there.
+pub fn simulate(experiment: &Experiment) -> RecordedLog {
+    let n = experiment.robot.joint_count();
+    assert_eq!(experiment.trajectory.joints(), n, "the trajectory moves every joint");
+    assert_eq!(experiment.noise.torque.len(), n, "one noise level per joint");
+    let mut rng = ChaCha8Rng::seed_from_u64(experiment.seed);
+    let samples = (experiment.periods * experiment.trajectory.duration() * experiment.rate_hz).round() as usize;
+    let time: Vec<f64> = (0..samples).map(|s| s as f64 / experiment.rate_hz).collect();
+    let actual: Vec<f64> = time.iter().map(|t| t + experiment.noise.jitter * normal(&mut rng)).collect();
+    let late = delay(experiment.effects);
+    let torque_times: Vec<f64> = actual.iter().map(|t| t - late).collect();
+    let mut tau = true_torque(experiment, &torque_times);
+    for (j, row) in tau.iter_mut().enumerate() {
+        let noise = correlated(
+            &mut rng,
+            samples,
+            experiment.noise.torque[j],
+            experiment.noise.torque_correlation,
+        );
+        row.iter_mut()
+            .zip(noise)
+            .for_each(|(t, e)| *t = quantised(*t + e, experiment.noise.torque_step));
+    }
+    let reading = |j: usize, t: f64, e: f64| quantised(position_at(experiment, j, t) + e, experiment.noise.position_step);
+    let q = (0..n)
+        .map(|j| {
+            actual
+                .iter()
+                .map(|&t| reading(j, t, experiment.noise.position * normal(&mut rng)))
+                .collect()
+        })
+        .collect();
+    RecordedLog { time, q, tau }
+}
+
+fn delay(effects: &[HiddenEffect]) -> f64 {
+    effects
+        .iter()
+        .map(|e| {
+            if let HiddenEffect::TorqueDelay { seconds } = e {
+                *seconds
+            } else {
+                0.0
+            }
+        })
+        .sum()
+}
+
+/// Time within the trajectory, which repeats.
+fn phase(experiment: &Experiment, t: f64) -> f64 {
+    t.rem_euclid(experiment.trajectory.duration())
+}
+
+fn position_at(experiment: &Experiment, joint: usize, t: f64) -> f64 {
+    experiment.trajectory.state(joint, phase(experiment, t))[0]
+}
+
+/// What the trajectory says the encoders read, at these times.
+fn encoder_motion(experiment: &Experiment, times: &[f64]) -> Motion {
+    Motion::from_fn(experiment.robot.joint_count(), times.len(), |j, s| {
+        experiment.trajectory.state(j, phase(experiment, times[s]))
+    })
+}
+
+/// Torque readings without noise, n × N.
+fn true_torque(experiment: &Experiment, times: &[f64]) -> Vec<Vec<f64>> {
+    let robot = tilted(experiment);
+    let layout = Layout::standard(&robot);
+    let (rigid_phi, friction) = bodies(experiment, &layout);
+    let motor = encoder_motion(experiment, times);
+    let link = true_links(experiment, &robot, &layout, &rigid_phi, times, &motor);
+    let flat = inverse_dynamics_batch(&Chain::new(&robot), &layout, &rigid_phi, &link, Coulomb::Sign);
+    let rigid: Vec<Vec<f64>> = (0..robot.joint_count())
+        .map(|j| flat[j * link.stride()..j * link.stride() + link.samples()].to_vec())
+        .collect();
+    let mut tau = rigid.clone();
+    for (j, row) in tau.iter_mut().enumerate() {
+        let [viscous, coulomb] = friction[j];
+        row.iter_mut()
+            .zip(motor.velocities(j))
+            .for_each(|(t, &v)| *t += viscous * v + coulomb * direction(v));
+    }
+    for effect in experiment.effects {
+        add_torque(effect, experiment, times, &motor, &rigid, &mut tau);
+    }
+    for effect in experiment.effects {
+        disturb_reading(effect, &mut tau);
+    }
+    tau
+}
+
+/// The robot as it really stands.
+fn tilted(experiment: &Experiment) -> Robot {
+    let mut gravity = experiment.robot.gravity();
+    for effect in experiment.effects {
+        if let HiddenEffect::BaseTilt { roll, pitch } = effect {
+            let stand = Rotation3::from_axis_angle(&nalgebra::Vector3::y_axis(), *pitch)
+                * Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), *roll);
+            gravity = stand.inverse() * gravity;
+        }
+    }
+    experiment.robot.with_gravity(gravity)
+}
+
+/// Standard parameters with payload and without friction, and friction `[viscous, Coulomb]` per joint.
+fn bodies(experiment: &Experiment, layout: &Layout) -> (Vec<f64>, Vec<[f64; 2]>) {
+    let mut phi = experiment.parameters.to_vec();
+    assert_eq!(phi.len(), layout.len(), "one value per standard parameter");
+    let mut friction = vec![[0.0; 2]; experiment.robot.joint_count()];
+    for (at, parameter) in layout.parameters().iter().enumerate() {
+        let kind = match parameter.kind {
+            ParameterKind::Viscous => 0,
+            ParameterKind::Coulomb => 1,
+            ParameterKind::Inertial(_) => continue,
+        };
+        friction[parameter.link][kind] = std::mem::take(&mut phi[at]);
+    }
+    let last = experiment.robot.joint_count() - 1;
+    for effect in experiment.effects {
+        if let HiddenEffect::Payload {
+            mass,
+            center_of_mass,
+            inertia,
+        } = effect
+        {
+            let body = PhysicalInertia {
+                mass: *mass,
+                center_of_mass: (*center_of_mass).into(),
+                inertia: Matrix3::from_fn(|r, c| inertia[r][c]),
+            }
+            .about_origin();
+            Inertial::ALL
+                .iter()
+                .zip(body.parameters())
+                .for_each(|(&i, p)| phi[layout.inertial(last, i)] += p);
+        }
+    }
+    (phi, friction)
+}
+
+/// Motion of the links: encoder offsets and elastic gears between.
+fn true_links(experiment: &Experiment, robot: &Robot, layout: &Layout, phi: &[f64], times: &[f64], motor: &Motion) -> Motion {
+    let n = robot.joint_count();
+    let (mut offsets, mut compliance) = (vec![0.0; n], vec![0.0; n]);
+    for effect in experiment.effects {
+        match effect {
+            HiddenEffect::EncoderOffset { joint, offset } => offsets[*joint] += offset,
+            HiddenEffect::JointElasticity { joint, stiffness } => compliance[*joint] += 1.0 / stiffness,
+            _ => {}
+        }
+    }
+    let shifted = |motion: &Motion| {
+        Motion::from_fn(n, motion.samples(), |j, s| {
+            let [q, qd, qdd] = motion.get(j, s);
+            [q + offsets[j], qd, qdd]
+        })
+    };
+    if compliance.iter().all(|c| *c == 0.0) {
+        return shifted(motor);
+    }
+    // A millisecond grid over all the time needed, with a margin for the differences at its ends.
+    let (first, last) = (
+        times.iter().copied().fold(f64::INFINITY, f64::min),
+        times.iter().copied().fold(0.0, f64::max),
+    );
+    let from = first - 0.01;
+    let grid: Vec<f64> = (0..((last - from) / GRID) as usize + 12)
+        .map(|k| from + k as f64 * GRID)
+        .collect();
+    let links = elastic::link_motion(
+        &Chain::new(robot),
+        layout,
+        phi,
+        &shifted(&encoder_motion(experiment, &grid)),
+        GRID,
+        &compliance,
+    );
+    Motion::from_fn(n, times.len(), |j, s| between(&links, j, (times[s] - from) / GRID))
+}
+
+const GRID: f64 = 1e-3;
+
+/// Linear between grid points a millisecond apart: second differences of joint motion over that are 1e-6 of its size.
+fn between(motion: &Motion, joint: usize, at: f64) -> [f64; 3] {
+    let (low, u) = (at.floor() as usize, at - at.floor());
+    let (a, b) = (motion.get(joint, low), motion.get(joint, low + 1));
+    std::array::from_fn(|i| a[i] + u * (b[i] - a[i]))
+}
+
+fn add_torque(
+    effect: &HiddenEffect,
+    experiment: &Experiment,
+    times: &[f64],
+    motor: &Motion,
+    rigid: &[Vec<f64>],
+    tau: &mut [Vec<f64>],
+) {
+    use HiddenEffect::*;
+    let mut add = |joint: usize, value: &dyn Fn(usize, [f64; 3]) -> f64| {
+        tau[joint]
+            .iter_mut()
+            .enumerate()
+            .for_each(|(s, t)| *t += value(s, motor.get(joint, s)));
+    };
+    match effect {
+        TorqueOffset { joint, offset } => add(*joint, &|_, _| *offset),
+        StribeckFriction {
+            joint,
+            amplitude,
+            velocity,
+            exponent,
+        } => {
+            add(*joint, &|_, [_, v, _]| {
+                amplitude * (-(v.abs() / velocity).powf(*exponent)).exp() * direction(v)
+            });
+        }
+        NonlinearViscousFriction {
+            joint,
+            coefficient,
+            exponent,
+        } => {
+            add(*joint, &|_, [_, v, _]| coefficient * v.abs().powf(*exponent) * direction(v));
+        }
+        AsymmetricViscousFriction { joint, coefficient } => add(*joint, &|_, [_, v, _]| coefficient * v.abs()),
+        LoadDependentFriction { joint, coefficient } => {
+            add(*joint, &|s, [_, v, _]| coefficient * rigid[*joint][s].abs() * direction(v));
+        }
+        PreslidingHysteresis { joint, amplitude, width } => {
+            let z = dahl(motor.velocities(*joint), 1.0 / experiment.rate_hz, *width);
+            add(*joint, &|s, [_, v, _]| amplitude * (z[s] - direction(v)));
+        }
+        RotorInertia { joint, inertia } => add(*joint, &|_, [_, _, a]| inertia * a),
+        TransmissionCoupling {
+            joints,
+            ratio,
+            viscous,
+            coulomb,
+            inertia,
+        } => {
+            let [first, second] = *joints;
+            let load = |s: usize| {
+                let ([_, v, a], [_, w, b]) = (motor.get(first, s), motor.get(second, s));
+                let speed = v + ratio * w;
+                viscous * speed + coulomb * direction(speed) + inertia * (a + ratio * b)
+            };
+            add(first, &|s, _| load(s));
+            add(second, &|s, _| ratio * load(s));
+        }
+        JointSpring { joint, stiffness, rest } => add(*joint, &|_, [q, _, _]| stiffness * (q - rest)),
+        PositionRipple {
+            joint,
+            amplitude,
+            cycles,
+            phase,
+        } => add(*joint, &|_, [q, _, _]| amplitude * (cycles * q + phase).sin()),
+        FrictionDrift {
+            joint,
+            viscous,
+            coulomb,
+            time_constant,
+        } => {
+            add(*joint, &|s, [_, v, _]| {
+                (viscous * v + coulomb * direction(v)) * (-times[s] / time_constant).exp()
+            });
+        }
+        ExternalContact { start, end, torque } => {
+            for (joint, level) in torque.iter().enumerate() {
+                add(joint, &|s, _| {
+                    if times[s] >= *start && times[s] < *end { *level } else { 0.0 }
+                });
+            }
+        }
+        Unmodelled { joints, amplitude } => {
+            let other = joints[1];
+            add(joints[0], &|s, [q, _, _]| {
+                amplitude * (2.0 * q).sin() * (3.0 * motor.get(other, s)[0]).cos()
+            });
+        }
+        JointElasticity { .. }
+        | EncoderOffset { .. }
+        | BaseTilt { .. }
+        | Payload { .. }
+        | TorqueDelay { .. }
+        | TorqueGain { .. }
+        | TorqueCrosstalk { .. } => {}
+    }
+}
+
+/// Effects of the torque channel, after everything physical.
+fn disturb_reading(effect: &HiddenEffect, tau: &mut [Vec<f64>]) {
+    match effect {
+        HiddenEffect::TorqueGain { joint, gain } => tau[*joint].iter_mut().for_each(|t| *t *= gain),
+        HiddenEffect::TorqueCrosstalk {
+            joint,
+            from,
+            coefficient,
+        } => {
+            let source = tau[*from].clone();
+            tau[*joint]
+                .iter_mut()
+                .zip(source)
+                .for_each(|(t, other)| *t += coefficient * other);
+        }
+        _ => {}
+    }
+}

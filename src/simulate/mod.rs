@@ -1,0 +1,16 @@
+//! A virtual robot that makes logs: any arm, any trajectory, any of the effects, noise, and faults of the record.
+//!
+//! Simulation and identification of an effect share no code: here states are integrated in time, delays shift time, elastic joints are
+//! solved for the link's motion, so that agreement with the columns of [`effects`](crate::effects) means something.
+
+mod elastic;
+mod experiment;
+mod fault;
+mod friction;
+mod hidden;
+mod noise;
+
+pub use experiment::{Experiment, RecordedLog, simulate};
+pub use fault::{LogFault, corrupt};
+pub use hidden::HiddenEffect;
+pub use noise::Noise;

@@ -1,0 +1,168 @@
+//! The right effect on the right joint with the right value, and nothing where there is nothing.
+
+use crate::bench::*;
+use dynident::residual::{Outcome, TraceOptions, Verdict, trace};
+use dynident::simulate::{HiddenEffect, Noise};
+
+/// The only finding: its code, joint, and the value of its first parameter within `sigmas` of the truth.
+fn only(outcome: &Outcome, code: &str, joint: &str, truth: f64) {
+    let report = &outcome.report;
+    let found: Vec<_> = report
+        .findings
+        .iter()
+        .map(|f| (f.effect.as_str(), f.joints.clone()))
+        .collect();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, code);
+    assert!(joint.is_empty() || found[0].1[0] == joint, "{found:?}");
+    assert_eq!(report.verdict, Verdict::Explained);
+    let p = &report.findings[0].parameters[0];
+    // Four standard deviations: one in 16 000 by chance.
+    assert!(
+        (p.value - truth).abs() < 4.0 * p.std_dev,
+        "{} = {} ± {}, truth {truth}",
+        p.name,
+        p.value,
+        p.std_dev
+    );
+    let floor = &report.noise_floor;
+    for (rms, floor) in report.rms_after.held_out.iter().zip(floor) {
+        assert!(*rms < 1.1 * floor, "held out {rms} above the floor {floor}");
+    }
+}
+
+fn seven(effects: &[HiddenEffect], seed: u64) -> Outcome {
+    traced(&seven_axes(), effects, &sensor_noise(7), seed)
+}
+
+#[test]
+fn prop_nothing_is_found_where_there_is_nothing() {
+    for (i, robot) in robots().iter().enumerate() {
+        for correlation in [0.0, 0.7] {
+            let noise = Noise {
+                torque_correlation: correlation,
+                ..sensor_noise(robot.joint_count())
+            };
+            let report = traced(robot, &[], &noise, 60 + i as u64).report;
+            assert_eq!(
+                report.verdict,
+                Verdict::NothingMissing,
+                "{}: {:?} {:?}",
+                robot.name(),
+                report.findings,
+                report.remainder
+            );
+        }
+    }
+}
+
+#[test]
+fn prop_additive_effects_are_found() {
+    only(
+        &seven(&[HiddenEffect::TorqueOffset { joint: 2, offset: 0.4 }], 1),
+        "torque_offset",
+        "J3",
+        0.4,
+    );
+    only(
+        &seven(&[HiddenEffect::RotorInertia { joint: 5, inertia: 0.12 }], 2),
+        "rotor_inertia",
+        "J6",
+        0.12,
+    );
+    only(
+        &seven(
+            &[HiddenEffect::JointSpring {
+                joint: 3,
+                stiffness: 1.8,
+                rest: 0.2,
+            }],
+            3,
+        ),
+        "joint_spring",
+        "J4",
+        1.8,
+    );
+}
+
+#[test]
+fn prop_distortions_are_found() {
+    only(
+        &seven(&[HiddenEffect::TorqueDelay { seconds: 0.012 }], 4),
+        "torque_delay",
+        "",
+        0.012,
+    );
+    only(
+        &seven(&[HiddenEffect::EncoderOffset { joint: 3, offset: 0.03 }], 5),
+        "encoder_offset",
+        "J4",
+        0.03,
+    );
+}
+
+#[test]
+fn prop_drift_and_contact_are_found_between_the_periods() {
+    let contact = HiddenEffect::ExternalContact {
+        start: 23.0,
+        end: 24.0,
+        torque: vec![0.0, 3.0, 0.0, 1.5, 0.0, 0.0, 0.0],
+    };
+    let report = seven(&[contact], 6).report;
+    assert_eq!(report.findings[0].effect, "external_contact");
+    let [start, end] = [0, 1].map(|i| report.findings[0].parameters[i].value);
+    assert!((start - 23.0).abs() < 0.1 && (end - 24.0).abs() < 0.1, "{start} … {end}");
+    let drift = HiddenEffect::FrictionDrift {
+        joint: 1,
+        viscous: 0.8,
+        coulomb: 0.8,
+        time_constant: 20.0,
+    };
+    let report = seven(&[drift], 7).report;
+    assert_eq!(
+        (report.findings[0].effect.as_str(), report.findings[0].joints[0].as_str()),
+        ("friction_drift", "J2")
+    );
+}
+
+#[test]
+fn prop_what_nobody_knows_is_unexplained() {
+    let report = seven(
+        &[HiddenEffect::Unmodelled {
+            joints: [1, 3],
+            amplitude: 2.0,
+        }],
+        8,
+    )
+    .report;
+    assert!(
+        matches!(report.verdict, Verdict::Unexplained),
+        "{:?} {:?}",
+        report.verdict,
+        report.findings
+    );
+    let mut on = report.remainder.unwrap().depends_on;
+    on.sort();
+    assert_eq!(on, ["q2", "q4"]);
+}
+
+#[test]
+fn prop_a_payload_is_found_against_an_existing_model() {
+    let robot = seven_axes();
+    let noise = sensor_noise(7);
+    let body = HiddenEffect::Payload {
+        mass: 2.3,
+        center_of_mass: [0.01, 0.03, 0.11],
+        inertia: [[0.005, 0.0, 0.0], [0.0, 0.005, 0.0], [0.0, 0.0, 0.003]],
+    };
+    let before = traced(&robot, &[], &noise, 9);
+    let [_, with] = logs(&robot, &[body], &noise, 9);
+    let options = TraceOptions {
+        existing: Some(before.existing()),
+        ..TraceOptions::default()
+    };
+    let report = trace(&robot, &[stretch(&with, "with")], &[], &options).report;
+    assert_eq!(report.findings[0].effect, "payload");
+    let mass = report.findings[0].parameters[0].value;
+    assert!((mass - 2.3).abs() < 0.02 * 2.3, "{mass}");
+}
