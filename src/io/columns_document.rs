@@ -48,7 +48,7 @@ pub fn read_columns(cursor: &Cursor, joints: Option<usize>) -> Columns {
     };
     let rate = fields.nullable("sample_rate_hz").and_then(|c| {
         let rate = c.number()?;
-        if !(rate > 0.0) {
+        if rate <= 0.0 {
             c.complain(format!("is {rate}, expected a rate above zero"));
         }
         Some(rate)

@@ -67,9 +67,7 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
     let constraints = constraints(&layout, &links, &scale, options);
     let matrix = constraints.dense();
     let right = DVector::from_column_slice(&constraints.right) - &matrix * &center;
-    let mut settings = DefaultSettings::default();
-    settings.verbose = false;
-    settings.max_iter = 200;
+    let settings = DefaultSettings { verbose: false, max_iter: 200, ..DefaultSettings::default() };
     let all = compressed(&matrix, |_, _| true);
     let mut solver = DefaultSolver::new(&upper(&p), slope.as_slice(), &all, right.as_slice(), &constraints.cones, settings)
         .expect("dimensions fit by construction");
