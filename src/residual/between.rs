@@ -128,17 +128,17 @@ const COURSES: [f64; 7] = [0.1, 0.2, 0.35, 0.6, 1.0, 2.0, 5.0];
 fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
     let length = stretch.starts.last()? - stretch.starts[0] + stretch.rows() as f64 * stretch.interval;
     let tries = (COURSES.len() * robot.joint_count()) as f64;
-    let mut best: Option<(f64, usize, f64, DVector<f64>, DMatrix<f64>)> = None;
+    let mut best: Option<(f64, usize, f64)> = None;
     for j in 0..robot.joint_count() {
         let at = |course: f64| drift_fit(stretch, noise, j, course * length);
         for &course in &COURSES {
-            let (gain, solution, covariance) = at(course);
-            if best.as_ref().is_none_or(|b| gain > b.0) {
-                best = Some((gain, j, course * length, solution, covariance));
+            let (gain, _, _) = at(course);
+            if best.is_none_or(|b| gain > b.0) {
+                best = Some((gain, j, course * length));
             }
         }
     }
-    let (_, j, coarse, ..) = best?;
+    let (_, j, coarse) = best?;
     let (gain, course, solution, covariance) = refined_drift(stretch, noise, j, coarse);
     let finding = drift_finding(
         robot,

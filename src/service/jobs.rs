@@ -163,7 +163,9 @@ impl Job {
             return;
         }
         // Taken out: uploaded files go when the work is done, whatever becomes of the job.
-        let Some(work) = self.work.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+        let Some(work) = self.work.lock().unwrap_or_else(PoisonError::into_inner).take() else {
+            return;
+        };
         let tell = |told: Told| {
             self.change(|s| match told {
                 Told::Search(progress) => s.progress = Some(progress),

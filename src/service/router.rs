@@ -64,7 +64,10 @@ fn documented(largest_upload: usize) -> (Router<Service>, Document) {
 
 /// The interface as an OpenAPI document, as it is checked in under `openapi/`.
 pub fn openapi_json() -> String {
-    let mut text = documented(Config::default().largest_upload).1.to_pretty_json().expect("an OpenAPI document is plain data");
+    let mut text = documented(Config::default().largest_upload)
+        .1
+        .to_pretty_json()
+        .expect("an OpenAPI document is plain data");
     text.push('\n');
     text
 }

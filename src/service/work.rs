@@ -60,7 +60,9 @@ impl Work {
                 Ok(Outcome::Excited(Box::new(excited)))
             }
             Work::Identify(request, files) => {
-                let found = identify(request, &files.logs, &files.validation, cancel, &|s| tell(Told::Step(s.clone())))?;
+                let found = identify(request, &files.logs, &files.validation, cancel, &|s| {
+                    tell(Told::Step(s.clone()))
+                })?;
                 Ok(Outcome::Identified(Box::new(found)))
             }
             Work::Validate(request, files) => Ok(Outcome::Validated(Box::new(validate(request, &files.logs, cancel)?))),

@@ -11,9 +11,18 @@ use std::fmt::Write;
 
 /// Two links of 3 kg and 1 kg with friction.
 fn truth(layout: &Layout) -> Vec<f64> {
-    let links = [[3.0, 0.6, 0.03, 0.0, 0.02, 0.0, 0.0, 0.2, 0.0, 0.2], [1.0, 0.2, -0.01, 0.0, 0.01, 0.0, 0.0, 0.06, 0.0, 0.06]];
+    let links = [
+        [3.0, 0.6, 0.03, 0.0, 0.02, 0.0, 0.0, 0.2, 0.0, 0.2],
+        [1.0, 0.2, -0.01, 0.0, 0.01, 0.0, 0.0, 0.06, 0.0, 0.06],
+    ];
     let friction = [[0.3, 0.5], [0.1, 0.2]];
-    (0..2).flat_map(|k| links[k].into_iter().chain(friction[k].into_iter().take(layout.per_link() - 10))).collect()
+    (0..2)
+        .flat_map(|k| {
+            links[k]
+                .into_iter()
+                .chain(friction[k].into_iter().take(layout.per_link() - 10))
+        })
+        .collect()
 }
 
 /// A log of the planar arm: three periods of 5 s at 100 Hz, with a pseudo-random torque noise of ±0.01 N m.
@@ -33,8 +42,20 @@ fn log(phase: f64) -> String {
     for s in 0..1500 {
         let at = s % 500;
         let noise = |j: usize| 0.01 * ((s * 7919 + j * 104_729) as f64 * 0.618).sin();
-        let (q, t) = (|j: usize| motion.positions(j)[at], |j: usize| tau[j * motion.stride() + at] + noise(j));
-        writeln!(text, "{:.2},{:.9},{:.9},{:.7},{:.7}", s as f64 / 100.0, q(0), q(1), t(0), t(1)).unwrap();
+        let (q, t) = (
+            |j: usize| motion.positions(j)[at],
+            |j: usize| tau[j * motion.stride() + at] + noise(j),
+        );
+        writeln!(
+            text,
+            "{:.2},{:.9},{:.9},{:.7},{:.7}",
+            s as f64 / 100.0,
+            q(0),
+            q(1),
+            t(0),
+            t(1)
+        )
+        .unwrap();
     }
     text
 }
@@ -42,8 +63,16 @@ fn log(phase: f64) -> String {
 fn multipart(parts: &[(&str, &str, &str)]) -> String {
     let mut body = String::new();
     for (name, file, content) in parts {
-        let file = if file.is_empty() { String::new() } else { format!("; filename=\"{file}\"") };
-        write!(body, "--XXboundary\r\nContent-Disposition: form-data; name=\"{name}\"{file}\r\n\r\n{content}\r\n").unwrap();
+        let file = if file.is_empty() {
+            String::new()
+        } else {
+            format!("; filename=\"{file}\"")
+        };
+        write!(
+            body,
+            "--XXboundary\r\nContent-Disposition: form-data; name=\"{name}\"{file}\r\n\r\n{content}\r\n"
+        )
+        .unwrap();
     }
     body + "--XXboundary--\r\n"
 }
@@ -58,7 +87,11 @@ fn post(server: &Server, path: &str, wait: bool, parts: &[(&str, &str, &str)]) -
 
 fn identify(server: &Server) -> Value {
     let request = json!({"robot": "planar_two_link", "prediction_points": 20}).to_string();
-    let parts = [("request", "", request.as_str()), ("log", "run.csv", &log(0.3)), ("validation", "other.csv", &log(2.0))];
+    let parts = [
+        ("request", "", request.as_str()),
+        ("log", "run.csv", &log(0.3)),
+        ("validation", "other.csv", &log(2.0)),
+    ];
     let answer = post(server, "/identify", true, &parts);
     assert_eq!(answer.status, 200, "{}", answer.text);
     answer.json()
@@ -81,7 +114,11 @@ fn an_uploaded_log_becomes_parameters_errors_and_a_report() {
     assert_eq!(found["rms"]["validation"][0]["name"], "other.csv");
     for log in ["identification", "validation"] {
         for kind in ["base", "physical"] {
-            assert!(found["rms"][log][0][kind]["rms"][0].as_f64().unwrap() < 0.012, "{}", found["rms"]);
+            assert!(
+                found["rms"][log][0][kind]["rms"][0].as_f64().unwrap() < 0.012,
+                "{}",
+                found["rms"]
+            );
         }
     }
     assert_eq!(found["log_report"][0]["rows"], 1500);
@@ -99,7 +136,12 @@ fn the_model_is_handed_out_and_validates_as_json_and_urdf() {
     let model = server.get(&format!("/identify/{id}/model"));
     assert_eq!(model.status, 200);
     let request = json!({"model": model.json()}).to_string();
-    let answer = post(&server, "/validate", true, &[("request", "", &request), ("log", "other.csv", &log(2.0))]);
+    let answer = post(
+        &server,
+        "/validate",
+        true,
+        &[("request", "", &request), ("log", "other.csv", &log(2.0))],
+    );
     assert_eq!(answer.status, 200, "{}", answer.text);
     let rms = &found["rms"]["validation"][0]["physical"]["rms"];
     for j in 0..2 {
@@ -110,7 +152,12 @@ fn the_model_is_handed_out_and_validates_as_json_and_urdf() {
     assert_eq!(urdf.header("content-type"), Some("application/xml"));
     let gravity = Shipped.named("planar_two_link").unwrap().robot.gravity();
     let request = json!({"model": {"urdf": urdf.text, "gravity": gravity.as_slice()}}).to_string();
-    let answer = post(&server, "/validate", true, &[("request", "", &request), ("log", "other.csv", &log(2.0))]);
+    let answer = post(
+        &server,
+        "/validate",
+        true,
+        &[("request", "", &request), ("log", "other.csv", &log(2.0))],
+    );
     assert_eq!(answer.status, 200, "{}", answer.text);
     assert!((answer.json()["logs"][0]["rms"][0].as_f64().unwrap() - rms[0].as_f64().unwrap()).abs() < 1e-9);
     assert_eq!(server.get(&format!("/identify/{id}/model?format=step")).status, 400);
@@ -122,7 +169,12 @@ fn the_model_is_handed_out_and_validates_as_json_and_urdf() {
 fn without_prefer_the_answer_is_a_job_whose_result_is_found_later() {
     let server = Server::start();
     let request = json!({"robot": "planar_two_link"}).to_string();
-    let answer = post(&server, "/identify", false, &[("request", "", &request), ("log", "run.csv", &log(0.3))]);
+    let answer = post(
+        &server,
+        "/identify",
+        false,
+        &[("request", "", &request), ("log", "run.csv", &log(0.3))],
+    );
     assert_eq!(answer.status, 202);
     let job = answer.json();
     assert_eq!(job["kind"], "identification");
@@ -137,19 +189,42 @@ fn bad_requests_and_bad_logs_are_told_with_all_that_is_wrong() {
     let server = Server::start();
     let bad = json!({"robot": "planar_two_link", "period_s": -1, "estimater": "wls", "columns": {"torque": {"sign": [1, 2]}},
         "feasible": {"bounds": [{"link": 3, "mass": [2, 1]}]}});
-    let errors = post(&server, "/identify", true, &[("request", "", &bad.to_string()), ("log", "a.csv", "x")]).errors();
+    let errors = post(
+        &server,
+        "/identify",
+        true,
+        &[("request", "", &bad.to_string()), ("log", "a.csv", "x")],
+    )
+    .errors();
     let pointers: Vec<&str> = errors.iter().map(|e| e.split(':').next().unwrap()).collect();
-    for expected in ["/estimater", "/period_s", "/columns/torque/sign/1", "/feasible/bounds/0/link", "/feasible/bounds/0/mass"] {
+    for expected in [
+        "/estimater",
+        "/period_s",
+        "/columns/torque/sign/1",
+        "/feasible/bounds/0/link",
+        "/feasible/bounds/0/mass",
+    ] {
         assert!(pointers.contains(&expected), "{expected} in {errors:?}");
     }
     let good = json!({"robot": "planar_two_link"}).to_string();
-    let answer = post(&server, "/identify", true, &[("request", "", &good), ("log", "a.csv", "time,q1\n0,1\n")]);
+    let answer = post(
+        &server,
+        "/identify",
+        true,
+        &[("request", "", &good), ("log", "a.csv", "time,q1\n0,1\n")],
+    );
     assert_eq!(answer.status, 422);
     assert_eq!(answer.problem()["code"], "invalid_log");
     let detail = answer.problem()["detail"].as_str().unwrap().to_string();
-    assert!(detail.starts_with("a.csv, line 1:") && detail.contains("`q2`") && detail.contains("`tau1`"), "{detail}");
+    assert!(
+        detail.starts_with("a.csv, line 1:") && detail.contains("`q2`") && detail.contains("`tau1`"),
+        "{detail}"
+    );
     assert_eq!(post(&server, "/identify", true, &[("log", "a.csv", "x")]).status, 400);
     assert_eq!(post(&server, "/identify", true, &[("request", "", &good)]).status, 422);
-    assert_eq!(post(&server, "/identify", true, &[("request", "", &good), ("lag", "a", "x")]).status, 400);
+    assert_eq!(
+        post(&server, "/identify", true, &[("request", "", &good), ("lag", "a", "x")]).status,
+        400
+    );
     assert_eq!(server.post_json("/identify", &good).status, 415);
 }

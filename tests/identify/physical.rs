@@ -2,14 +2,19 @@
 
 use crate::simulated::{POSITION_NOISE, TORQUE_NOISE, Virtual, excitation, noisy};
 use dynident::identification::physical::{
-    Constraint, ConsistentOptions, FitEnding, FitObjective, LinkBounds, PhysicalFit, fit_consistent, margins, priors,
+    ConsistentOptions, Constraint, FitEnding, FitObjective, LinkBounds, PhysicalFit, fit_consistent, margins, priors,
 };
 use dynident::identification::{Estimator, Observation, PreprocessOptions, estimate, normal_equations, prepare};
 use dynident::parameters::{Inertial, Layout};
 
 fn objective(robot: &Virtual, noise: f64) -> FitObjective {
     let torque = TORQUE_NOISE.map(|t| t * noise);
-    let log = noisy(&robot.clean(&excitation(11, 10.0), 100.0, 6), POSITION_NOISE * noise, &torque, 4);
+    let log = noisy(
+        &robot.clean(&excitation(11, 10.0), 100.0, 6),
+        POSITION_NOISE * noise,
+        &torque,
+        4,
+    );
     let prepared = prepare(&log, 7, &PreprocessOptions::default()).unwrap();
     let observations = [Observation::new(&robot.robot, &robot.base, &prepared)];
     let found = estimate(&observations, &[&prepared], Estimator::Weighted);
@@ -67,13 +72,21 @@ fn prop_bounds_hold_and_cost_something() {
     let mut bounds = vec![LinkBounds::default(); 7];
     bounds[6].center_of_mass = Some([[0.01, 0.02], [-0.01, 0.01], [-0.1, 0.1]]);
     bounds[3].mass = Some([3.0, 3.5]);
-    let options = ConsistentOptions { bounds, least_viscous: 0.1, ..ConsistentOptions::default() };
+    let options = ConsistentOptions {
+        bounds,
+        least_viscous: 0.1,
+        ..ConsistentOptions::default()
+    };
     let bound = fit_consistent(&robot.robot, &objective, &options);
     let layout = Layout::standard(&robot.robot);
     let links = bound.links(&layout).unwrap();
     // Interior points end within 1e-8 of their scale of a bound.
     let slack = 1e-6;
-    assert!((3.0 - slack..=3.5 + slack).contains(&links[3].inertia.mass), "{}", links[3].inertia.mass);
+    assert!(
+        (3.0 - slack..=3.5 + slack).contains(&links[3].inertia.mass),
+        "{}",
+        links[3].inertia.mass
+    );
     let center = links[6].inertia.center_of_mass;
     assert!((0.01 - slack..=0.02 + slack).contains(&center.x), "{center}");
     assert!(links.iter().all(|l| l.viscous >= 0.1 - slack));
@@ -86,7 +99,14 @@ fn prop_bounds_that_contradict_each_other_are_infeasible_and_said_so() {
     let objective = objective(&robot, 1.0);
     let mut bounds = vec![LinkBounds::default(); 7];
     bounds[0].mass = Some([5.0, 4.0]);
-    let fit = fit_consistent(&robot.robot, &objective, &ConsistentOptions { bounds, ..ConsistentOptions::default() });
+    let fit = fit_consistent(
+        &robot.robot,
+        &objective,
+        &ConsistentOptions {
+            bounds,
+            ..ConsistentOptions::default()
+        },
+    );
     assert_eq!(fit.ending, FitEnding::Infeasible);
 }
 
@@ -94,7 +114,10 @@ fn prop_bounds_that_contradict_each_other_are_infeasible_and_said_so() {
 fn prop_a_strong_pull_ends_at_the_prior() {
     let robot = rods();
     let objective = objective(&robot, 1.0);
-    let options = ConsistentOptions { prior_weight: 1e12, ..ConsistentOptions::default() };
+    let options = ConsistentOptions {
+        prior_weight: 1e12,
+        ..ConsistentOptions::default()
+    };
     let fit = fit_consistent(&robot.robot, &objective, &options);
     let layout = Layout::standard(&robot.robot);
     for (link, prior) in priors(&robot.robot).iter().enumerate() {

@@ -67,13 +67,26 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
     let constraints = constraints(&layout, &links, &scale, options);
     let matrix = constraints.dense();
     let right = DVector::from_column_slice(&constraints.right) - &matrix * &center;
-    let settings = DefaultSettings { verbose: false, max_iter: 200, ..DefaultSettings::default() };
+    let settings = DefaultSettings {
+        verbose: false,
+        max_iter: 200,
+        ..DefaultSettings::default()
+    };
     let all = compressed(&matrix, |_, _| true);
-    let mut solver = DefaultSolver::new(&upper(&p), slope.as_slice(), &all, right.as_slice(), &constraints.cones, settings)
-        .expect("dimensions fit by construction");
+    let mut solver = DefaultSolver::new(
+        &upper(&p),
+        slope.as_slice(),
+        &all,
+        right.as_slice(),
+        &constraints.cones,
+        settings,
+    )
+    .expect("dimensions fit by construction");
     single_threaded_blas();
     solver.solve();
-    let values: Vec<f64> = (0..scale.len()).map(|i| (center[i] + solver.solution.x[i]) * scale[i]).collect();
+    let values: Vec<f64> = (0..scale.len())
+        .map(|i| (center[i] + solver.solution.x[i]) * scale[i])
+        .collect();
     let ending = match solver.solution.status {
         SolverStatus::Solved => FitEnding::Converged,
         SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => FitEnding::Stalled,
@@ -121,7 +134,13 @@ fn unconstrained_minimum(p: &DMatrix<f64>, q: &DVector<f64>) -> DVector<f64> {
     // Rounding of a matrix of this size is 1e-14 of its largest eigenvalue.
     let least = 1e-13 * eigen.eigenvalues.amax();
     let along = eigen.eigenvectors.tr_mul(q);
-    let steps = DVector::from_fn(q.len(), |i, _| if eigen.eigenvalues[i] > least { -along[i] / eigen.eigenvalues[i] } else { 0.0 });
+    let steps = DVector::from_fn(q.len(), |i, _| {
+        if eigen.eigenvalues[i] > least {
+            -along[i] / eigen.eigenvalues[i]
+        } else {
+            0.0
+        }
+    });
     &eigen.eigenvectors * steps
 }
 
@@ -144,7 +163,10 @@ fn cost(
             q[i] -= 2.0 * weight * prior / scale[i];
         }
     }
-    let size = objective.unconstrained().max(1e-12 * objective.torque_square()).max(f64::MIN_POSITIVE);
+    let size = objective
+        .unconstrained()
+        .max(1e-12 * objective.torque_square())
+        .max(f64::MIN_POSITIVE);
     (p / size, q / size)
 }
 

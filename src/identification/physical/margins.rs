@@ -18,16 +18,6 @@ pub enum Constraint {
     Coulomb,
     /// A stated bound, in the unit of what it bounds.
     Bound,
-    /// Off-diagonal entries at most a tenth of the smallest diagonal one [kg m²] (the paper's (11)).
-    OffDiagonal,
-    /// Largest diagonal entry at most a hundred times the smallest [kg m²] (11).
-    DiagonalRatio,
-    /// Diagonal entries at least 1e-4 kg m² (11).
-    LeastDiagonal,
-    /// Triangle inequality of the diagonal entries [kg m²] (11).
-    DiagonalTriangle,
-    /// Moment about the link's length at most a third of the others [kg m²] (11).
-    SlenderAxis,
 }
 
 impl Constraint {
@@ -40,11 +30,6 @@ impl Constraint {
             Self::Viscous => "viscous_not_negative",
             Self::Coulomb => "coulomb_not_negative",
             Self::Bound => "bound",
-            Self::OffDiagonal => "off_diagonal_small",
-            Self::DiagonalRatio => "diagonal_ratio",
-            Self::LeastDiagonal => "diagonal_least",
-            Self::DiagonalTriangle => "diagonal_triangle",
-            Self::SlenderAxis => "slender_axis",
         }
     }
 }

@@ -1,13 +1,9 @@
 //! Physical parameters: masses, centres of mass and inertias that a simulator accepts and that fit the log.
 //!
 //! Least squares determines base parameters; the standard parameters behind them are open along the null space of K, and the best fit
-//! may be no body at all (the paper's Table 2 has negative inertias). Two ways to a model that is one:
-//!
-//! - [`fit_consistent`]: least squares over the standard parameters with every link's pseudo-inertia positive definite, which is physical
-//!   consistency in full and nothing beyond it (Traversaro et al. 2016, Wensing et al. 2018). Convex: the answer is the global one.
-//! - [`fit_paper`]: the paper's (10a-d), nonlinear in mass, centre of mass and inertia about it, with simulator-friendly constraints.
-//!
-//! The first is a relaxation of the second, so its cost bounds the second's from below.
+//! may be no body at all (the paper's Table 2 has negative inertias). [`fit_consistent`] is least squares over the standard parameters with
+//! every link's pseudo-inertia positive definite, which is physical consistency in full and nothing beyond it (Traversaro et al. 2016,
+//! Wensing et al. 2018). Convex: the answer is the global one.
 
 mod consistent;
 mod margins;

@@ -112,7 +112,11 @@ fn finished(job: &Job) -> Option<Result<Excitation, Failure>> {
 fn find(service: &Service, id: &str) -> Result<Arc<Job>, Failure> {
     let unknown =
         || Error::new(Code::UnknownExcitation, format!("there is no excitation `{id}`")).with_hint("GET /jobs lists them");
-    Ok(service.jobs().get(id).filter(|job| job.kind() == "excitation").ok_or_else(unknown)?)
+    Ok(service
+        .jobs()
+        .get(id)
+        .filter(|job| job.kind() == "excitation")
+        .ok_or_else(unknown)?)
 }
 
 /// The result of a design.

@@ -73,11 +73,24 @@ pub async fn post(
     body: Result<Multipart, MultipartRejection>,
 ) -> Result<Response, Failure> {
     let upload = Upload::read(body.map_err(not_multipart)?, true).await?;
-    let Upload { request, files, fingerprint } = upload;
+    let Upload {
+        request,
+        files,
+        fingerprint,
+    } = upload;
     let reader = service.clone();
     let read = tokio::task::spawn_blocking(move || read_identify_request(&request, &reader, &reader)).await;
-    let request = read.map_err(|_| internal_error())?.map_err(|e| Error::invalid("the identification request", e))?;
-    submit(&service, Work::Identify(Box::new(request), files), &headers, &fingerprint, wait).await
+    let request = read
+        .map_err(|_| internal_error())?
+        .map_err(|e| Error::invalid("the identification request", e))?;
+    submit(
+        &service,
+        Work::Identify(Box::new(request), files),
+        &headers,
+        &fingerprint,
+        wait,
+    )
+    .await
 }
 
 /// Hold a model against logs.
@@ -107,20 +120,45 @@ pub async fn post_validation(
     headers: HeaderMap,
     body: Result<Multipart, MultipartRejection>,
 ) -> Result<Response, Failure> {
-    let Upload { request, files, fingerprint } = Upload::read(body.map_err(not_multipart)?, false).await?;
+    let Upload {
+        request,
+        files,
+        fingerprint,
+    } = Upload::read(body.map_err(not_multipart)?, false).await?;
     let reader = service.clone();
     let read = tokio::task::spawn_blocking(move || read_validate_request(&request, &reader, &reader)).await;
-    let request = read.map_err(|_| internal_error())?.map_err(|e| Error::invalid("the validation request", e))?;
-    submit(&service, Work::Validate(Box::new(request), files), &headers, &fingerprint, wait).await
+    let request = read
+        .map_err(|_| internal_error())?
+        .map_err(|e| Error::invalid("the validation request", e))?;
+    submit(
+        &service,
+        Work::Validate(Box::new(request), files),
+        &headers,
+        &fingerprint,
+        wait,
+    )
+    .await
 }
 
 fn not_multipart(rejection: MultipartRejection) -> Failure {
-    let error = Error::new(Code::UnsupportedMediaType, format!("the body is no multipart form: {}", rejection.body_text()));
+    let error = Error::new(
+        Code::UnsupportedMediaType,
+        format!("the body is no multipart form: {}", rejection.body_text()),
+    );
     Failure(error.with_hint("send `Content-Type: multipart/form-data` with a boundary"))
 }
 
-async fn submit(service: &Service, work: Work, headers: &HeaderMap, fingerprint: &[u8], wait: PreferWait) -> Result<Response, Failure> {
-    let key = headers.get("idempotency-key").and_then(|v| v.to_str().ok()).map(|k| (k.to_string(), fingerprint));
+async fn submit(
+    service: &Service,
+    work: Work,
+    headers: &HeaderMap,
+    fingerprint: &[u8],
+    wait: PreferWait,
+) -> Result<Response, Failure> {
+    let key = headers
+        .get("idempotency-key")
+        .and_then(|v| v.to_str().ok())
+        .map(|k| (k.to_string(), fingerprint));
     let job = service.jobs().submit(work, key)?;
     Ok(answer(service, &job, wait).await)
 }
@@ -137,7 +175,10 @@ async fn answer(service: &Service, job: &Arc<Job>, wait: PreferWait) -> Response
         }
         Some(Err(failure)) => failure.into_response(),
         None => {
-            let place = [(header::LOCATION, format!("/jobs/{}", job.id)), (header::RETRY_AFTER, "1".to_string())];
+            let place = [
+                (header::LOCATION, format!("/jobs/{}", job.id)),
+                (header::RETRY_AFTER, "1".to_string()),
+            ];
             (StatusCode::ACCEPTED, applied, place, Json(JobDocument::of(job))).into_response()
         }
     }
@@ -151,15 +192,27 @@ fn ended(job: &Job) -> Option<Result<Response, Failure>> {
     }
     let id = job.id.clone();
     Some(match (job.outcome(), status.error) {
-        (Some(Outcome::Identified(found)), _) => Ok(Json(IdentificationResult { id, result: found.document.clone() }).into_response()),
-        (Some(Outcome::Validated(found)), _) => Ok(Json(ValidationResult { id, result: (**found).clone() }).into_response()),
+        (Some(Outcome::Identified(found)), _) => Ok(Json(IdentificationResult {
+            id,
+            result: found.document.clone(),
+        })
+        .into_response()),
+        (Some(Outcome::Validated(found)), _) => Ok(Json(ValidationResult {
+            id,
+            result: (**found).clone(),
+        })
+        .into_response()),
         (_, Some(error)) => Err(Failure(error)),
-        _ => Err(Failure(Error::new(Code::NoResult, "the job was cancelled before it had a result"))),
+        _ => Err(Failure(Error::new(
+            Code::NoResult,
+            "the job was cancelled before it had a result",
+        ))),
     })
 }
 
 fn find(service: &Service, id: &str, kind: &str) -> Result<Arc<Job>, Failure> {
-    let unknown = || Error::new(Code::UnknownIdentification, format!("there is no {kind} `{id}`")).with_hint("GET /jobs lists them");
+    let unknown =
+        || Error::new(Code::UnknownIdentification, format!("there is no {kind} `{id}`")).with_hint("GET /jobs lists them");
     Ok(service.jobs().get(id).filter(|job| job.kind() == kind).ok_or_else(unknown)?)
 }
 
@@ -200,7 +253,11 @@ pub async fn get(State(service): State<Service>, Path(id): Path<String>, wait: P
         (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get_validation(State(service): State<Service>, Path(id): Path<String>, wait: PreferWait) -> Result<Response, Failure> {
+pub async fn get_validation(
+    State(service): State<Service>,
+    Path(id): Path<String>,
+    wait: PreferWait,
+) -> Result<Response, Failure> {
     let job = find(&service, &id, "validation")?;
     Ok(answer(&service, &job, wait).await)
 }
@@ -229,12 +286,25 @@ pub async fn model(State(service): State<Service>, Path(id): Path<String>, mut q
     let job = find(&service, &id, "identification")?;
     let found: &Identified = match job.outcome() {
         Some(Outcome::Identified(found)) => found,
-        _ => return Err(ended(&job).and_then(Result::err).unwrap_or_else(|| Failure(Error::new(Code::NoModel, "the identification goes on")))),
+        _ => {
+            return Err(ended(&job)
+                .and_then(Result::err)
+                .unwrap_or_else(|| Failure(Error::new(Code::NoModel, "the identification goes on"))));
+        }
     };
     let files = found.model()?;
-    let place = |extension: &str| (header::CONTENT_DISPOSITION, format!("attachment; filename=\"model-{id}.{extension}\""));
+    let place = |extension: &str| {
+        (
+            header::CONTENT_DISPOSITION,
+            format!("attachment; filename=\"model-{id}.{extension}\""),
+        )
+    };
     Ok(match urdf {
-        true => ([place("urdf"), (header::CONTENT_TYPE, "application/xml".to_string())], files.urdf.clone()).into_response(),
+        true => (
+            [place("urdf"), (header::CONTENT_TYPE, "application/xml".to_string())],
+            files.urdf.clone(),
+        )
+            .into_response(),
         false => ([place("json")], Json(files.json.clone())).into_response(),
     })
 }

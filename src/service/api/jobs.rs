@@ -118,7 +118,11 @@ impl JobDocument {
                 rounds_finished: p.rounds_finished,
                 elapsed_s: status.started.map_or(0.0, |s| elapsed(s).as_secs_f64()),
             }),
-            step: status.step.as_ref().map(|s| StepDocument { what: s.what, done: s.done, of: s.of }),
+            step: status.step.as_ref().map(|s| StepDocument {
+                what: s.what,
+                done: s.done,
+                of: s.of,
+            }),
             error: status.error.as_ref().map(Problem::from),
             links: Links {
                 this: format!("/jobs/{id}"),
