@@ -5,3 +5,6 @@ pub mod notation {}
 
 #[doc = include_str!("method.md")]
 pub mod method {}
+
+#[doc = include_str!("closing-the-loop.md")]
+pub mod closing_the_loop {}
