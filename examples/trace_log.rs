@@ -48,7 +48,12 @@ fn main() {
         );
         println!("== {dir}: {a:?} {b:?}");
         let t = Instant::now();
-        let out = trace(&robot, &[a.clone()], &[b.clone()], &TraceOptions::default());
+        let out = trace(
+            &robot,
+            std::slice::from_ref(&a),
+            std::slice::from_ref(&b),
+            &TraceOptions::default(),
+        );
         println!("  identification traced in {:?}", t.elapsed());
         show(&out.report);
         let t = Instant::now();

@@ -1,6 +1,7 @@
 //! Identify a robot from logs.
 
 use super::report::document;
+use super::trace::residual;
 use super::{CancelFlag, Code, Error};
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::{FitObjective, PhysicalFit, fit_consistent};
@@ -11,6 +12,7 @@ use crate::io::log::{Columns, LogReport, read_log_file};
 use crate::io::{IdentifyDocument, IdentifyRequest, robot_value, urdf};
 use crate::model::{LinkPrior, Robot, from_urdf};
 use crate::parameters::{BaseParameters, Layout};
+use crate::residual::{AugmentedModel, DataFault, RawLog, Stretch, sample_faults};
 use nalgebra::DVector;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -49,6 +51,10 @@ pub struct UsedLog {
     pub report: LogReport,
     pub prepared: PreparedLog,
     pub observation: Observation,
+    /// What tracing needs of the record, where it is asked for.
+    pub stretch: Option<Stretch>,
+    /// Constant, clipped or frozen columns.
+    pub sample_faults: Vec<DataFault>,
 }
 
 /// A finished identification.
@@ -61,6 +67,8 @@ pub struct Identified {
     pub model: Option<ModelFiles>,
     pub identification: Vec<UsedLog>,
     pub validation: Vec<UsedLog>,
+    /// The declared model with every effect found, where tracing was asked for.
+    pub augmented: Option<AugmentedModel>,
 }
 
 /// The identified robot, each form read back and compared with what was identified.
@@ -111,8 +119,9 @@ pub fn identify(
         columns: &request.columns,
         preprocess: &request.preprocess,
         offset: request.offset,
+        trace: request.trace,
     };
-    let total = logs.len() + validation.len() + 2;
+    let total = logs.len() + validation.len() + 3;
     let mut used = Vec::new();
     for (done, file) in logs.iter().chain(validation).enumerate() {
         stop_if_cancelled(cancel)?;
@@ -126,7 +135,7 @@ pub fn identify(
     let held_out = used.split_off(logs.len());
     observe(&Step {
         what: "estimating",
-        done: total - 2,
+        done: total - 3,
         of: total,
     });
     let observations: Vec<Observation> = used.iter().map(|u| u.observation.clone()).collect();
@@ -136,7 +145,7 @@ pub fn identify(
     stop_if_cancelled(cancel)?;
     observe(&Step {
         what: "physical parameters",
-        done: total - 1,
+        done: total - 2,
         of: total,
     });
     let physical = request.feasible.as_ref().map(|options| {
@@ -148,7 +157,16 @@ pub fn identify(
         .map(|fit| model_files(request, &base, &found, fit))
         .transpose()?
         .flatten();
-    let document = document(request, &base, &found, &judged, physical.as_ref(), &used, &held_out);
+    let mut document = document(request, &base, &found, &judged, physical.as_ref(), &used, &held_out);
+    stop_if_cancelled(cancel)?;
+    observe(&Step {
+        what: "tracing what is left",
+        done: total - 1,
+        of: total,
+    });
+    let traced = request.trace.then(|| residual(&request.robot, &used, &held_out));
+    let (report, augmented) = traced.unzip();
+    document.residual = report;
     Ok(Identified {
         document,
         base,
@@ -157,6 +175,7 @@ pub fn identify(
         model,
         identification: used,
         validation: held_out,
+        augmented,
     })
 }
 
@@ -177,6 +196,7 @@ pub(super) struct Reading<'a> {
     pub columns: &'a Columns,
     pub preprocess: &'a PreprocessOptions,
     pub offset: bool,
+    pub trace: bool,
 }
 
 /// Reads and prepares one log.
@@ -188,6 +208,17 @@ pub(super) fn use_log(reading: &Reading, file: &LogFile) -> Result<UsedLog, Erro
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);
     let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
+    let stretch = reading.trace.then(|| Stretch::new(&prepared, &log));
+    let raw = RawLog {
+        time: Vec::new(),
+        q: log.q,
+        tau: log.tau,
+    };
+    let sample_faults = if reading.trace {
+        sample_faults(reading.robot, &raw)
+    } else {
+        Vec::new()
+    };
     let mut observation = Observation::new(reading.robot, reading.base, &prepared);
     if reading.offset {
         observation.push_offsets(&prepared);
@@ -196,6 +227,8 @@ pub(super) fn use_log(reading: &Reading, file: &LogFile) -> Result<UsedLog, Erro
         report,
         prepared,
         observation,
+        stretch,
+        sample_faults,
     })
 }
 

@@ -5,6 +5,7 @@ mod excite;
 mod identify;
 mod problem;
 mod report;
+mod trace;
 mod validate;
 
 pub use error::{Code, Error};

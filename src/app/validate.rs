@@ -34,6 +34,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         columns: &request.columns,
         preprocess: &request.preprocess,
         offset: !offsets.is_empty(),
+        trace: false,
     };
     let mut document = ValidateDocument {
         robot: robot.name().to_string(),

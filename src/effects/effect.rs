@@ -13,7 +13,7 @@ pub struct Scene<'a> {
     pub rigid: &'a [Vec<f64>],
     /// Torque of the declared model with friction [N·m or N]; n × N.
     pub declared: &'a [Vec<f64>],
-    /// Time between samples [s].
+    /// Time between samples (s).
     pub interval: f64,
     /// Whether the sample after the last is the first.
     pub periodic: bool,
@@ -107,7 +107,7 @@ pub struct Span {
     pub range: f64,
     /// Largest speed [rad/s or m/s].
     pub speed: f64,
-    /// Time between samples [s].
+    /// Time between samples (s).
     pub interval: f64,
 }
 

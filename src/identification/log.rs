@@ -6,7 +6,7 @@ pub struct Log {
     /// The file's name, or whatever the user calls it.
     pub name: String,
     pub rate_hz: f64,
-    /// Time of the first sample on the log's own clock [s].
+    /// Time of the first sample on the log's own clock (s).
     pub start_s: f64,
     /// Per joint [rad or m].
     pub q: Vec<Vec<f64>>,

@@ -81,9 +81,9 @@ pub struct PhysicalValue {
     /// From 1.
     pub link: usize,
     pub name: String,
-    /// [kg]
+    /// (kg)
     pub mass: f64,
-    /// [m]
+    /// (m)
     pub center_of_mass: [f64; 3],
     /// About the centre of mass [kg m²].
     pub inertia: InertiaDocument,
@@ -208,7 +208,7 @@ pub struct ChoiceDocument {
 pub struct PredictionDocument {
     pub log: String,
     pub joint: String,
-    /// [s], on the log's own clock.
+    /// (s), on the log's own clock.
     pub time: Vec<f64>,
     pub measured: Vec<f64>,
     pub base: Vec<f64>,

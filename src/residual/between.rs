@@ -330,7 +330,7 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
     Some((finding, without_interval(stretch, from, to)))
 }
 
-/// The shortest touch looked for [s].
+/// The shortest touch looked for (s).
 const SHORTEST: f64 = 0.05;
 
 fn median_period(stretch: &Stretch, j: usize) -> Vec<f64> {

@@ -21,6 +21,18 @@ pub enum FaultKind {
     BadSamples,
 }
 
+impl FaultKind {
+    /// Name in documents.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::TorqueSign => "torque_sign",
+            Self::JointOrder => "joint_order",
+            Self::UnitMismatch => "unit_mismatch",
+            Self::BadSamples => "bad_samples",
+        }
+    }
+}
+
 /// A fault, named.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DataFault {
@@ -34,7 +46,7 @@ pub struct DataFault {
 /// A log as recorded: rows in the order of the file, before anything is repaired.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawLog {
-    /// [s]; empty where the log has none.
+    /// (s); empty where the log has none.
     pub time: Vec<f64>,
     /// Per joint.
     pub q: Vec<Vec<f64>>,

@@ -18,9 +18,9 @@ pub struct Stretch {
     pub torque: Vec<Vec<f64>>,
     /// Torque of every period; P × n × M. Empty where the log does not repeat.
     pub periods: Vec<Vec<Vec<f64>>>,
-    /// When every period began on the log's clock [s].
+    /// When every period began on the log's clock (s).
     pub starts: Vec<f64>,
-    /// Time between samples of the motion [s].
+    /// Time between samples of the motion (s).
     pub interval: f64,
     /// Whether the sample after the last is the first.
     pub periodic: bool,

@@ -30,7 +30,7 @@ pub struct Experiment<'a> {
 /// A log as a recorder writes it: one row per sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedLog {
-    /// [s]
+    /// (s)
     pub time: Vec<f64>,
     /// Per joint [rad or m].
     pub q: Vec<Vec<f64>>,

@@ -21,7 +21,7 @@ pub enum LogFault {
     ConstantTorque { joint: usize },
     /// Torque of a joint limited to ± this value.
     ClippedTorque { joint: usize, limit: f64 },
-    /// All columns repeat their value from `start` for `duration` [s].
+    /// All columns repeat their value from `start` for `duration` (s).
     Frozen { start: f64, duration: f64 },
     /// So many rows with the time of the row before.
     RepeatedTimes { count: usize },

@@ -46,7 +46,7 @@ pub enum HiddenEffect {
     JointElasticity { joint: usize, stiffness: f64 },
     /// True position = reading + offset.
     EncoderOffset { joint: usize, offset: f64 },
-    /// Base turned by roll about x, then pitch about y [rad].
+    /// Base turned by roll about x, then pitch about y (rad).
     BaseTilt { roll: f64, pitch: f64 },
     /// A body in the last link's frame; inertia about its centre of mass.
     Payload {

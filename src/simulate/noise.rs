@@ -22,7 +22,7 @@ pub struct Noise {
     /// Steps of the torque channel [N·m or N]; 0 for none.
     #[serde(default)]
     pub torque_step: f64,
-    /// Standard deviation of the sampling instants [s]; the log says nominal times.
+    /// Standard deviation of the sampling instants (s); the log says nominal times.
     #[serde(default)]
     pub jitter: f64,
 }

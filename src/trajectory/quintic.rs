@@ -9,7 +9,7 @@ use super::Trajectory;
 pub struct QuinticWayPoints {
     /// K + 1 positions of n joints [rad or m].
     way_points: Vec<Vec<f64>>,
-    /// Times of the way-points [s], from 0.
+    /// Times of the way-points (s), from 0.
     times: Vec<f64>,
 }
 

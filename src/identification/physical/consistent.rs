@@ -38,9 +38,9 @@ impl Default for ConsistentOptions {
 /// Bounds (10b) that are linear in the standard parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkBounds {
-    /// [kg].
+    /// (kg).
     pub mass: Option<[f64; 2]>,
-    /// Per axis of the link frame [m].
+    /// Per axis of the link frame (m).
     pub center_of_mass: Option<[[f64; 2]; 3]>,
 }
 

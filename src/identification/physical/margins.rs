@@ -4,7 +4,7 @@ use crate::parameters::{Layout, ParameterKind};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Constraint {
-    /// Mass above zero [kg].
+    /// Mass above zero (kg).
     Mass,
     /// Smallest eigenvalue of the pseudo-inertia, scaled to a dimensionless matrix by the link's mass and radius of gyration.
     PseudoInertia,

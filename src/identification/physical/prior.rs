@@ -11,7 +11,7 @@ pub struct LinkScale {
     pub length: f64,
 }
 
-/// Diameter [m] and density [kg/m³] of the rod: a 40 cm link then weighs 4.7 kg, as the links of arms with 10 kg payload do.
+/// Diameter (m) and density [kg/m³] of the rod: a 40 cm link then weighs 4.7 kg, as the links of arms with 10 kg payload do.
 const ROD_DIAMETER: f64 = 0.1;
 const ROD_DENSITY: f64 = 1500.0;
 

@@ -9,7 +9,7 @@ pub struct PreprocessOptions {
     pub position_filter: Option<FilterSpec>,
     /// Zero-phase low-pass on torques; with [`Method::ParallelFilter`] on every regressor column as well.
     pub torque_filter: Option<FilterSpec>,
-    /// Time dropped at both ends of a record that was filtered and does not repeat [s].
+    /// Time dropped at both ends of a record that was filtered and does not repeat (s).
     pub discard_edges_s: Option<f64>,
     /// Every how-manieth row is kept.
     pub decimation: Option<usize>,

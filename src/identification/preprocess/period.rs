@@ -13,7 +13,7 @@ const REPEATS: f64 = 1e-3;
 /// Before the first period the difference must have risen beyond this fraction: close neighbours in time always resemble.
 const LEFT: f64 = 0.3;
 
-/// The period of the positions [s], from their autocorrelation: `None` when nothing repeats at least twice.
+/// The period of the positions (s), from their autocorrelation: `None` when nothing repeats at least twice.
 ///
 /// `d(L) = Σ_j mean_t (q_j(t + L) − q_j(t))² / 2 var q_j`, averaged over the joints that move; the period is the first lag, after d
 /// has risen, where it falls to a minimum near zero. The lag of the last full repetition, divided by their number, refines it to a

@@ -12,7 +12,7 @@ pub struct PreparedLog {
     pub name: String,
     /// Samples of `motion` per second; for a log that repeats, N samples to the period.
     pub rate_hz: f64,
-    /// Time of sample 0 on the log's own clock [s].
+    /// Time of sample 0 on the log's own clock (s).
     pub start_s: f64,
     /// q, qd, qdd: averaged over periods where the log repeats.
     pub motion: Motion,
@@ -50,7 +50,7 @@ impl PreparedLog {
         self.periods.as_ref().map_or(1, |p| p.count)
     }
 
-    /// Time of sample `s` on the log's own clock [s].
+    /// Time of sample `s` on the log's own clock (s).
     pub fn time(&self, s: usize) -> f64 {
         self.start_s + s as f64 / self.rate_hz
     }

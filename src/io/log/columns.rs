@@ -8,7 +8,7 @@ pub struct Columns {
     /// Header of the time column; `None` looks for the usual names.
     pub time: Option<String>,
     pub time_unit: TimeUnit,
-    /// Rate where there is no time column [Hz]; with a time column it overrides what the stamps say.
+    /// Rate where there is no time column (Hz); with a time column it overrides what the stamps say.
     pub sample_rate_hz: Option<f64>,
     pub position: JointColumns,
     pub velocity: JointColumns,

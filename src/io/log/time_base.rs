@@ -321,7 +321,7 @@ fn rate_of(time: &[f64]) -> f64 {
     }
 }
 
-/// Farthest that a time stamp is from the nearest sample of the grid that starts at the first stamp [s].
+/// Farthest that a time stamp is from the nearest sample of the grid that starts at the first stamp (s).
 fn largest_deviation(time: &[f64], rate_hz: f64) -> f64 {
     let off = |t: &f64| {
         let steps = (t - time[0]) * rate_hz;

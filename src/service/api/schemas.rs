@@ -87,7 +87,7 @@ pub struct SearchSchema {
     /// Random starts made at least before a search without limits may end.
     #[schema(default = 64)]
     starts: Option<u32>,
-    /// Time after which the best trajectory found is handed back [s], up to a day. All of it is used. If it is left out, the search ends
+    /// Time after which the best trajectory found is handed back (s), up to a day. All of it is used. If it is left out, the search ends
     /// when it has converged, after 60 s at the latest.
     time_limit_s: Option<f64>,
     /// Evaluations of the criterion after which no new round begins.
@@ -196,10 +196,10 @@ pub struct MdhSchema {
 #[derive(Serialize, ToSchema)]
 #[schema(as = Placement)]
 pub struct PlacementSchema {
-    /// [m]
+    /// (m)
     #[schema(required = false)]
     xyz: [f64; 3],
-    /// Roll, pitch, yaw about fixed axes [rad].
+    /// Roll, pitch, yaw about fixed axes (rad).
     #[schema(required = false)]
     rpy: [f64; 3],
     /// Axis of the joint in its own frame; z if left out.
@@ -226,9 +226,9 @@ pub struct LimitsSchema {
 #[derive(Serialize, ToSchema)]
 #[schema(as = LinkPrior)]
 pub struct PriorSchema {
-    /// [kg]
+    /// (kg)
     mass: f64,
-    /// [m]
+    /// (m)
     center_of_mass: [f64; 3],
     inertia: InertiaSchema,
     /// [N·m·s/rad or N·s/m]

@@ -1,0 +1,123 @@
+//! What the declared model leaves over, as the `residual` part of an answer: data faults first, then physics.
+
+use super::identify::UsedLog;
+use crate::io::log::{FindingKind, LogReport};
+use crate::model::Robot;
+use crate::residual::{
+    AugmentedModel, DataFault, Evidence, FaultKind, Finding, ResidualReport, RmsPair, Stretch, TraceOptions, column_faults, trace,
+};
+use serde_json::Value;
+
+/// Traces the identification logs; the validation logs only measure.
+///
+/// Inverted torque signs are named and then undone, so that what else is there can be seen. With joints in another order or mixed-up units
+/// nothing physical can be said: the faults are all that comes back.
+pub(super) fn residual(robot: &Robot, identification: &[UsedLog], validation: &[UsedLog]) -> (Value, AugmentedModel) {
+    let stretches = |logs: &[UsedLog]| logs.iter().filter_map(|l| l.stretch.clone()).collect::<Vec<_>>();
+    let (mut measured, mut held_out) = (stretches(identification), stretches(validation));
+    let faults = faults(robot, identification);
+    let beyond_repair = faults
+        .iter()
+        .any(|f| matches!(f.fault, FaultKind::JointOrder | FaultKind::UnitMismatch));
+    let options = TraceOptions::default();
+    let nothing_added = TraceOptions {
+        most_effects: 0,
+        ..options.clone()
+    };
+    let as_recorded = match faults.is_empty() {
+        true => None,
+        false => Some(trace(robot, &measured, &held_out, &nothing_added)),
+    };
+    for fault in faults.iter().filter(|f| f.fault == FaultKind::TorqueSign) {
+        let joints = robot
+            .joints()
+            .iter()
+            .enumerate()
+            .filter(|(_, j)| fault.joints.contains(&j.name));
+        for (j, _) in joints {
+            measured.iter_mut().chain(&mut held_out).for_each(|s| invert(s, j));
+        }
+    }
+    let traced = trace(
+        robot,
+        &measured,
+        &held_out,
+        if beyond_repair { &nothing_added } else { &options },
+    );
+    let mut report = traced.report;
+    if let Some(before) = as_recorded {
+        let named = faults.iter().map(|f| fault_finding(f, &before.report, &report));
+        report.findings = named.chain(report.findings.iter().cloned()).collect();
+    }
+    report.data_faults = faults;
+    (serde_json::to_value(&report).expect("plain numbers and words"), traced.model)
+}
+
+fn invert(stretch: &mut Stretch, joint: usize) {
+    let periods = stretch.periods.iter_mut().map(|p| &mut p[joint]);
+    periods.chain([&mut stretch.torque[joint]]).flatten().for_each(|v| *v = -*v);
+}
+
+/// Faults of all logs, each kind and joint once.
+fn faults(robot: &Robot, logs: &[UsedLog]) -> Vec<DataFault> {
+    let mut all: Vec<DataFault> = Vec::new();
+    for log in logs {
+        let columns = column_faults(robot, &log.prepared.motion, &log.prepared.torque);
+        for fault in recording_faults(&log.report)
+            .into_iter()
+            .chain(log.sample_faults.clone())
+            .chain(columns)
+        {
+            if !all
+                .iter()
+                .any(|f| f.fault == fault.fault && f.joints == fault.joints && f.detail == fault.detail)
+            {
+                all.push(fault);
+            }
+        }
+    }
+    all
+}
+
+/// Irregularities of the file that mean something went wrong in recording; jitter and skipped samples are everyday.
+fn recording_faults(report: &LogReport) -> Vec<DataFault> {
+    let serious = [
+        FindingKind::GarbageRow,
+        FindingKind::RepeatedTime,
+        FindingKind::TimeOutOfOrder,
+        FindingKind::MissingTime,
+        FindingKind::Gap,
+    ];
+    let found = report.findings.iter().filter(|f| serious.contains(&f.kind));
+    found
+        .map(|f| DataFault {
+            fault: FaultKind::BadSamples,
+            joints: Vec::new(),
+            detail: format!("{}: {}", report.file, f.detail),
+        })
+        .collect()
+}
+
+/// A fault in the form of a finding: the error with the data as recorded, and after what could be undone.
+fn fault_finding(fault: &DataFault, before: &ResidualReport, after: &ResidualReport) -> Finding {
+    let undone = fault.fault == FaultKind::TorqueSign;
+    let rms = |report: &ResidualReport| RmsPair {
+        ..report.rms_before.clone()
+    };
+    Finding {
+        effect: fault.fault.code().to_string(),
+        joints: fault.joints.clone(),
+        parameters: Vec::new(),
+        rms_before: rms(before),
+        rms_after: rms(if undone { after } else { before }),
+        evidence: Evidence {
+            gain: 0.0,
+            log_evidence_ratio: 0.0,
+            p_value: 0.0,
+            held_out_blocks: 0.0,
+            held_out_periods: None,
+        },
+        rivals: Vec::new(),
+        note: Some(fault.detail.clone()),
+    }
+}
