@@ -109,9 +109,11 @@ fn with_functions(data: &Data, system: &System) -> Option<System> {
 fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     let n = system.model.robot.joint_count();
     let excess = |j: usize| system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j);
-    let mut rows: Vec<usize> = (0..n)
-        .filter(|&j| excess(j) > 5.0 * (2.0 * system.rows(j) as f64).sqrt())
-        .collect();
+    // Five standard deviations of χ², because the noise's own correlation is an estimate; and a fifth of the noise of a single measurement,
+    // below which a remainder is nothing to act on and may come from the positions.
+    let repetitions = data.stretches.iter().map(super::Stretch::repetitions).max().unwrap_or(1) as f64;
+    let least = |j: usize| (5.0 * (2.0 * system.rows(j) as f64).sqrt()).max(0.04 * repetitions * system.rows(j) as f64);
+    let mut rows: Vec<usize> = (0..n).filter(|&j| excess(j) > least(j)).collect();
     rows.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)));
     rows.truncate(3);
     let jobs = function_jobs(n, &rows);

@@ -61,11 +61,19 @@ fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Thre
     // The linearised gain of a distortion, or of a column made of torques that are not right yet, is off by a fraction; the true one decides.
     // Without measured noise what is left decides, and that is known only afterwards.
     let open = |s: &Scored| s.evidence > 0.0 || !system.noise_is_measured;
-    let contenders: Vec<&Scored> = scored
+    let mut contenders: Vec<&Scored> = scored
         .iter()
         .filter(|s| open(s) && s.evidence > best - (0.3 * best.abs()).max(6.0))
         .take(4)
         .collect();
+    // An effect on many joints is weighed against what is left on all of them: those that gain most stay in, whatever is left.
+    let mut by_gain: Vec<&Scored> = scored.iter().filter(|s| open(s)).collect();
+    by_gain.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    for scored in by_gain.into_iter().take(3) {
+        if !contenders.iter().any(|c| std::ptr::eq(*c, scored)) {
+            contenders.push(scored);
+        }
+    }
     let before = data.chi_square(system);
     let mut fitted: Vec<(Scored, System)> = contenders
         .par_iter()
