@@ -1,8 +1,8 @@
 //! Global search: local solves from random starts, then around the best points found.
 //!
 //! The search goes in epochs. An epoch opens with random starts, keeps a small pool of the best points and goes on from those until
-//! nothing has improved for a while; its best point is polished and kept as a champion. Every third epoch starts from the
-//! champions instead. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job), and
+//! nothing has improved for a while; its best point is polished and kept as a champion. As soon as there are two, every second epoch starts from
+//! the champions instead. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job), and
 //! a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
 //! of threads or on which finished first. Only time and cancellation end a round early.
 
@@ -286,7 +286,7 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
             break Outcome::Converged;
         }
         if over {
-            epoch = if champions.len() % 3 == 2 {
+            epoch = if champions.len() % 2 == 0 {
                 Epoch::of_champions(&champions)
             } else {
                 Epoch::fresh()
