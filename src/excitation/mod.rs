@@ -4,14 +4,17 @@
 
 mod criterion;
 mod descent;
+mod epoch;
 mod evaluator;
 mod gauge;
 mod margins;
 mod moves;
+mod pool;
 mod problem;
 mod report;
 mod search;
 mod solver;
+mod symmetry;
 mod variables;
 mod workspace;
 

@@ -100,6 +100,13 @@ impl Variables {
         gradient.copy_from_slice(self.null_space.tr_mul(&to_raw).as_slice());
     }
 
+    /// Maps one joint's variables to those of the same motion run backwards: `a` changes sign, `b` and the offset do not.
+    pub fn reversal(&self) -> DMatrix<f64> {
+        let mut turned = self.null_space.clone();
+        turned.rows_mut(0, self.order).neg_mut();
+        self.null_space.tr_mul(&turned)
+    }
+
     /// Variables that stand for given coefficients (those of [`Self::project`], up to each joint's scale).
     pub fn from_coefficients(&self, coefficients: &DMatrix<f64>) -> Vec<f64> {
         self.null_space.tr_mul(coefficients).as_slice().to_vec()
