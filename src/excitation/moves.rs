@@ -14,15 +14,10 @@ pub(super) fn random_numbers(seed: u64, round: usize, job: usize) -> ChaCha8Rng 
     rng
 }
 
-/// Variables with every joint on its limits, so that steps mean the same for all joints.
-pub(super) fn on_the_limits(variables: &Variables, x: &[f64]) -> Vec<f64> {
-    variables.from_coefficients(&variables.project(x).coefficients)
-}
-
 /// Uniform in a cube, then scaled to the limits.
 pub(super) fn random_start(variables: &Variables, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let raw: Vec<f64> = (0..variables.len()).map(|_| rng.random_range(-1.0..1.0)).collect();
-    on_the_limits(variables, &raw)
+    variables.on_the_limits(&raw)
 }
 
 /// A start in another basin, from good points (best first): one or two joints anew, joints exchanged between two points, or a long
@@ -62,7 +57,7 @@ fn between(low: f64, high: f64, rng: &mut ChaCha8Rng) -> f64 {
 /// Every joint's coefficients moved by a normal step of relative length `size`.
 fn neighbour(variables: &Variables, from: &[f64], size: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let per_joint = variables.per_joint();
-    let mut x = on_the_limits(variables, from);
+    let mut x = variables.settled(from);
     for joint in x.chunks_exact_mut(per_joint) {
         let length = joint.iter().map(|v| v * v).sum::<f64>().sqrt();
         let step = size * length / (per_joint as f64).sqrt();
@@ -74,7 +69,7 @@ fn neighbour(variables: &Variables, from: &[f64], size: f64, rng: &mut ChaCha8Rn
 fn one_joint_anew(variables: &Variables, from: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let per_joint = variables.per_joint();
     let fresh = random_start(variables, rng);
-    let mut x = on_the_limits(variables, from);
+    let mut x = variables.settled(from);
     let start = rng.random_range(0..x.len() / per_joint) * per_joint;
     x[start..start + per_joint].copy_from_slice(&fresh[start..start + per_joint]);
     x
@@ -90,8 +85,8 @@ fn nearest_image(variables: &Variables, symmetries: &Symmetries, one: &[f64], ot
 /// Every joint from one of two points, by a coin.
 fn exchange(variables: &Variables, one: &[f64], other: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let per_joint = variables.per_joint();
-    let mut x = on_the_limits(variables, one);
-    let other = on_the_limits(variables, other);
+    let mut x = variables.settled(one);
+    let other = variables.settled(other);
     for (mine, theirs) in x.chunks_exact_mut(per_joint).zip(other.chunks_exact(per_joint)) {
         if rng.random() {
             mine.copy_from_slice(theirs);

@@ -3,7 +3,6 @@
 //! Local solves end a percent or two above their local minimum, and one minimum is reached again and again: by value alone a pool fills
 //! with copies of one basin within ten rounds, and exchange between its points then leads nowhere. Points are told apart by distance.
 
-use super::moves::on_the_limits;
 use super::variables::Variables;
 
 #[derive(Debug, Clone)]
@@ -64,7 +63,7 @@ pub(super) fn is_near(variables: &Variables, one: &[f64], other: &[f64]) -> bool
 /// √2 for unrelated ones, whatever the joints' speeds.
 pub(super) fn distance(variables: &Variables, one: &[f64], other: &[f64]) -> f64 {
     let per_joint = variables.per_joint();
-    let (one, other) = (on_the_limits(variables, one), on_the_limits(variables, other));
+    let (one, other) = (variables.on_the_limits(one), variables.on_the_limits(other));
     let squared = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
     let joints = one.chunks_exact(per_joint).zip(other.chunks_exact(per_joint));
     let sum: f64 = joints

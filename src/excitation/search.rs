@@ -6,14 +6,17 @@
 //! and a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
 //! of threads or on which finished first. Only time and cancellation end a round early.
 
-use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, FROM_RANDOM, POLISH};
+use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, FROM_RANDOM, POLISH, admissible};
 use super::epoch::{Epoch, Job, NOTICEABLE, Result};
+use super::evaluator::TorquePeak;
+use super::margins::TORQUE_SAMPLES;
 use super::moves::{hop, random_numbers, random_start, shake};
 use super::pool::{Point, is_near};
 use super::problem::{Criterion, Problem};
 use super::report::{Design, Outcome, StartReport, design, infeasible};
 use super::symmetry::Symmetries;
 use super::variables::Variables;
+use crate::trajectory::FourierSeries;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -80,6 +83,16 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// A point brought within the limits, with its true value.
+    fn known(&self, x: Vec<f64>) -> Point {
+        let x = self.descent.admissible(x);
+        Point {
+            value: self.descent.true_value(&x),
+            x,
+            polished: false,
+        }
+    }
+
     fn round(&self, epoch: &Epoch, round: usize, jobs: usize) -> Vec<(Result, Option<StartReport>)> {
         let results = (0..jobs).into_par_iter().map(|index| self.job(epoch, round, index)).collect();
         self.progress
@@ -142,6 +155,14 @@ impl Run<'_> {
 /// Ends when `control` says so, when evaluations run out, or, with neither limit in sight, when all starts are used and two epochs in
 /// a row have found nothing better. The result meets every constraint whatever ended the search.
 pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control) -> Design {
+    search_from(problem, options, None, control)
+}
+
+/// [`search`], going on from an earlier trajectory, which may come from another problem: it is brought within the limits of this one.
+///
+/// # Panics
+/// If `earlier` has another number of joints than the robot.
+pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&FourierSeries>, control: &dyn Control) -> Design {
     if let Some(reason) = problem.no_room() {
         return infeasible(problem, reason);
     }
@@ -163,7 +184,13 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
         progress: Mutex::new(progress),
     };
     let (mut champions, mut starts) = (Vec::<Point>::new(), Vec::new());
-    let mut epoch = Epoch::fresh();
+    if let Some(series) = earlier {
+        champions.push(run.known(variables.of_series(series)));
+    }
+    let mut epoch = match champions.is_empty() {
+        true => Epoch::fresh(),
+        false => Epoch::of_champions(&variables, &champions),
+    };
     let (mut best, mut epochs_without_gain, mut round) = (f64::INFINITY, 0, 0);
     let status = loop {
         let results = run.round(&epoch, round, options.jobs_per_round.max(1));
@@ -207,7 +234,7 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
     match champions.first().filter(|p| has_full_rank(problem, p.value)) {
         Some(best) => design(
             problem,
-            variables.series(&best.x),
+            variables.series(&certified(problem, &variables, best.x.clone())),
             status,
             starts,
             run.descent.evaluations(),
@@ -222,6 +249,12 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
             "no start made all base parameters visible: the order is too low, or the limits leave too little motion".into(),
         ),
     }
+}
+
+/// With limits along the path held between the samples too.
+fn certified(problem: &Problem, variables: &Variables, x: Vec<f64>) -> Vec<f64> {
+    let samples = TORQUE_SAMPLES * problem.spec().order;
+    admissible(problem, variables, x, samples, TorquePeak::used_between_samples)
 }
 
 /// A condition number at the floor that rounding sets, `1/sqrt(ε b)`, is that of a regressor with dependent columns.

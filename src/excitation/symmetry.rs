@@ -6,7 +6,7 @@
 //! worth nothing until one is turned into the image nearest to the other.
 
 use super::evaluator::Evaluator;
-use super::moves::{on_the_limits, random_numbers, random_start};
+use super::moves::{random_numbers, random_start};
 use super::problem::Problem;
 use super::variables::Variables;
 use crate::dynamics::Coulomb;
@@ -55,7 +55,7 @@ impl Symmetries {
 
     /// All images of `x`, itself first.
     pub fn images(&self, variables: &Variables, x: &[f64]) -> Vec<Vec<f64>> {
-        let x = on_the_limits(variables, x);
+        let x = variables.settled(x);
         let reversed = &self.reversal * DMatrix::from_column_slice(variables.per_joint(), x.len() / variables.per_joint(), &x);
         let both = [x, reversed.as_slice().to_vec()];
         both.iter()

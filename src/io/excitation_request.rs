@@ -3,7 +3,7 @@
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::Parsed;
 use super::robot::{NamedRobots, read_robot_or_name};
-use crate::excitation::{Criterion, Form, Problem, ProblemSpec, SearchOptions, Start};
+use crate::excitation::{Criterion, DEFAULT_SAFETY_FACTOR, Form, Problem, ProblemSpec, SearchOptions, Start, TorqueLimits};
 use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, Mdh, Robot};
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -37,7 +37,8 @@ pub const REQUEST_FIELDS: &[&str] = &[
     "search",
 ];
 pub const FOURIER_FIELDS: &[&str] = &["order", "fundamental_hz"];
-pub const CONSTRAINT_FIELDS: &[&str] = &["form", "start", "start_position"];
+pub const CONSTRAINT_FIELDS: &[&str] = &["form", "start", "start_position", "torque"];
+pub const TORQUE_FIELDS: &[&str] = &["limits", "safety_factor"];
 pub const SEARCH_FIELDS: &[&str] = &["seed", "starts", "time_limit_s", "max_evaluations", "jobs_per_round"];
 
 pub const CRITERIA: &[(&str, Criterion)] = &[
@@ -98,7 +99,12 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
 /// What the core says about a stand-in robot is dropped; about a robot called by name or read from XML it is said of that field.
 fn placed(problem: FieldProblem, request: &Value, has_robot: bool) -> Option<FieldProblem> {
     let of_robot = problem.pointer.starts_with("/robot");
-    let per_joint = ["/robot", "/constraints/start_position", "/torque_noise"];
+    let per_joint = [
+        "/robot",
+        "/constraints/start_position",
+        "/constraints/torque",
+        "/torque_noise",
+    ];
     if !has_robot && per_joint.iter().any(|p| problem.pointer.starts_with(p)) {
         return None;
     }
@@ -141,7 +147,20 @@ fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
             .and_then(|f| f.nullable("start_position"))
             .and_then(|c| c.numbers(None)),
         torque_noise: fields.nullable("torque_noise").and_then(|c| c.numbers(None)),
+        torque: constraints
+            .as_ref()
+            .and_then(|f| f.nullable("torque"))
+            .and_then(|c| read_torque_limits(&c)),
     }
+}
+
+fn read_torque_limits(cursor: &Cursor) -> Option<TorqueLimits> {
+    let fields = cursor.fields(TORQUE_FIELDS)?;
+    let factor = fields.nullable("safety_factor").map(|c| c.number());
+    Some(TorqueLimits {
+        limits: fields.nullable("limits").and_then(|c| c.numbers(None)),
+        safety_factor: factor.unwrap_or(Some(DEFAULT_SAFETY_FACTOR))?,
+    })
 }
 
 fn read_search(fields: &Fields) -> Search {
