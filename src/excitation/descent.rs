@@ -200,7 +200,7 @@ impl<'a> Descent<'a> {
 
     /// Criteria other than the condition number are smooth by themselves: one stage with the budget of all.
     fn distinct(&self, stages: &[Stage]) -> Vec<Stage> {
-        if self.problem.spec().criterion == Criterion::ConditionNumber {
+        if self.problem.spec().criterion.is_condition_number() {
             return stages.to_vec();
         }
         let budget = stages.iter().map(|s| s.max_evaluations).sum();
@@ -230,6 +230,7 @@ impl<'a> Descent<'a> {
 
     fn criterion(&self, power: f64) -> SmoothCriterion<'_> {
         match (self.problem.spec().criterion, &self.workspace) {
+            (Criterion::ScaledConditionNumber, _) => SmoothCriterion::ScaledConditionNumber { power },
             (Criterion::DOptimality, _) => SmoothCriterion::DOptimality,
             (Criterion::AOptimality, _) => SmoothCriterion::AOptimality,
             (Criterion::IOptimality, Some(workspace)) => SmoothCriterion::IOptimality {

@@ -41,7 +41,7 @@ impl<'a> Evaluator<'a> {
         let rows = RowBlocks::new(&columns, samples);
         let motion = Motion::zeros(joints, samples);
         let row_weights = match problem.spec().criterion {
-            Criterion::ConditionNumber => vec![1.0; joints],
+            Criterion::ConditionNumber | Criterion::ScaledConditionNumber => vec![1.0; joints],
             _ => problem.torque_noise().iter().map(|s| 1.0 / (s * s)).collect(),
         };
         Self {

@@ -11,12 +11,21 @@ use crate::trajectory::sample_count;
 pub enum Criterion {
     /// `cond(Y_b) = sqrt(λ_max / λ_min)`, the paper's (13).
     ConditionNumber,
+    /// The condition number after scaling every column of Y_b to length one: does not depend on units.
+    ScaledConditionNumber,
     /// `det(M)^(−1/(2b))`: the geometric mean of the standard deviations along the principal directions.
     DOptimality,
     /// `sqrt(tr(M⁻¹)/b)`: the root-mean-square standard deviation of the base parameters.
     AOptimality,
     /// `sqrt(tr(M⁻¹ C)/n)`, C the mean of `Y_bᵀ Y_b` over random states inside the limits: the expected torque-prediction error.
     IOptimality,
+}
+
+impl Criterion {
+    /// Whether it is a ratio of singular values, which has kinks where they meet.
+    pub fn is_condition_number(self) -> bool {
+        matches!(self, Self::ConditionNumber | Self::ScaledConditionNumber)
+    }
 }
 
 /// How limits on the series become constraints.

@@ -12,7 +12,7 @@ use super::evaluator::TorquePeak;
 use super::margins::TORQUE_SAMPLES;
 use super::moves::{hop, random_numbers, random_start, shake};
 use super::pool::{Point, is_near};
-use super::problem::{Criterion, Problem};
+use super::problem::Problem;
 use super::report::{Design, Outcome, StartReport, design, infeasible};
 use super::symmetry::Symmetries;
 use super::variables::Variables;
@@ -259,5 +259,5 @@ fn certified(problem: &Problem, variables: &Variables, x: Vec<f64>) -> Vec<f64> 
 
 /// A condition number at the floor that rounding sets, `1/sqrt(ε b)`, is that of a regressor with dependent columns.
 fn has_full_rank(problem: &Problem, log_value: f64) -> bool {
-    problem.spec().criterion != Criterion::ConditionNumber || log_value < -0.5 * (f64::EPSILON * problem.base().len() as f64).ln()
+    !problem.spec().criterion.is_condition_number() || log_value < -0.5 * (f64::EPSILON * problem.base().len() as f64).ln()
 }

@@ -28,6 +28,18 @@ pub struct ExcitationRequestSchema {
     torque_noise: Option<Vec<f64>>,
     #[schema(required = false)]
     search: SearchSchema,
+    /// An earlier trajectory to go on from, as a design hands it out; of whatever problem for a robot with as many joints.
+    warm_start: Option<WarmStartSchema>,
+}
+
+/// An earlier trajectory.
+#[derive(Serialize, ToSchema)]
+#[schema(as = WarmStart)]
+pub struct WarmStartSchema {
+    coefficients: crate::io::Coefficients,
+    /// Position of every joint around which it moves [rad or m].
+    offset: Vec<f64>,
+    fundamental_hz: f64,
 }
 
 /// The finite Fourier series of every joint.
@@ -45,6 +57,7 @@ pub struct FourierSchema {
 #[schema(as = Criterion, rename_all = "snake_case")]
 pub enum CriterionSchema {
     ConditionNumber,
+    ScaledConditionNumber,
     DOptimality,
     AOptimality,
     IOptimality,
