@@ -45,6 +45,7 @@ fn main() {
         start_position: None,
         torque_noise: None,
         torque: None,
+        space: None,
     };
     let problem = Problem::new(spec).expect("a sound problem");
     println!("seed  condition number  found after [s]  stopped after [s]  evaluations  per second");

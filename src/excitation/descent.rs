@@ -1,7 +1,7 @@
 //! One local solve: smoothing and continuation, then the polish for the nonsmooth end.
 
 use super::criterion::{SmoothCriterion, true_log_value};
-use super::evaluator::{Evaluator, Smoothing, TorquePeak};
+use super::evaluator::{Evaluator, Smoothing};
 use super::problem::{Criterion, Problem};
 use super::search::Control;
 use super::solver::{Ending, StopRule, minimize};
@@ -195,7 +195,11 @@ impl<'a> Descent<'a> {
 
     /// Limits along the path held at the asked samples.
     pub fn admissible(&self, x: Vec<f64>) -> Vec<f64> {
-        admissible(self.problem, self.variables, x, self.problem.samples(), TorquePeak::used)
+        if !self.problem.has_path_limits() {
+            return x;
+        }
+        let mut evaluator = Evaluator::new(self.problem, self.variables, self.problem.samples());
+        drawn_in_until(self.variables, x, |x| evaluator.path_holds(x, ROOM_FOR_ROUNDING))
     }
 
     /// Criteria other than the condition number are smooth by themselves: one stage with the budget of all.
@@ -242,20 +246,9 @@ impl<'a> Descent<'a> {
     }
 }
 
-/// Draws the motion towards rest until every limit along the path holds at `samples` samples: at rest they do, and bisection finds a share of
-/// the motion, checked itself, within a thousandth of where they begin to bind.
-pub(super) fn admissible(
-    problem: &Problem,
-    variables: &Variables,
-    x: Vec<f64>,
-    samples: usize,
-    used: fn(&TorquePeak) -> f64,
-) -> Vec<f64> {
-    if problem.torque().is_none() {
-        return x;
-    }
-    let mut evaluator = Evaluator::new(problem, variables, samples);
-    let mut holds = |x: &[f64]| evaluator.torque_peaks(x).iter().all(|p| used(p) <= 1.0 - ROOM_FOR_ROUNDING);
+/// Draws the motion towards rest until `holds`: at rest it does, and bisection finds a share of the motion, checked itself, within a thousandth of
+/// where it ceases to.
+pub(super) fn drawn_in_until(variables: &Variables, x: Vec<f64>, mut holds: impl FnMut(&[f64]) -> bool) -> Vec<f64> {
     if holds(&x) {
         return x;
     }
@@ -269,7 +262,7 @@ pub(super) fn admissible(
 }
 
 /// Coefficients are rounded to a grid at the end, by 1e-8 of themselves.
-const ROOM_FOR_ROUNDING: f64 = 1e-6;
+pub(super) const ROOM_FOR_ROUNDING: f64 = 1e-6;
 
 /// Velocity [rad/s or m/s] that the slowest joint can reach: its limit, or what the highest harmonic makes of its range.
 fn slowest_top_velocity(problem: &Problem) -> f64 {

@@ -68,9 +68,10 @@ impl<'a> Evaluator<'a> {
         let excess = self.add_torque_excess(smoothing.penalty);
         self.gradient
             .fill(self.problem.chain(), &self.columns, &self.motion, coulomb, &self.weights);
+        let intrusion = self.add_intrusion(smoothing.penalty);
         let to_coefficients = self.to_coefficients();
         self.variables.pull_back(&projected, &to_coefficients, gradient);
-        value + excess
+        value + excess + intrusion
     }
 
     /// `M` at `x` without gradient.
@@ -111,6 +112,19 @@ impl<'a> Evaluator<'a> {
                 TorquePeak::of(&torque, self.motion.velocities(j), limits.allowed[j])
             })
             .collect()
+    }
+
+    /// Whether all limits along the path hold at the samples, with the true sign; `room` of each limit is left for rounding.
+    pub fn path_holds(&mut self, x: &[f64], room: f64) -> bool {
+        let torques = self.torque_peaks(x);
+        let (robot, motion) = (self.problem.robot(), &self.motion);
+        torques.iter().all(|p| p.used() <= 1.0 - room) && self.problem.space().is_none_or(|set| set.holds(robot, motion, room))
+    }
+
+    /// Adds what comes too near in space to the gradient, and returns its part of the criterion.
+    fn add_intrusion(&mut self, penalty: f64) -> f64 {
+        let Some(set) = self.problem.space() else { return 0.0 };
+        set.add_excess(self.problem.robot(), &self.motion, penalty, &mut self.gradient.q)
     }
 
     /// `τ_j = Y_b,j π` over the samples.
@@ -362,6 +376,7 @@ mod tests {
             start_position: None,
             torque_noise: Some(vec![0.5, 2.0, 0.1]),
             torque: None,
+            space: None,
         };
         Problem::new(spec).unwrap()
     }

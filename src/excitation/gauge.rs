@@ -246,6 +246,7 @@ mod tests {
             start_position: None,
             torque_noise: None,
             torque: None,
+            space: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! What is asked: a robot, a Fourier series, a criterion, constraints.
 
 use super::path::{TorqueLimits, TorqueSet};
+use super::space::{SpaceLimits, SpaceSet};
 use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
 use crate::model::{FieldProblem, ModelError, Robot};
 use crate::parameters::{BaseParameters, Layout};
@@ -63,6 +64,8 @@ pub struct ProblemSpec {
     pub torque_noise: Option<Vec<f64>>,
     /// Limits on the torques that the robot's prior parameters predict.
     pub torque: Option<TorqueLimits>,
+    /// What the arm keeps off.
+    pub space: Option<SpaceLimits>,
 }
 
 /// A checked problem with all that follows from it.
@@ -75,6 +78,7 @@ pub struct Problem {
     chain: Chain,
     samples: usize,
     torque: Option<TorqueSet>,
+    space: Option<SpaceSet>,
 }
 
 /// More harmonics than any controller's bandwidth carries; keeps accidental requests from asking for hours.
@@ -95,6 +99,7 @@ impl Problem {
         let layout = Layout::standard(&spec.robot);
         let base = BaseParameters::exact(&spec.robot);
         let torque = TorqueSet::new(&spec, &layout, &base, &mut found);
+        let space = SpaceSet::new(&spec, &mut found);
         if !found.is_empty() {
             return Err(ModelError(found));
         }
@@ -109,6 +114,7 @@ impl Problem {
             chain,
             samples,
             torque,
+            space,
         })
     }
 
@@ -146,6 +152,7 @@ impl Problem {
             )
         })
         .or_else(|| self.too_heavy_at_rest())
+        .or_else(|| self.too_near_at_rest())
     }
 
     /// The first joint that exceeds its torque limit by holding the arm still, in words.
@@ -165,6 +172,31 @@ impl Problem {
             at(joint),
             limits.allowed[joint]
         ))
+    }
+
+    /// The pair that is too near before anything has moved, in words.
+    fn too_near_at_rest(&self) -> Option<String> {
+        let set = self.space.as_ref()?;
+        let (pair, distance) = set.nearest(self.robot(), &|j| self.rest_position(j))?;
+        (distance <= set.clearance).then(|| {
+            format!(
+                "where the motion starts, the link of joint `{}` is {:.4} m from `{}`, and constraints.space asks for more than {} m: choose another \
+                 start_position, a smaller clearance, or add the pair to self_collision.ignore if it always touches",
+                self.robot().joints()[pair.link].name,
+                distance,
+                pair.name,
+                set.clearance
+            )
+        })
+    }
+
+    /// Whether any limit binds the joints together along the path.
+    pub(super) fn has_path_limits(&self) -> bool {
+        self.torque.is_some() || self.space.is_some()
+    }
+
+    pub(super) fn space(&self) -> Option<&SpaceSet> {
+        self.space.as_ref()
     }
 
     /// Torque limits with the model that predicts torques.

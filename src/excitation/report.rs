@@ -3,6 +3,7 @@
 use super::criterion::Criteria;
 use super::margins::{Margin, margins};
 use super::problem::Problem;
+use super::space::{Clearance, certified_clearances};
 use super::workspace::workspace_gram;
 use crate::dynamics::{ColumnSet, Coulomb, RowBlocks};
 use crate::trajectory::{FourierSeries, Trajectory};
@@ -67,6 +68,8 @@ pub struct Design {
     pub criteria: Option<Criteria>,
     pub predicted: Option<Predicted>,
     pub margins: Vec<Margin>,
+    /// Of every pair that keeps a distance, with limits in space.
+    pub clearances: Vec<Clearance>,
     pub starts: Vec<StartReport>,
     pub evaluations: u64,
     pub rounds: usize,
@@ -83,11 +86,15 @@ pub(super) fn design(
 ) -> Design {
     let (criteria, predicted) = assess(problem, &series);
     let margins = margins(problem, &series);
+    let clearances = problem
+        .space()
+        .map_or(Vec::new(), |set| certified_clearances(problem.robot(), set, &series));
     Design {
         status,
         criteria: Some(criteria),
         predicted: Some(predicted),
         margins,
+        clearances,
         series,
         starts,
         evaluations,
@@ -105,6 +112,7 @@ pub(super) fn infeasible(problem: &Problem, reason: String) -> Design {
         criteria: None,
         predicted: None,
         margins: Vec::new(),
+        clearances: Vec::new(),
         starts: Vec::new(),
         evaluations: 0,
         rounds: 0,

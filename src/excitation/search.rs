@@ -6,14 +6,15 @@
 //! and a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
 //! of threads or on which finished first. Only time and cancellation end a round early.
 
-use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, FROM_RANDOM, POLISH, admissible};
+use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, FROM_RANDOM, POLISH, ROOM_FOR_ROUNDING, drawn_in_until};
 use super::epoch::{Epoch, Job, NOTICEABLE, Result};
-use super::evaluator::TorquePeak;
+use super::evaluator::Evaluator;
 use super::margins::TORQUE_SAMPLES;
 use super::moves::{hop, random_numbers, random_start, shake};
 use super::pool::{Point, is_near};
 use super::problem::Problem;
 use super::report::{Design, Outcome, StartReport, design, infeasible};
+use super::space::certified_clearances;
 use super::symmetry::Symmetries;
 use super::variables::Variables;
 use crate::trajectory::FourierSeries;
@@ -253,8 +254,18 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
 
 /// With limits along the path held between the samples too.
 fn certified(problem: &Problem, variables: &Variables, x: Vec<f64>) -> Vec<f64> {
-    let samples = TORQUE_SAMPLES * problem.spec().order;
-    admissible(problem, variables, x, samples, TorquePeak::used_between_samples)
+    if !problem.has_path_limits() {
+        return x;
+    }
+    let mut evaluator = Evaluator::new(problem, variables, TORQUE_SAMPLES * problem.spec().order);
+    drawn_in_until(variables, x, |x| {
+        let torques = evaluator.torque_peaks(x);
+        let near = |set| certified_clearances(problem.robot(), set, &variables.series(x));
+        torques.iter().all(|p| p.used_between_samples() <= 1.0 - ROOM_FOR_ROUNDING)
+            && problem
+                .space()
+                .is_none_or(|set| near(set).iter().all(|c| c.certified >= c.asked))
+    })
 }
 
 /// A condition number at the floor that rounding sets, `1/sqrt(ε b)`, is that of a regressor with dependent columns.

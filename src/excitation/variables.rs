@@ -54,7 +54,7 @@ impl Variables {
             null_space,
             rest,
             sets,
-            radial: if problem.torque().is_some() {
+            radial: if problem.has_path_limits() {
                 Radial::Inside
             } else {
                 Radial::Surface

@@ -37,6 +37,8 @@ pub struct DesignDocument {
     pub joints: Vec<String>,
     /// Both sides of every stated limit of every joint.
     pub margins: Vec<MarginDocument>,
+    /// Of every pair that keeps a distance, where limits in space are asked for.
+    pub clearances: Vec<ClearanceDocument>,
     pub starts: Vec<StartDocument>,
     /// Names of the base parameters: columns of Y_b, and the order of `predicted`.
     pub base_parameters: Vec<String>,
@@ -115,6 +117,24 @@ pub struct MarginDocument {
     pub unit: &'static str,
 }
 
+/// How near a link comes to an obstacle or another link.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct ClearanceDocument {
+    /// Joint that carries the link.
+    pub joint: String,
+    /// Name of the obstacle, or of the joint that carries the other link.
+    pub from: String,
+    /// Least distance seen (m).
+    pub least: f64,
+    /// When (s).
+    pub at_s: f64,
+    /// Proven bound on the least distance over all time (m).
+    pub certified: f64,
+    /// Distance asked for (m).
+    pub asked: f64,
+}
+
 /// What became of one random start.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
@@ -163,6 +183,18 @@ impl DesignDocument {
             samples: problem.samples(),
             joints: joints.iter().map(|j| j.name.clone()).collect(),
             margins: design.margins.iter().map(|m| margin_document(&joints[m.joint], m)).collect(),
+            clearances: design
+                .clearances
+                .iter()
+                .map(|c| ClearanceDocument {
+                    joint: joints[c.joint].name.clone(),
+                    from: c.from.clone(),
+                    least: c.least,
+                    at_s: c.at_s,
+                    certified: c.certified,
+                    asked: c.asked,
+                })
+                .collect(),
             starts: design.starts.iter().map(start_document).collect(),
             base_parameters: problem.base().names.clone(),
             search: SearchDocument {

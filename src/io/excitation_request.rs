@@ -2,9 +2,10 @@
 
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::Parsed;
+use super::path_limits::{read_space_limits, read_torque_limits};
 use super::robot::{NamedRobots, read_robot_or_name};
 use super::warm_start::read_warm_start;
-use crate::excitation::{Criterion, DEFAULT_SAFETY_FACTOR, Form, Problem, ProblemSpec, SearchOptions, Start, TorqueLimits};
+use crate::excitation::{Criterion, Form, Problem, ProblemSpec, SearchOptions, Start};
 use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, Mdh, Robot};
 use crate::trajectory::FourierSeries;
 use nalgebra::Vector3;
@@ -42,8 +43,7 @@ pub const REQUEST_FIELDS: &[&str] = &[
     "warm_start",
 ];
 pub const FOURIER_FIELDS: &[&str] = &["order", "fundamental_hz"];
-pub const CONSTRAINT_FIELDS: &[&str] = &["form", "start", "start_position", "torque"];
-pub const TORQUE_FIELDS: &[&str] = &["limits", "safety_factor"];
+pub const CONSTRAINT_FIELDS: &[&str] = &["form", "start", "start_position", "torque", "space"];
 pub const SEARCH_FIELDS: &[&str] = &["seed", "starts", "time_limit_s", "max_evaluations", "jobs_per_round"];
 
 pub const CRITERIA: &[(&str, Criterion)] = &[
@@ -140,6 +140,7 @@ fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
     let constraint = |name: &str| constraints.as_ref().and_then(|f| f.optional(name));
     // Stand-ins fit what is given, so that the core does not find fault with them: 1000 samples in a period.
     let fundamental_hz = fundamental.or(rate.map(|r| r / 1000.0)).unwrap_or(0.1);
+    let names: Option<Vec<String>> = robot.as_ref().map(|r| r.joints().iter().map(|j| j.name.clone()).collect());
     ProblemSpec {
         robot: robot.unwrap_or_else(stand_in_robot),
         order: order.unwrap_or(5) as usize,
@@ -160,16 +161,11 @@ fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
             .as_ref()
             .and_then(|f| f.nullable("torque"))
             .and_then(|c| read_torque_limits(&c)),
+        space: constraints
+            .as_ref()
+            .and_then(|f| f.nullable("space"))
+            .and_then(|c| read_space_limits(&c, names.as_deref())),
     }
-}
-
-fn read_torque_limits(cursor: &Cursor) -> Option<TorqueLimits> {
-    let fields = cursor.fields(TORQUE_FIELDS)?;
-    let factor = fields.nullable("safety_factor").map(|c| c.number());
-    Some(TorqueLimits {
-        limits: fields.nullable("limits").and_then(|c| c.numbers(None)),
-        safety_factor: factor.unwrap_or(Some(DEFAULT_SAFETY_FACTOR))?,
-    })
 }
 
 fn read_search(fields: &Fields) -> Search {
@@ -324,6 +320,21 @@ mod tests {
         );
         assert!(
             found[1].starts_with("/constraints/torque/limits/1: is 0; a torque limit is a positive number"),
+            "{found:?}"
+        );
+        let space = |of: &str| {
+            GOOD.replace("planar_two_link", "iiwa14").replace(
+                "\"sample_rate_hz\"",
+                &format!("\"constraints\": {{\"space\": {of}}}, \"sample_rate_hz\""),
+            )
+        };
+        let found = findings(&space(r#"{"clearance": 20, "self_collision": {"ignore": [["A1", "A9"]]}}"#));
+        assert!(
+            found[0].starts_with("/constraints/space/self_collision/ignore/0/1: is `A9`"),
+            "{found:?}"
+        );
+        assert!(
+            found[1].starts_with("/constraints/space/clearance: is 20; give metres"),
             "{found:?}"
         );
         let name = GOOD.replace("planar_two_link", "iiwa");

@@ -14,6 +14,7 @@ mod identify_request;
 mod json;
 pub mod log;
 mod model_document;
+mod path_limits;
 mod robot;
 pub mod shipped;
 mod trajectory_table;

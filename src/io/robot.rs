@@ -4,7 +4,7 @@
 
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::{Malformed, Parsed, parse};
-use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, LinkPrior, Mdh, Robot, from_urdf};
+use crate::model::{Capsule, FieldProblem, Friction, Joint, JointKind, Limits, LinkPrior, Mdh, Robot, from_urdf};
 use crate::spatial::{PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Value, json};
@@ -27,11 +27,22 @@ pub trait NamedRobots {
 pub const ROBOT_FIELDS: &[&str] = &["name", "gravity", "joints", "friction", "source"];
 /// Fields of a robot given as a URDF file.
 pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "tip", "source"];
-pub const JOINT_FIELDS: &[&str] = &["name", "kind", "mdh", "placement", "limits", "prior", "link", "source"];
+pub const JOINT_FIELDS: &[&str] = &[
+    "name",
+    "kind",
+    "mdh",
+    "placement",
+    "limits",
+    "prior",
+    "geometry",
+    "link",
+    "source",
+];
 pub const MDH_FIELDS: &[&str] = &["alpha", "d", "theta", "r", "source"];
 pub const PLACEMENT_FIELDS: &[&str] = &["xyz", "rpy", "axis", "source"];
 pub const LIMIT_FIELDS: &[&str] = &["position", "velocity", "acceleration", "jerk", "effort", "source"];
 pub const PRIOR_FIELDS: &[&str] = &["mass", "center_of_mass", "inertia", "viscous", "coulomb", "source"];
+pub const CAPSULE_FIELDS: &[&str] = &["from", "to", "radius", "source"];
 pub const INERTIA_FIELDS: &[&str] = &["xx", "xy", "xz", "yy", "yz", "zz"];
 
 /// A robot document from the bytes of a file: JSON, or URDF if it starts like XML.
@@ -206,7 +217,30 @@ fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform) -> (Joint, Mat
     }
     joint.limits = fields.nullable("limits").map_or(Limits::unlimited(), |c| read_limits(&c));
     joint.prior = fields.nullable("prior").and_then(|c| read_prior(&c, &turn));
+    let capsules = fields.nullable("geometry").and_then(|c| c.items()).unwrap_or_default();
+    joint.geometry = capsules.iter().filter_map(|c| read_capsule(c, &turn)).collect();
     (joint, turn)
+}
+
+/// A capsule in the document's link frame, turned into the frame of the dynamics.
+fn read_capsule(cursor: &Cursor, turn: &Matrix3<f64>) -> Option<Capsule> {
+    let fields = cursor.fields(CAPSULE_FIELDS)?;
+    read_source(&fields);
+    let end = |name: &str| fields.required(name).and_then(|c| c.vector());
+    let (from, to) = (end("from"), end("to"));
+    let radius = fields.required("radius").and_then(|c| {
+        let radius = c.number()?;
+        // Ten metres: millimetres given for metres, or no arm.
+        if !(radius > 0.0 && radius < 10.0) {
+            c.complain_with(format!("is {radius}"), "a radius is a positive number of metres");
+            return None;
+        }
+        Some(radius)
+    });
+    Some(Capsule {
+        ends: [turn.transpose() * from?, turn.transpose() * to?],
+        radius: radius?,
+    })
 }
 
 const ZERO_MDH: Mdh = Mdh {

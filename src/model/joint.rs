@@ -1,6 +1,6 @@
 //! One joint and the link it carries.
 
-use super::Limits;
+use super::{Capsule, Limits};
 use crate::spatial::{PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 
@@ -59,6 +59,8 @@ pub struct Joint {
     pub mdh: Option<Mdh>,
     pub limits: Limits,
     pub prior: Option<LinkPrior>,
+    /// Capsules that together contain the link; empty where its shape is not known.
+    pub geometry: Vec<Capsule>,
     /// Rotation from the dynamics' link frame (z along the joint) to the link frame of the description the robot came from;
     /// the identity for modified DH. The origins coincide.
     pub description_frame: Matrix3<f64>,
@@ -86,6 +88,7 @@ impl Joint {
             mdh: None,
             limits: Limits::unlimited(),
             prior: None,
+            geometry: Vec::new(),
             description_frame: Matrix3::identity(),
         }
     }

@@ -4,6 +4,7 @@
 //! at a fixed [`Transform`](crate::spatial::Transform) from the frame before it. Modified DH parameters ([`Mdh`]) are one way to
 //! fill that transform, a URDF file ([`from_urdf`]) another.
 
+mod capsule;
 mod error;
 mod joint;
 mod limits;
@@ -11,6 +12,7 @@ mod robot;
 mod urdf;
 mod urdf_elements;
 
+pub use capsule::Capsule;
 pub use error::{FieldProblem, ModelError};
 pub use joint::{Joint, JointKind, LinkPrior, Mdh};
 pub use limits::Limits;

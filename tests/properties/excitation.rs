@@ -36,6 +36,7 @@ fn problem(robot: Robot, form: Form, start: Start) -> Problem {
         start_position: None,
         torque_noise: None,
         torque: None,
+        space: None,
     })
     .unwrap()
 }

@@ -6,4 +6,5 @@ mod support;
 mod dynamics;
 mod excitation;
 mod robots;
+mod space;
 mod trajectory;

@@ -76,6 +76,51 @@ pub struct ConstraintsSchema {
     start_position: Option<Vec<f64>>,
     /// Limits on torques, predicted by the robot's prior link parameters; none if left out.
     torque: Option<TorqueLimitsSchema>,
+    /// What the arm keeps off; needs `geometry` of its joints. Nothing if left out.
+    space: Option<SpaceLimitsSchema>,
+}
+
+/// What the arm keeps off, in the base frame.
+#[derive(Serialize, ToSchema)]
+#[schema(as = SpaceLimits)]
+pub struct SpaceLimitsSchema {
+    /// Least distance kept from everything (m).
+    #[schema(default = 0.02)]
+    clearance: Option<f64>,
+    /// Floors, walls: the arm stays where `normal · p >= offset`.
+    half_spaces: Option<Vec<HalfSpaceSchema>>,
+    /// Boxes that the arm stays out of, with edges along the axes of the base frame.
+    boxes: Option<Vec<BoxSchema>>,
+    /// Links keep off each other, but for neighbours and the pairs named.
+    self_collision: Option<SelfCollisionSchema>,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = HalfSpace)]
+pub struct HalfSpaceSchema {
+    #[schema(example = "floor")]
+    name: String,
+    normal: [f64; 3],
+    /// (m)
+    offset: f64,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = Box)]
+pub struct BoxSchema {
+    #[schema(example = "table")]
+    name: String,
+    /// (m)
+    center: [f64; 3],
+    /// Lengths of the edges (m).
+    size: [f64; 3],
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = SelfCollision)]
+pub struct SelfCollisionSchema {
+    /// Pairs of joint names whose links may touch.
+    ignore: Option<Vec<[String; 2]>>,
 }
 
 /// Torque limits along the trajectory.
@@ -192,9 +237,22 @@ pub struct JointSchema {
     placement: PlacementSchema,
     limits: Option<LimitsSchema>,
     prior: Option<PriorSchema>,
+    /// Capsules that together contain the link.
+    geometry: Option<Vec<CapsuleSchema>>,
     /// Name of the link behind the joint.
     #[schema(required = false)]
     link: String,
+    #[schema(required = false)]
+    source: String,
+}
+
+/// All points within `radius` of a segment fixed to the link (m, link frame).
+#[derive(Serialize, ToSchema)]
+#[schema(as = Capsule)]
+pub struct CapsuleSchema {
+    from: [f64; 3],
+    to: [f64; 3],
+    radius: f64,
     #[schema(required = false)]
     source: String,
 }
