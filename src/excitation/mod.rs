@@ -11,7 +11,6 @@ mod moves;
 mod problem;
 mod report;
 mod search;
-mod solver;
 mod variables;
 mod workspace;
 

@@ -2,6 +2,7 @@
 
 use super::Observation;
 use super::normal::{JointNormal, normal_equations};
+use super::preprocess::spectrum::median;
 use nalgebra::DVector;
 
 /// Residual, in standard deviations, from which on a row's weight falls (Huber 1964: 95 % efficiency on normal noise).
@@ -27,4 +28,27 @@ pub(super) fn robust_normals(observations: &[Observation], values: &DVector<f64>
         })
         .collect();
     normal_equations(&weighted)
+}
+
+/// Of normal numbers the median distance from zero is 0.6745 standard deviations.
+const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
+
+/// σ of joint `j` from the median of |e|, which half of the rows may be wrong without moving far. `freedom` is the share of the rows
+/// that parameters have not been spent on.
+pub(super) fn median_sigma(observations: &[Observation], j: usize, values: &DVector<f64>, freedom: f64) -> f64 {
+    let mut errors = Vec::new();
+    for rows in observations.iter().map(|o| &o.joints[j]) {
+        let residual = rows.residual(values);
+        errors.extend(
+            residual
+                .iter()
+                .zip(&rows.used)
+                .filter(|(_, used)| **used)
+                .map(|(e, _)| e.abs()),
+        );
+    }
+    if errors.is_empty() {
+        return 0.0;
+    }
+    median(errors) / (NORMAL_MEDIAN * freedom.sqrt())
 }

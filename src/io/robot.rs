@@ -2,6 +2,7 @@
 //!
 //! Every object of a robot document may carry a `source`: one string that says where its numbers come from.
 
+use super::bounds_document::{AXES, JOINT_BOUND_FIELDS, read_bounds};
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::{Malformed, Parsed, parse};
 use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, LinkPrior, Mdh, Robot, from_urdf};
@@ -27,7 +28,18 @@ pub trait NamedRobots {
 pub const ROBOT_FIELDS: &[&str] = &["name", "gravity", "joints", "friction", "source"];
 /// Fields of a robot given as a URDF file.
 pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "tip", "source"];
-pub const JOINT_FIELDS: &[&str] = &["name", "kind", "mdh", "placement", "limits", "prior", "link", "source"];
+pub const JOINT_FIELDS: &[&str] = &[
+    "name",
+    "kind",
+    "mdh",
+    "placement",
+    "limits",
+    "prior",
+    "bounds",
+    "slender_axis",
+    "link",
+    "source",
+];
 pub const MDH_FIELDS: &[&str] = &["alpha", "d", "theta", "r", "source"];
 pub const PLACEMENT_FIELDS: &[&str] = &["xyz", "rpy", "axis", "source"];
 pub const LIMIT_FIELDS: &[&str] = &["position", "velocity", "acceleration", "jerk", "effort", "source"];
@@ -206,6 +218,11 @@ fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform) -> (Joint, Mat
     }
     joint.limits = fields.nullable("limits").map_or(Limits::unlimited(), |c| read_limits(&c));
     joint.prior = fields.nullable("prior").and_then(|c| read_prior(&c, &turn));
+    if let Some(bounds) = fields.nullable("bounds").and_then(|c| c.fields(JOINT_BOUND_FIELDS)) {
+        read_source(&bounds);
+        joint.bounds = read_bounds(&bounds);
+    }
+    joint.slender_axis = fields.nullable("slender_axis").and_then(|c| c.choice(AXES));
     (joint, turn)
 }
 
