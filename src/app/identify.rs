@@ -143,7 +143,8 @@ pub fn identify(
         done: total - 3,
         of: total,
     });
-    let observations: Vec<Observation> = used.iter().map(|u| u.observation.clone()).collect();
+    // Rows are the bulk of the memory: they are lent, not copied.
+    let observations: Vec<Observation> = used.iter_mut().map(|u| std::mem::take(&mut u.observation)).collect();
     let prepared: Vec<&PreparedLog> = used.iter().map(|u| &u.prepared).collect();
     let found = estimate(&observations, &prepared, request.estimator);
     let judged = quality(&request.robot, &base, &prepared, &found);
@@ -163,6 +164,7 @@ pub fn identify(
         .map(|fit| model_files(request, &base, &found, fit.model()))
         .transpose()?
         .flatten();
+    used.iter_mut().zip(observations).for_each(|(u, rows)| u.observation = rows);
     let mut document = document(request, &base, &found, &judged, physical.as_ref(), &used, &held_out);
     observe(&Step {
         what: "tracing what is left",
@@ -204,11 +206,11 @@ pub(super) struct Reading<'a> {
     pub trace: bool,
 }
 
+/// Files beside a log: name and path.
+pub(super) type Companions = Vec<(String, PathBuf)>;
+
 /// The logs among `files`, and the files that `columns` puts beside one, by name.
-pub(super) fn split_companions<'a>(
-    columns: &Columns,
-    files: &'a [LogFile],
-) -> Result<(Vec<&'a LogFile>, Vec<(String, PathBuf)>), Error> {
+pub(super) fn split_companions<'a>(columns: &Columns, files: &'a [LogFile]) -> Result<(Vec<&'a LogFile>, Companions), Error> {
     let named = columns.files();
     let (beside, logs): (Vec<&LogFile>, Vec<&LogFile>) = files.iter().partition(|f| named.contains(&f.name.as_str()));
     if !named.is_empty() && logs.len() > 1 {

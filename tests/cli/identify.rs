@@ -71,8 +71,9 @@ fn a_simulated_log_is_identified_and_its_model_validates() {
     assert_eq!(found["quality"]["verdict"], "good");
     let paper = &found["feasibility"]["paper"];
     assert_eq!(paper["status"], "Converged", "{paper}");
+    // Costs are differences of sums of squares that are a million times as large.
     assert!(
-        paper["objective"].as_f64().unwrap() >= paper["lower_bound"].as_f64().unwrap() * (1.0 - 1e-9),
+        paper["objective"].as_f64().unwrap() >= paper["lower_bound"].as_f64().unwrap() * (1.0 - 1e-6),
         "{paper}"
     );
     assert_eq!(paper["starts"].as_array().unwrap().len(), 3);

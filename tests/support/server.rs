@@ -137,7 +137,10 @@ impl Server {
         );
         stream.write_all(head.as_bytes()).unwrap();
         stream.write_all(body).unwrap();
-        stream.shutdown(std::net::Shutdown::Write).unwrap();
+        // A client that closes its side is gone, as far as the server is concerned.
+        if declared.is_some() {
+            stream.shutdown(std::net::Shutdown::Write).unwrap();
+        }
         let mut text = Vec::new();
         // A server may close the connection of a client that hung up.
         let _ = stream.read_to_end(&mut text);

@@ -263,7 +263,7 @@ fn constraints(
     }
     for (link, prior) in links.iter().enumerate() {
         let LinkScale { mass, length } = LinkScale::of(prior);
-        let (unit, matrix): (Vec<f64>, fn(&LinkInertia) -> DMatrix<f64>) = match options.cone {
+        let (unit, matrix): (Vec<f64>, LinkMatrix) = match options.cone {
             Cone::PseudoInertia => (vec![length, length, length, 1.0], |body| {
                 DMatrix::from_fn(4, 4, |r, c| body.pseudo_inertia()[(r, c)])
             }),
@@ -273,6 +273,9 @@ fn constraints(
     }
     found
 }
+
+/// A symmetric matrix that is linear in the parameters of a link.
+type LinkMatrix = fn(&LinkInertia) -> DMatrix<f64>;
 
 fn spatial_inertia(body: &LinkInertia) -> DMatrix<f64> {
     let mut whole = DMatrix::zeros(6, 6);
@@ -324,7 +327,7 @@ fn cone_rows(
     link: usize,
     mass: f64,
     unit: &[f64],
-    matrix: fn(&LinkInertia) -> DMatrix<f64>,
+    matrix: LinkMatrix,
     scale: &DVector<f64>,
     least: f64,
     found: &mut Constraints,
