@@ -314,6 +314,7 @@ fn main() {
         start: Start::Zero,
         start_position: None,
         torque_noise: None,
+        torque: None,
     })
     .expect("the paper's problem");
     let options = SearchOptions {
