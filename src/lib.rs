@@ -23,6 +23,7 @@
 //! | [`parameters`], [`dynamics`] | names and base parameters; inverse dynamics, regressor and adjoint, batched over samples |
 //! | [`trajectory`], [`excitation`] | Fourier series and others; the problem, the search, its result |
 //! | [`identification`] | from measured logs to base and physical parameters, and their validation |
+//! | [`solver`] | NLopt, behind two functions |
 //! | [`effects`], [`residual`], [`simulate`] | what a rigid model lacks, how it is found in what the model leaves, a virtual robot to try it on |
 //! | [`io`], [`app`] | documents to and from these; use cases with progress, cancellation and stable error codes |
 //! | `service`, `cli` | the same over HTTP and on the command line (features of the same names, on by default) |
@@ -80,6 +81,7 @@ pub mod residual;
 #[cfg(feature = "service")]
 pub mod service;
 pub mod simulate;
+pub mod solver;
 pub mod spatial;
 pub mod trajectory;
 

@@ -4,11 +4,11 @@ use super::report::document;
 use super::trace::residual;
 use super::{CancelFlag, Code, Error};
 use crate::dynamics::inverse_dynamics;
-use crate::identification::physical::{FitObjective, PhysicalFit, fit_consistent};
+use crate::identification::physical::{FeasibleFit, FitObjective, PhysicalFit, fit_feasible};
 use crate::identification::{
     Estimate, Observation, PreparedLog, PreprocessOptions, Quality, estimate, normal_equations, prepare, quality,
 };
-use crate::io::log::{Columns, LogReport, read_log_file};
+use crate::io::log::{Columns, LogError, LogReport, read_joined_log};
 use crate::io::{IdentifyDocument, IdentifyRequest, robot_value, urdf};
 use crate::model::{LinkPrior, Robot, from_urdf};
 use crate::parameters::{BaseParameters, Layout};
@@ -63,7 +63,7 @@ pub struct Identified {
     pub document: IdentifyDocument,
     pub base: BaseParameters,
     pub estimate: Estimate,
-    pub physical: Option<PhysicalFit>,
+    pub physical: Option<FeasibleFit>,
     pub model: Option<ModelFiles>,
     pub identification: Vec<UsedLog>,
     pub validation: Vec<UsedLog>,
@@ -121,16 +121,21 @@ pub fn identify(
         offset: request.offset,
         trace: request.trace,
     };
+    let ((logs, beside_logs), (validation, beside_validation)) = (
+        split_companions(&request.columns, logs)?,
+        split_companions(&request.columns, validation)?,
+    );
     let total = logs.len() + validation.len() + 3;
     let mut used = Vec::new();
-    for (done, file) in logs.iter().chain(validation).enumerate() {
+    let files = logs.iter().map(|&f| (f, &beside_logs));
+    for (done, (file, beside)) in files.chain(validation.iter().map(|&f| (f, &beside_validation))).enumerate() {
         stop_if_cancelled(cancel)?;
         observe(&Step {
             what: "reading logs",
             done,
             of: total,
         });
-        used.push(use_log(&reading, file)?);
+        used.push(use_log(&reading, file, beside)?);
     }
     let held_out = used.split_off(logs.len());
     observe(&Step {
@@ -138,7 +143,8 @@ pub fn identify(
         done: total - 3,
         of: total,
     });
-    let observations: Vec<Observation> = used.iter().map(|u| u.observation.clone()).collect();
+    // Rows are the bulk of the memory: they are lent, not copied.
+    let observations: Vec<Observation> = used.iter_mut().map(|u| std::mem::take(&mut u.observation)).collect();
     let prepared: Vec<&PreparedLog> = used.iter().map(|u| &u.prepared).collect();
     let found = estimate(&observations, &prepared, request.estimator);
     let judged = quality(&request.robot, &base, &prepared, &found);
@@ -150,15 +156,16 @@ pub fn identify(
     });
     let physical = request.feasible.as_ref().map(|options| {
         let objective = FitObjective::new(&base, &normal_equations(&observations), &found);
-        fit_consistent(&request.robot, &objective, options)
+        fit_feasible(&request.robot, &objective, options, &|| cancel.is_cancelled())
     });
+    stop_if_cancelled(cancel)?;
     let model = physical
         .as_ref()
-        .map(|fit| model_files(request, &base, &found, fit))
+        .map(|fit| model_files(request, &base, &found, fit.model()))
         .transpose()?
         .flatten();
+    used.iter_mut().zip(observations).for_each(|(u, rows)| u.observation = rows);
     let mut document = document(request, &base, &found, &judged, physical.as_ref(), &used, &held_out);
-    stop_if_cancelled(cancel)?;
     observe(&Step {
         what: "tracing what is left",
         done: total - 1,
@@ -199,12 +206,39 @@ pub(super) struct Reading<'a> {
     pub trace: bool,
 }
 
+/// Files beside a log: name and path.
+pub(super) type Companions = Vec<(String, PathBuf)>;
+
+/// The logs among `files`, and the files that `columns` puts beside one, by name.
+pub(super) fn split_companions<'a>(columns: &Columns, files: &'a [LogFile]) -> Result<(Vec<&'a LogFile>, Companions), Error> {
+    let named = columns.files();
+    let (beside, logs): (Vec<&LogFile>, Vec<&LogFile>) = files.iter().partition(|f| named.contains(&f.name.as_str()));
+    if !named.is_empty() && logs.len() > 1 {
+        let names: Vec<&str> = logs.iter().map(|l| l.name.as_str()).collect();
+        return Err(Error::new(
+            Code::InvalidLog,
+            format!(
+                "`columns` puts {} beside one log, and there are {}: {}",
+                named.join(" and "),
+                logs.len(),
+                names.join(", ")
+            ),
+        )
+        .with_hint("join the files of each recording into one, or identify from one recording at a time"));
+    }
+    if !beside.is_empty() && logs.is_empty() {
+        let detail = format!("{} is given without the log that it stands beside", named.join(" and "));
+        return Err(Error::new(Code::InvalidLog, detail).with_hint("give the file with the positions as a log too"));
+    }
+    Ok((logs, beside.into_iter().map(|f| (f.name.clone(), f.path.clone())).collect()))
+}
+
 /// Reads and prepares one log.
-pub(super) fn use_log(reading: &Reading, file: &LogFile) -> Result<UsedLog, Error> {
+pub(super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(String, PathBuf)]) -> Result<UsedLog, Error> {
     let names: Vec<String> = reading.robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
     let (mut log, mut report) =
-        read_log_file(&file.path, reading.columns, &names).map_err(|e| invalid(e.named(&file.name).to_string()))?;
+        read_joined_log(&file.path, beside, reading.columns, &names).map_err(|e| invalid(called(e, file, beside).to_string()))?;
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);
     let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
@@ -230,6 +264,17 @@ pub(super) fn use_log(reading: &Reading, file: &LogFile) -> Result<UsedLog, Erro
         stretch,
         sample_faults,
     })
+}
+
+/// The error with the names that the user knows: an upload is a temporary file with a name of its own.
+fn called(error: LogError, file: &LogFile, beside: &[(String, PathBuf)]) -> LogError {
+    let on_disk = |path: &Path| path.file_name().is_some_and(|n| n.to_string_lossy() == error.file());
+    let name = beside
+        .iter()
+        .find(|(_, path)| on_disk(path))
+        .map_or(&file.name, |(name, _)| name);
+    let name = name.clone();
+    error.named(&name)
 }
 
 /// The robot with the identified parameters as its priors; `None` if they are no bodies.

@@ -1,14 +1,17 @@
 //! From the numbers of an identification to its document.
 
 use super::identify::{UsedLog, reason};
-use crate::identification::physical::{FitEnding, PhysicalFit};
+use crate::identification::physical::{
+    ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
+};
 use crate::identification::{Estimate, Estimator, Quality, Validation, prediction, validate};
 use crate::io::{
-    BaseValue, Direction, Feasibility, IdentifyDocument, IdentifyRequest, InertiaDocument, JointErrors, LogDocument, LogRms,
-    MarginValue, NoiseDocument, PhysicalValue, PredictionDocument, QualityDocument, RmsDocument,
+    BaseValue, Direction, Feasibility, FitStart, IdentifyDocument, IdentifyRequest, InertiaDocument, JointErrors, LogDocument,
+    LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue, PredictionDocument, QualityDocument, RmsDocument,
 };
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
+use crate::spatial::PhysicalInertia;
 use nalgebra::DVector;
 
 pub(super) fn document(
@@ -16,11 +19,12 @@ pub(super) fn document(
     base: &BaseParameters,
     found: &Estimate,
     judged: &Quality,
-    physical: Option<&PhysicalFit>,
+    feasible: Option<&FeasibleFit>,
     identification: &[UsedLog],
     validation: &[UsedLog],
 ) -> IdentifyDocument {
     let robot = &request.robot;
+    let physical = feasible.map(FeasibleFit::model);
     let columns = physical.map(|fit| physical_columns(base, fit));
     let rms = |logs: &[UsedLog]| logs.iter().map(|log| log_rms(log, &found.values, columns.as_ref())).collect();
     let all = || {
@@ -51,7 +55,7 @@ pub(super) fn document(
                 .collect()
         }),
         physical_parameters: physical.and_then(|fit| physical_values(robot, fit)),
-        feasibility: physical.map(feasibility),
+        feasibility: feasible.map(|fit| feasibility(robot, fit)),
         rms: RmsDocument {
             identification: rms(identification),
             validation: rms(validation),
@@ -164,14 +168,30 @@ fn direction(base: &BaseParameters, found: &Estimate, scaled: &DVector<f64>) -> 
 
 fn physical_values(robot: &Robot, fit: &PhysicalFit) -> Option<Vec<PhysicalValue>> {
     let links = fit.links(&Layout::standard(robot))?;
-    let describe = |(k, (joint, link)): (usize, (&crate::model::Joint, crate::identification::physical::PhysicalLink))| {
+    let in_description = |(joint, link): (&crate::model::Joint, PhysicalLink)| {
         let turn = joint.description_frame;
-        let i = turn * link.inertia.inertia * turn.transpose();
+        PhysicalLink {
+            inertia: PhysicalInertia {
+                mass: link.inertia.mass,
+                center_of_mass: turn * link.inertia.center_of_mass,
+                inertia: turn * link.inertia.inertia * turn.transpose(),
+            },
+            ..link
+        }
+    };
+    let links: Vec<PhysicalLink> = robot.joints().iter().zip(links).map(in_description).collect();
+    Some(link_values(robot, &links))
+}
+
+/// Links in the frames of the description, as the answer has them.
+fn link_values(robot: &Robot, links: &[PhysicalLink]) -> Vec<PhysicalValue> {
+    let describe = |(k, (joint, link)): (usize, (&crate::model::Joint, &PhysicalLink))| {
+        let i = link.inertia.inertia;
         PhysicalValue {
             link: k + 1,
             name: joint.link_name.clone(),
             mass: link.inertia.mass,
-            center_of_mass: (turn * link.inertia.center_of_mass).into(),
+            center_of_mass: link.inertia.center_of_mass.into(),
             inertia: InertiaDocument {
                 xx: i[(0, 0)],
                 xy: i[(0, 1)],
@@ -184,29 +204,63 @@ fn physical_values(robot: &Robot, fit: &PhysicalFit) -> Option<Vec<PhysicalValue
             coulomb: link.coulomb,
         }
     };
-    Some(robot.joints().iter().zip(links).enumerate().map(describe).collect())
+    robot.joints().iter().zip(links).enumerate().map(describe).collect()
 }
 
-fn feasibility(fit: &PhysicalFit) -> Feasibility {
+fn status(ending: FitEnding) -> &'static str {
+    match ending {
+        FitEnding::Converged => "Converged",
+        FitEnding::Stalled => "Stalled",
+        FitEnding::BudgetExhausted => "BudgetExhausted",
+        FitEnding::Infeasible => "Infeasible",
+        FitEnding::Cancelled => "Cancelled",
+    }
+}
+
+fn margin_values(margins: &[ConstraintMargin]) -> Vec<MarginValue> {
+    let one = |m: &ConstraintMargin| MarginValue {
+        link: m.link + 1,
+        constraint: m.constraint.code(),
+        margin: m.margin,
+    };
+    margins.iter().map(one).collect()
+}
+
+fn feasibility(robot: &Robot, feasible: &FeasibleFit) -> Feasibility {
+    let model = feasible.model();
     Feasibility {
-        method: "consistent",
-        status: match fit.ending {
-            FitEnding::Converged => "Converged",
-            FitEnding::Stalled => "Stalled",
-            FitEnding::BudgetExhausted => "BudgetExhausted",
-            FitEnding::Infeasible => "Infeasible",
-            FitEnding::Cancelled => "Cancelled",
+        method: match feasible.method() {
+            FeasibleMethod::Paper => "paper",
+            _ => "consistent",
         },
-        rms_ratio: fit.fit.ratio,
-        margins: fit
-            .margins
+        status: status(model.ending),
+        rms_ratio: model.fit.ratio,
+        margins: margin_values(&model.margins),
+        paper: feasible.paper.as_ref().map(|paper| paper_problem(robot, paper)),
+    }
+}
+
+fn paper_problem(robot: &Robot, paper: &PaperFit) -> PaperProblem {
+    PaperProblem {
+        status: status(paper.fit.ending),
+        objective: paper.fit.fit.cost,
+        lower_bound: finite(paper.lower_bound),
+        gap_percent: finite(100.0 * paper.gap),
+        rms_ratio: paper.fit.fit.ratio,
+        evaluations: paper.fit.iterations,
+        starts: paper
+            .starts
             .iter()
-            .map(|m| MarginValue {
-                link: m.link + 1,
-                constraint: m.constraint.code(),
-                margin: m.margin,
+            .map(|s| FitStart {
+                from: s.from,
+                status: status(s.ending),
+                feasible: s.feasible,
+                objective: finite(s.cost),
+                evaluations: s.evaluations,
             })
             .collect(),
+        margins: margin_values(&paper.fit.margins),
+        physical_parameters: link_values(robot, &paper.links),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Hold a model against logs.
 
-use super::identify::{LogFile, Reading, use_log};
+use super::identify::{LogFile, Reading, split_companions, use_log};
 use super::report::errors;
 use super::{CancelFlag, Code, Error};
 use crate::identification::{prediction, validate as prediction_errors};
@@ -43,6 +43,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         log_report: Vec::new(),
         predictions: Vec::new(),
     };
+    let (logs, beside) = split_companions(&request.columns, logs)?;
     for file in logs {
         if cancel.is_cancelled() {
             return Err(Error::new(
@@ -50,7 +51,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
                 "the validation was cancelled before it had a result",
             ));
         }
-        let log = use_log(&reading, file)?;
+        let log = use_log(&reading, file, &beside)?;
         let name = log.report.file.clone();
         document.logs.push(ValidatedLog {
             name: name.clone(),

@@ -8,3 +8,6 @@ pub mod method {}
 
 #[doc = include_str!("closing-the-loop.md")]
 pub mod closing_the_loop {}
+
+#[doc = include_str!("validation.md")]
+pub mod validation {}

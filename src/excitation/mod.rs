@@ -14,7 +14,6 @@ mod pool;
 mod problem;
 mod report;
 mod search;
-mod solver;
 mod space;
 mod symmetry;
 mod variables;

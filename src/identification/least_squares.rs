@@ -2,7 +2,7 @@
 
 use super::noise::{NoiseSpectrum, passed};
 use super::normal::{JointNormal, normal_equations};
-use super::robust::robust_normals;
+use super::robust::{median_sigma, robust_normals};
 use super::{Observation, PreparedLog, Solution};
 use nalgebra::{DMatrix, DVector};
 
@@ -14,7 +14,7 @@ pub enum Estimator {
     /// Rows of joint j by `1/σⱼ²`, σⱼ from the residual, iterated.
     #[default]
     Weighted,
-    /// Weighted, and rows whose residual is beyond 1.345 σⱼ by `1.345 σⱼ/|e|` more (Huber): 95 % as good as least squares on normal
+    /// Weighted with σⱼ from the median residual, and rows whose residual is beyond 1.345 σⱼ by `1.345 σⱼ/|e|` more (Huber): 95 % as good as least squares on normal
     /// noise, and a few gross errors do no harm.
     Robust,
 }
@@ -90,7 +90,14 @@ pub fn estimate(observations: &[Observation], logs: &[&PreparedLog], estimator: 
     let mut solution = Solution::new(&normals, &vec![1.0; normals.len()], columns);
     let mut iterations = 1;
     while estimator != Estimator::Ordinary && iterations < MOST_ITERATIONS {
-        let next = sigmas(&normals, &solution, &sigma);
+        let mut next = sigmas(&normals, &solution, &sigma);
+        if estimator == Estimator::Robust {
+            // Gross errors are in the mean square with their squares; the scale that tells them must not be made of them.
+            for (j, (s, normal)) in next.iter_mut().zip(&plain).enumerate() {
+                let freedom = 1.0 - spent(normal, &solution, sigma[j]) / normal.rows.max(1) as f64;
+                *s = median_sigma(observations, j, &solution.values, freedom.max(0.1)).max(least_sigma(normal));
+            }
+        }
         let change = next.iter().zip(&sigma).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
         sigma = next;
         if estimator == Estimator::Robust {
@@ -131,15 +138,19 @@ fn total_freedom(normals: &[JointNormal], solution: &Solution) -> f64 {
     (rows as f64 - solution.rank as f64).max(1.0)
 }
 
+/// What rounding of the torque's own size leaves.
+fn least_sigma(normal: &JointNormal) -> f64 {
+    let least = 1e-8 * (normal.torque_square / normal.rows.max(1) as f64).sqrt();
+    least.max(f64::MIN_POSITIVE.sqrt())
+}
+
 /// σⱼ from the residuals, kept from zero by rounding of the torque's own size.
 fn sigmas(normals: &[JointNormal], solution: &Solution, sigma: &[f64]) -> Vec<f64> {
     let estimate = |(normal, &s): (&JointNormal, &f64)| {
         let freedom = (normal.rows as f64 - spent(normal, solution, s)).max(1.0);
-        let least = 1e-8 * (normal.torque_square / normal.rows.max(1) as f64).sqrt();
         (normal.residual_square(&solution.values) / freedom)
             .sqrt()
-            .max(least)
-            .max(f64::MIN_POSITIVE.sqrt())
+            .max(least_sigma(normal))
     };
     normals.iter().zip(sigma).map(estimate).collect()
 }

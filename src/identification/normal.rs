@@ -1,6 +1,6 @@
 //! Normal equations per joint: everything that weighted least squares needs of the rows, in w² numbers per joint.
 
-use super::Observation;
+use super::{JointRows, Observation};
 use nalgebra::{DMatrix, DVector};
 
 /// `Wⱼᵀ Wⱼ`, `Wⱼᵀ τⱼ`, `τⱼᵀ τⱼ` of one joint, summed over logs.
@@ -33,6 +33,31 @@ impl JointNormal {
     }
 }
 
+impl JointNormal {
+    pub(super) fn of(rows: &JointRows) -> Self {
+        Self {
+            columns: rows.columns.clone(),
+            gram: gram(&rows.matrix),
+            moment: rows.matrix.tr_mul(&rows.torque),
+            torque_square: rows.torque.norm_squared(),
+            rows: rows.used_rows(),
+        }
+    }
+
+    pub(super) fn sum(parts: impl Iterator<Item = Self>) -> Self {
+        parts
+            .reduce(|mut sum, part| {
+                assert_eq!(sum.columns, part.columns, "observations of one model have the same columns");
+                sum.gram += part.gram;
+                sum.moment += part.moment;
+                sum.torque_square += part.torque_square;
+                sum.rows += part.rows;
+                sum
+            })
+            .expect("at least one observation")
+    }
+}
+
 /// Normal equations of all joints over several logs of the same model.
 ///
 /// # Panics
@@ -40,27 +65,7 @@ impl JointNormal {
 pub fn normal_equations(observations: &[Observation]) -> Vec<JointNormal> {
     let joints = observations.first().expect("at least one observation").joints.len();
     (0..joints)
-        .map(|j| {
-            let mut parts = observations.iter().map(|o| {
-                let rows = &o.joints[j];
-                JointNormal {
-                    columns: rows.columns.clone(),
-                    gram: gram(&rows.matrix),
-                    moment: rows.matrix.tr_mul(&rows.torque),
-                    torque_square: rows.torque.norm_squared(),
-                    rows: rows.used_rows(),
-                }
-            });
-            let mut sum = parts.next().expect("at least one observation");
-            for part in parts {
-                assert_eq!(sum.columns, part.columns, "observations of one model have the same columns");
-                sum.gram += part.gram;
-                sum.moment += part.moment;
-                sum.torque_square += part.torque_square;
-                sum.rows += part.rows;
-            }
-            sum
-        })
+        .map(|j| JointNormal::sum(observations.iter().map(|o| JointNormal::of(&o.joints[j]))))
         .collect()
 }
 

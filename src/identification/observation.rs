@@ -39,7 +39,7 @@ impl JointRows {
 }
 
 /// All rows that one log gives.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Observation {
     pub joints: Vec<JointRows>,
     /// Number of model columns p: base parameters first, then whatever was added.

@@ -14,7 +14,7 @@ pub const COLUMNS_FIELDS: &[&str] = &[
     "torque",
     "coupling",
 ];
-pub const QUANTITY_FIELDS: &[&str] = &["headers", "unit", "scale", "sign", "offset", "matrix"];
+pub const QUANTITY_FIELDS: &[&str] = &["headers", "file", "unit", "scale", "sign", "offset", "matrix"];
 
 const TIME_UNITS: &[(&str, TimeUnit)] = &[
     ("s", TimeUnit::Seconds),
@@ -88,6 +88,15 @@ fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<u
             .map(|i| i.string().map(str::to_string))
             .collect::<Option<Vec<_>>>()
     });
+    let file = part.nullable("file").and_then(|c| {
+        if name == "position" {
+            c.complain_with(
+                "positions are in the log itself",
+                "name the file of the torques, and give that of the positions as the log",
+            );
+        }
+        c.string().map(str::to_string)
+    });
     let unit = part.nullable("unit").map(|c| per_joint(&c, joints, |c| c.choice(units)));
     let scale = part.nullable("scale").map(|c| per_joint(&c, joints, nonzero));
     let sign = part.nullable("sign").map(|c| per_joint(&c, joints, one_or_minus_one));
@@ -100,6 +109,7 @@ fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<u
     let at = |list: &Option<Vec<f64>>, j: usize| list.as_ref().and_then(|l| l.get(j)).copied().unwrap_or(1.0);
     JointColumns {
         headers: headers.unwrap_or_default(),
+        file,
         transformation: Transformation {
             factor: (0..length).map(|j| at(&unit, j) * at(&scale, j) * at(&sign, j)).collect(),
             coupling: part.nullable("matrix").and_then(|c| matrix(&c, joints)),

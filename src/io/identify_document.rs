@@ -112,6 +112,41 @@ pub struct Feasibility {
     /// Fit over that of the base parameters; 1.02 is 2 % worse.
     pub rms_ratio: f64,
     pub margins: Vec<MarginValue>,
+    /// The paper's nonlinear problem (10a-d), where it was asked for.
+    pub paper: Option<PaperProblem>,
+}
+
+/// The answer to the paper's nonlinear problem: physical parameters within bounds and the constraints that simulators like.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct PaperProblem {
+    /// Of the best start; `Infeasible` where none met the constraints.
+    pub status: &'static str,
+    /// Weighted residual sum of squares (10a).
+    pub objective: f64,
+    /// What the objective cannot be below, from a convex problem with fewer constraints; null where those contradict each other.
+    pub lower_bound: Option<f64>,
+    /// Fit over that of the lower bound, less one: the global minimum fits at most this much better.
+    pub gap_percent: Option<f64>,
+    /// Fit over that of the base parameters.
+    pub rms_ratio: f64,
+    pub evaluations: u32,
+    pub starts: Vec<FitStart>,
+    pub margins: Vec<MarginValue>,
+    pub physical_parameters: Vec<PhysicalValue>,
+}
+
+/// One local solve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct FitStart {
+    /// `rods`, `robot`, `consistent` or `random`.
+    #[cfg_attr(feature = "service", schema(example = "rods"))]
+    pub from: &'static str,
+    pub status: &'static str,
+    pub feasible: bool,
+    pub objective: Option<f64>,
+    pub evaluations: u32,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,14 +1,15 @@
 //! Identification requests.
 
+use super::bounds_document::{AXES, BOUND_FIELDS, read_bounds};
 use super::columns_document::read_columns;
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::Parsed;
 use super::log::Columns;
 use super::robot::{NamedRobots, read_robot_or_name};
-use crate::identification::physical::{ConsistentOptions, LinkBounds};
+use crate::identification::physical::{FeasibleMethod, FeasibleOptions, PaperOptions, Triangle};
 use crate::identification::preprocess::{FilterSpec, Method, Period};
 use crate::identification::{Estimator, PreprocessOptions};
-use crate::model::{FieldProblem, Robot};
+use crate::model::{FieldProblem, LinkBounds, Robot};
 use serde_json::Value;
 
 /// A checked request.
@@ -23,7 +24,7 @@ pub struct IdentifyRequest {
     /// One constant torque per joint, estimated with the rest.
     pub offset: bool,
     /// `None` where no physical parameters are wanted.
-    pub feasible: Option<ConsistentOptions>,
+    pub feasible: Option<FeasibleOptions>,
     /// Points of every prediction series in the answer; 0 for none.
     pub prediction_points: usize,
     /// Whether what is left over is to be traced.
@@ -69,8 +70,18 @@ pub const PREPROCESS_FIELDS: &[&str] = &[
     "dead_zone",
 ];
 pub const FILTER_FIELDS: &[&str] = &["order", "cutoff_hz"];
-pub const FEASIBLE_FIELDS: &[&str] = &["method", "prior_weight", "least_eigenvalue", "least_viscous", "bounds"];
-pub const BOUND_FIELDS: &[&str] = &["link", "mass", "center_of_mass"];
+pub const FEASIBLE_FIELDS: &[&str] = &[
+    "method",
+    "prior_weight",
+    "least_eigenvalue",
+    "least_viscous",
+    "bounds",
+    "slender_axes",
+    "gazebo",
+    "triangle",
+    "starts",
+    "seed",
+];
 
 pub const ESTIMATORS: &[(&str, Estimator)] = &[
     ("ols", Estimator::Ordinary),
@@ -83,7 +94,18 @@ pub const METHODS: &[(&str, Method)] = &[
     ("parallel_filter", Method::ParallelFilter),
     ("paper", Method::Paper),
 ];
-const FEASIBLE_METHODS: &[(&str, bool)] = &[("consistent", true), ("none", false)];
+const FEASIBLE_METHODS: &[(&str, Option<FeasibleMethod>)] = &[
+    ("consistent", Some(FeasibleMethod::Consistent)),
+    ("convex", Some(FeasibleMethod::Consistent)),
+    ("paper", Some(FeasibleMethod::Paper)),
+    ("both", Some(FeasibleMethod::Both)),
+    ("none", None),
+];
+const TRIANGLES: &[(&str, Triangle)] = &[
+    ("principal", Triangle::Principal),
+    ("diagonal", Triangle::Diagonal),
+    ("none", Triangle::None),
+];
 
 /// Reads a request.
 ///
@@ -111,7 +133,7 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         .map_or_else(Columns::default, |c| read_columns(&c, joints));
     let period = read_period(&fields, excitations);
     let preprocess = read_preprocess(&fields, period);
-    let feasible = read_feasible(&fields, joints);
+    let feasible = read_feasible(&fields, robot.as_ref().map(|r| &r.robot));
     let flag = |name: &str, otherwise: bool| fields.nullable(name).and_then(|c| boolean(&c)).unwrap_or(otherwise);
     let (offset, trace) = (flag("offset", false), flag("trace", true));
     let estimator = fields
@@ -228,27 +250,56 @@ fn read_filter(cursor: &Cursor) -> Option<FilterSpec> {
     })
 }
 
-fn read_feasible(fields: &Fields, joints: Option<usize>) -> Option<ConsistentOptions> {
-    let default = ConsistentOptions::default();
+fn read_feasible(fields: &Fields, robot: Option<&Robot>) -> Option<FeasibleOptions> {
+    let mut options = robot.map(FeasibleOptions::of).unwrap_or_default();
     let Some(part) = fields.nullable("feasible").and_then(|c| c.fields(FEASIBLE_FIELDS)) else {
-        return Some(default);
+        return Some(options);
     };
-    let wanted = part
-        .nullable("method")
-        .and_then(|c| c.choice(FEASIBLE_METHODS))
-        .unwrap_or(true);
-    let number = |name: &str, otherwise: f64| part.nullable(name).and_then(|c| not_negative(&c)).unwrap_or(otherwise);
-    let mut bounds = vec![LinkBounds::default(); joints.unwrap_or(0)];
+    let method = part.nullable("method").and_then(|c| c.choice(FEASIBLE_METHODS));
+    let number = |name: &str, value: &mut f64| {
+        if let Some(v) = part.nullable(name).and_then(|c| not_negative(&c)) {
+            *value = v;
+        }
+    };
+    number("prior_weight", &mut options.consistent.prior_weight);
+    number("least_eigenvalue", &mut options.consistent.least_eigenvalue);
+    number("least_viscous", &mut options.consistent.least_viscous);
+    number("least_viscous", &mut options.paper.least_viscous);
+    let joints = robot.map(Robot::joint_count);
     for item in part.nullable("bounds").and_then(|c| c.items()).unwrap_or_default() {
-        read_bound(&item, &mut bounds, joints);
+        read_bound(&item, &mut options.consistent.bounds, joints);
     }
-    let options = ConsistentOptions {
-        prior_weight: number("prior_weight", default.prior_weight),
-        least_eigenvalue: number("least_eigenvalue", default.least_eigenvalue),
-        least_viscous: number("least_viscous", default.least_viscous),
-        bounds,
-    };
-    wanted.then_some(options)
+    options.paper.bounds.clone_from(&options.consistent.bounds);
+    read_paper(&part, &mut options.paper, joints);
+    let method = method.unwrap_or(Some(FeasibleMethod::Consistent))?;
+    Some(FeasibleOptions { method, ..options })
+}
+
+fn read_paper(part: &Fields, options: &mut PaperOptions, joints: Option<usize>) {
+    if let Some(c) = part.nullable("slender_axes") {
+        let items = c.items().unwrap_or_default();
+        if joints.is_some_and(|n| n != items.len()) {
+            c.complain(format!(
+                "has {} axes, the robot has {} links",
+                items.len(),
+                joints.unwrap_or(0)
+            ));
+        }
+        let axis = |c: &Cursor| if c.value().is_null() { None } else { c.choice(AXES) };
+        options.slender = items.iter().map(axis).collect();
+    }
+    if let Some(gazebo) = part.nullable("gazebo").and_then(|c| boolean(&c)) {
+        options.gazebo = gazebo;
+    }
+    if let Some(triangle) = part.nullable("triangle").and_then(|c| c.choice(TRIANGLES)) {
+        options.triangle = triangle;
+    }
+    if let Some(starts) = part.nullable("starts").and_then(|c| c.whole(1, 1000)) {
+        options.starts = starts as usize;
+    }
+    if let Some(seed) = part.nullable("seed").and_then(|c| c.whole(0, u64::MAX)) {
+        options.seed = seed;
+    }
 }
 
 fn read_bound(item: &Cursor, bounds: &mut [LinkBounds], joints: Option<usize>) {
@@ -256,31 +307,8 @@ fn read_bound(item: &Cursor, bounds: &mut [LinkBounds], joints: Option<usize>) {
     let link = fields
         .required("link")
         .and_then(|c| c.whole(1, joints.unwrap_or(usize::MAX) as u64));
-    let mass = fields.nullable("mass").and_then(|c| range(&c));
-    let center = fields.nullable("center_of_mass").and_then(|c| {
-        let items = c.items()?;
-        if items.len() != 3 {
-            c.complain(format!("has {} ranges, expected three: x, y, z", items.len()));
-            return None;
-        }
-        Some([range(&items[0])?, range(&items[1])?, range(&items[2])?])
-    });
+    let read = read_bounds(&fields);
     if let Some(bound) = link.and_then(|l| bounds.get_mut(l as usize - 1)) {
-        *bound = LinkBounds {
-            mass,
-            center_of_mass: center,
-        };
+        *bound = read.or(bound);
     }
-}
-
-fn range(cursor: &Cursor) -> Option<[f64; 2]> {
-    let ends = cursor.numbers(Some(2))?;
-    if ends[0] > ends[1] {
-        cursor.complain(format!(
-            "is [{}, {}]: the lower bound must not be above the upper one",
-            ends[0], ends[1]
-        ));
-        return None;
-    }
-    Some([ends[0], ends[1]])
 }

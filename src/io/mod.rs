@@ -5,6 +5,7 @@
 //! end in one list, each with a JSON pointer, what is wrong, and the remedy.
 
 mod base_document;
+mod bounds_document;
 mod columns_document;
 mod cursor;
 mod design_document;
@@ -47,7 +48,9 @@ pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
     ("Preprocess", identify_request::PREPROCESS_FIELDS),
     ("Filter", identify_request::FILTER_FIELDS),
     ("Feasible", identify_request::FEASIBLE_FIELDS),
-    ("LinkBounds", identify_request::BOUND_FIELDS),
+    ("LinkBounds", bounds_document::BOUND_FIELDS),
+    ("JointBounds", bounds_document::JOINT_BOUND_FIELDS),
+    ("InertiaBounds", robot::INERTIA_FIELDS),
     ("Columns", columns_document::COLUMNS_FIELDS),
     ("ColumnQuantity", columns_document::QUANTITY_FIELDS),
     ("JointRobot", robot::ROBOT_FIELDS),

@@ -1,5 +1,6 @@
 //! A robot written out again: as a robot document and as URDF, in the frames of the description it came from.
 
+use super::bounds_document::{axis_name, bounds_value};
 use crate::model::{Joint, Robot};
 use crate::spatial::Transform;
 use nalgebra::{Matrix3, Vector3};
@@ -92,6 +93,12 @@ fn joint_value(joint: &Joint, frame: &Described) -> Value {
             "coulomb": prior.coulomb,
         });
         value.insert("prior".into(), prior);
+    }
+    if let Some(bounds) = bounds_value(&joint.bounds) {
+        value.insert("bounds".into(), bounds);
+    }
+    if let Some(axis) = joint.slender_axis {
+        value.insert("slender_axis".into(), json!(axis_name(axis)));
     }
     Value::Object(value)
 }

@@ -2,6 +2,7 @@
 //!
 //! Every object of a robot document may carry a `source`: one string that says where its numbers come from.
 
+use super::bounds_document::{AXES, JOINT_BOUND_FIELDS, read_bounds};
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::{Malformed, Parsed, parse};
 use crate::model::{Capsule, FieldProblem, Friction, Joint, JointKind, Limits, LinkPrior, Mdh, Robot, from_urdf};
@@ -35,6 +36,8 @@ pub const JOINT_FIELDS: &[&str] = &[
     "limits",
     "prior",
     "geometry",
+    "bounds",
+    "slender_axis",
     "link",
     "source",
 ];
@@ -219,6 +222,11 @@ fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform) -> (Joint, Mat
     joint.prior = fields.nullable("prior").and_then(|c| read_prior(&c, &turn));
     let capsules = fields.nullable("geometry").and_then(|c| c.items()).unwrap_or_default();
     joint.geometry = capsules.iter().filter_map(|c| read_capsule(c, &turn)).collect();
+    if let Some(bounds) = fields.nullable("bounds").and_then(|c| c.fields(JOINT_BOUND_FIELDS)) {
+        read_source(&bounds);
+        joint.bounds = read_bounds(&bounds);
+    }
+    joint.slender_axis = fields.nullable("slender_axis").and_then(|c| c.choice(AXES));
     (joint, turn)
 }
 

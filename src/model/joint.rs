@@ -48,6 +48,56 @@ pub struct LinkPrior {
     pub coulomb: f64,
 }
 
+/// Axis of a link frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// What the physical parameters of a link must lie between, `[lower, upper]`: the paper's (10b). In the link frame of the description.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LinkBounds {
+    /// (kg).
+    pub mass: Option<[f64; 2]>,
+    /// Per axis (m).
+    pub center_of_mass: Option<[[f64; 2]; 3]>,
+    /// About the centre of mass: xx, xy, xz, yy, yz, zz [kg m²].
+    pub inertia: [Option<[f64; 2]>; 6],
+    /// [N·m·s/rad or N·s/m].
+    pub viscous: Option<[f64; 2]>,
+    /// [N·m or N].
+    pub coulomb: Option<[f64; 2]>,
+}
+
+impl LinkBounds {
+    /// Every bound that is there, by the name of its field.
+    pub fn stated(&self) -> Vec<(&'static str, [f64; 2])> {
+        let center = self.center_of_mass.iter().flatten().map(|&b| ("center_of_mass", b));
+        let inertia = self.inertia.iter().flatten().map(|&b| ("inertia", b));
+        let single = |name, bound: Option<[f64; 2]>| bound.map(|b| (name, b));
+        single("mass", self.mass)
+            .into_iter()
+            .chain(center)
+            .chain(inertia)
+            .chain(single("viscous", self.viscous))
+            .chain(single("coulomb", self.coulomb))
+            .collect()
+    }
+
+    /// These bounds where they say something, `other` where they do not.
+    pub fn or(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass.or(other.mass),
+            center_of_mass: self.center_of_mass.or(other.center_of_mass),
+            inertia: std::array::from_fn(|i| self.inertia[i].or(other.inertia[i])),
+            viscous: self.viscous.or(other.viscous),
+            coulomb: self.coulomb.or(other.coulomb),
+        }
+    }
+}
+
 /// A joint, its place in the chain, and the link behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
@@ -61,6 +111,10 @@ pub struct Joint {
     pub prior: Option<LinkPrior>,
     /// Capsules that together contain the link; empty where its shape is not known.
     pub geometry: Vec<Capsule>,
+    /// What identification must keep the link's parameters between.
+    pub bounds: LinkBounds,
+    /// The axis of the description's link frame along which the link is long: the paper's (10d) wants the least moment about it.
+    pub slender_axis: Option<Axis>,
     /// Rotation from the dynamics' link frame (z along the joint) to the link frame of the description the robot came from;
     /// the identity for modified DH. The origins coincide.
     pub description_frame: Matrix3<f64>,
@@ -89,6 +143,8 @@ impl Joint {
             limits: Limits::unlimited(),
             prior: None,
             geometry: Vec::new(),
+            bounds: LinkBounds::default(),
+            slender_axis: None,
             description_frame: Matrix3::identity(),
         }
     }

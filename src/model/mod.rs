@@ -14,7 +14,7 @@ mod urdf_elements;
 
 pub use capsule::Capsule;
 pub use error::{FieldProblem, ModelError};
-pub use joint::{Joint, JointKind, LinkPrior, Mdh};
+pub use joint::{Axis, Joint, JointKind, LinkBounds, LinkPrior, Mdh};
 pub use limits::Limits;
 pub use robot::{Friction, Robot};
 pub use urdf::{UrdfRobot, from_urdf};

@@ -111,6 +111,7 @@ impl Robot {
             placement_problems(i, joint, &mut found);
             limit_problems(i, joint, &mut found);
             prior_problems(i, joint, &mut found);
+            bound_problems(i, joint, &mut found);
         }
         found
     }
@@ -236,6 +237,18 @@ fn prior_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
             found.push(FieldProblem::new(
                 pointer(field),
                 format!("is {v}; friction is finite and not negative"),
+            ));
+        }
+    }
+}
+
+fn bound_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
+    for (field, [low, high]) in joint.bounds.stated() {
+        let ordered = low.is_finite() && high.is_finite() && low <= high;
+        if !ordered {
+            found.push(FieldProblem::new(
+                format!("/joints/{i}/bounds/{field}"),
+                format!("is [{low}, {high}]: a finite lower bound and an upper one that is not below it"),
             ));
         }
     }

@@ -26,7 +26,7 @@ fn truth(layout: &Layout) -> Vec<f64> {
 }
 
 /// A log of the planar arm: three periods of 5 s at 100 Hz, with a pseudo-random torque noise of ±0.01 N m.
-fn log(phase: f64) -> String {
+pub fn log(phase: f64) -> String {
     let robot = Shipped.named("planar_two_link").unwrap().robot;
     let layout = Layout::standard(&robot);
     let coefficient = |j: usize, l: usize, p: f64| 0.5 * (p + 1.3 * j as f64 + 2.1 * l as f64).sin();

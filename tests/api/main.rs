@@ -5,6 +5,7 @@ mod server;
 
 mod bad_input;
 mod identify;
+mod identify_faults;
 mod jobs;
 mod openapi;
 mod readme;

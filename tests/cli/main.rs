@@ -1,5 +1,7 @@
 //! The program from the command line, end to end.
 
+mod identify;
+
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};

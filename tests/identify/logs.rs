@@ -1,7 +1,9 @@
 //! Reading log files, good and bad.
 
 use dynident::identification::Log;
-use dynident::io::log::{Columns, FindingKind, JointColumns, LogError, LogReport, Source, TimeUnit, Transformation, read_log};
+use dynident::io::log::{
+    Columns, FindingKind, JointColumns, LogError, LogReport, Source, TimeUnit, Transformation, read_joined_log, read_log,
+};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use nalgebra::DMatrix;
@@ -119,6 +121,7 @@ fn prop_columns_map_headers_units_signs_offsets_and_rate() {
         time_unit: TimeUnit::Milliseconds,
         position: JointColumns {
             headers: vec!["motor".to_string()],
+            file: None,
             transformation: Transformation {
                 factor: vec![std::f64::consts::PI / 180.0],
                 coupling: None,
@@ -127,6 +130,7 @@ fn prop_columns_map_headers_units_signs_offsets_and_rate() {
         },
         torque: JointColumns {
             headers: vec!["current".to_string()],
+            file: None,
             transformation: Transformation {
                 factor: vec![-0.5],
                 coupling: None,
@@ -195,4 +199,69 @@ fn prop_a_compressed_file_that_was_cut_off_is_named_as_such() {
     let whole = gzip.finish().unwrap();
     let error = read(&whole[..whole.len() / 2], &Columns::default(), 1).unwrap_err();
     assert!(matches!(error, LogError::CutOff { line, .. } if line > 1), "{error}");
+}
+
+#[test]
+fn prop_columns_of_another_file_are_joined_row_by_row() {
+    let folder = std::env::temp_dir().join(format!("dynident-joined-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: String| {
+        std::fs::write(folder.join(name), text).unwrap();
+        (name.to_string(), folder.join(name))
+    };
+    let positions: Vec<String> = rows(200).iter().map(|r| r.rsplit_once(',').unwrap().0.to_string()).collect();
+    let mut torques: Vec<String> = rows(200).iter().map(|r| r.rsplit_once(',').unwrap().1.to_string()).collect();
+    torques[50] = "none".to_string();
+    let (_, log) = write("q.csv", format!("time,q1\n{}\n", positions.join("\n")));
+    let other = write("tau.csv", format!("tau1\n{}\n", torques.join("\n")));
+    let short = write("short.csv", format!("tau1\n{}\n", torques[..150].join("\n")));
+    let columns = |file: &str| Columns {
+        torque: JointColumns {
+            file: Some(file.to_string()),
+            ..JointColumns::default()
+        },
+        ..Columns::default()
+    };
+    let read = |file: &str| read_joined_log(&log, &[other.clone(), short.clone()], &columns(file), &joints(1));
+    let (joined, report) = read("tau.csv").unwrap();
+    assert_eq!((report.rows, report.rows_used, joined.samples()), (200, 199, 200));
+    assert!((joined.tau[0][70] - 0.7f64.cos()).abs() < 1e-9 && worst(&joined) < 1e-7);
+    let message = |file: &str| read(file).unwrap_err().to_string();
+    assert!(
+        message("short.csv").contains("q.csv has 200 rows and short.csv"),
+        "{}",
+        message("short.csv")
+    );
+    assert!(message("absent.csv").contains("`absent.csv`, which is not among the logs"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn prop_a_header_without_end_is_refused_before_it_fills_the_memory() {
+    struct Endless(usize);
+    impl std::io::Read for Endless {
+        fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+            self.0 += out.len();
+            assert!(self.0 < 10_000_000, "reads on and on");
+            out.fill(b'x');
+            Ok(out.len())
+        }
+    }
+    let source = Source {
+        name: "a.csv".to_string(),
+        bytes: Endless(0),
+    };
+    let error = read_log(source, &Columns::default(), &joints(1)).unwrap_err();
+    assert!(matches!(error, LogError::LongHeader { .. }), "{error}");
+}
+
+#[test]
+fn prop_a_file_that_ends_within_a_row_loses_that_row_alone() {
+    let text = file(&rows(100));
+    let cut = &text[..text.len() - 12];
+    let (log, report) = read(cut, &Columns::default(), 1).unwrap();
+    assert_eq!(
+        (report.rows, count(&report, FindingKind::GarbageRow), log.samples()),
+        (100, 1, 99)
+    );
 }

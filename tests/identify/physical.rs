@@ -7,7 +7,7 @@ use dynident::identification::physical::{
 use dynident::identification::{Estimator, Observation, PreprocessOptions, estimate, normal_equations, prepare};
 use dynident::parameters::{Inertial, Layout};
 
-fn objective(robot: &Virtual, noise: f64) -> FitObjective {
+pub fn objective(robot: &Virtual, noise: f64) -> FitObjective {
     let torque = TORQUE_NOISE.map(|t| t * noise);
     let log = noisy(
         &robot.clean(&excitation(11, 10.0), 100.0, 6),

@@ -8,7 +8,7 @@ const GOLDEN: &str = "tests/project/module-graph.txt";
 
 /// From left to right: each uses only what stands before it. Modules of one group do not use each other.
 const LAYERS: &[&[&str]] = &[
-    &["spatial"],
+    &["spatial", "solver"],
     &["model"],
     &["parameters"],
     &["dynamics"],

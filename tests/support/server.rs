@@ -125,6 +125,44 @@ impl Server {
         }
     }
 
+    /// POSTs a body of any bytes; with `declared`, one that says it is longer than it is and then hangs up.
+    pub fn post_raw(&self, path: &str, content_type: &str, body: &[u8], declared: Option<usize>) -> Answer {
+        use std::io::{Read, Write};
+        let mut stream = std::net::TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        let length = declared.unwrap_or(body.len());
+        let head = format!(
+            "POST {path} HTTP/1.1\r\nhost: {}\r\ncontent-type: {content_type}\r\ncontent-length: {length}\r\nprefer: wait=60\r\nconnection: close\r\n\r\n",
+            self.address
+        );
+        stream.write_all(head.as_bytes()).unwrap();
+        stream.write_all(body).unwrap();
+        // A client that closes its side is gone, as far as the server is concerned.
+        if declared.is_some() {
+            stream.shutdown(std::net::Shutdown::Write).unwrap();
+        }
+        let mut text = Vec::new();
+        // A server may close the connection of a client that hung up.
+        let _ = stream.read_to_end(&mut text);
+        let text = String::from_utf8_lossy(&text).to_string();
+        let (head, body) = text.split_once("\r\n\r\n").unwrap_or((&text, ""));
+        let mut lines = head.lines();
+        let status = lines
+            .next()
+            .and_then(|l| l.split(' ').nth(1))
+            .and_then(|s| s.parse().ok())
+            .unwrap_or(0);
+        let headers = lines
+            .filter_map(|l| l.split_once(": "))
+            .map(|(n, v)| (n.to_string(), v.to_string()))
+            .collect();
+        Answer {
+            status,
+            headers,
+            text: body.to_string(),
+        }
+    }
+
     /// Ends the server as SIGTERM would and waits until it has.
     pub fn stop(&mut self) {
         drop(self.shutdown.take());

@@ -1,6 +1,7 @@
 //! Filtering forwards and backwards, so that nothing is delayed.
 
 use super::{LowPass, Section};
+use crate::identification::preprocess::spectrum::{forward, inverse};
 
 /// How a record goes on beyond its ends while it is filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,19 +12,20 @@ pub enum Padding {
     Periodic,
 }
 
-/// Zero-phase filtering: forwards, then backwards (gain `|H|²`). The record is continued by `pad` samples on both sides, and the
-/// filter starts in the steady state of the first padded sample (Gustafsson's problem solved as in common practice).
+/// Zero-phase filtering: forwards, then backwards (gain `|H|²`). With odd padding the record is continued by `pad` samples on both sides,
+/// cut to its length less one, and the filter starts in the steady state of the first of them (Gustafsson's problem solved as in common
+/// practice). What repeats has no ends: its Fourier lines are weighted by `|H|²`, which is what endless padding comes to.
 ///
-/// Odd padding is cut to the record's length less one. A record of fewer than two samples is returned as it is.
+/// A record of fewer than two samples is returned as it is.
 pub fn zero_phase(filter: &LowPass, x: &[f64], padding: Padding, pad: usize) -> Vec<f64> {
     if x.len() < 2 {
         return x.to_vec();
     }
-    let pad = match padding {
-        Padding::Odd => pad.min(x.len() - 1),
-        Padding::Periodic => pad,
-    };
-    let mut y = padded(x, padding, pad);
+    if padding == Padding::Periodic {
+        return repeating(filter, x);
+    }
+    let pad = pad.min(x.len() - 1);
+    let mut y = padded(x, pad);
     forwards(&filter.sections, &mut y);
     y.reverse();
     forwards(&filter.sections, &mut y);
@@ -31,21 +33,22 @@ pub fn zero_phase(filter: &LowPass, x: &[f64], padding: Padding, pad: usize) -> 
     y[pad..pad + x.len()].to_vec()
 }
 
-fn padded(x: &[f64], padding: Padding, pad: usize) -> Vec<f64> {
+fn repeating(filter: &LowPass, x: &[f64]) -> Vec<f64> {
+    let step = filter.rate_hz / x.len() as f64;
+    let mut lines = forward(x);
+    lines
+        .iter_mut()
+        .enumerate()
+        .for_each(|(l, v)| *v *= filter.power(l as f64 * step));
+    inverse(lines, x.len())
+}
+
+fn padded(x: &[f64], pad: usize) -> Vec<f64> {
     let n = x.len();
     let mut y = Vec::with_capacity(n + 2 * pad);
-    match padding {
-        Padding::Odd => {
-            y.extend((1..=pad).rev().map(|i| 2.0 * x[0] - x[i]));
-            y.extend_from_slice(x);
-            y.extend((1..=pad).map(|i| 2.0 * x[n - 1] - x[n - 1 - i]));
-        }
-        Padding::Periodic => {
-            // Starts `pad` samples before the record, as often round as it takes.
-            let first = (n - pad % n) % n;
-            y.extend((0..n + 2 * pad).map(|i| x[(first + i) % n]));
-        }
-    }
+    y.extend((1..=pad).rev().map(|i| 2.0 * x[0] - x[i]));
+    y.extend_from_slice(x);
+    y.extend((1..=pad).map(|i| 2.0 * x[n - 1] - x[n - 1 - i]));
     y
 }
 

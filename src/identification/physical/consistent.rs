@@ -1,7 +1,7 @@
 //! Least squares over physically consistent parameters: a semidefinite programme.
 
-use super::{FitEnding, FitObjective, LinkScale, PhysicalFit, margins, priors};
-use crate::model::{LinkPrior, Robot};
+use super::{FitEnding, FitObjective, LinkScale, PhysicalFit, bound_margins, margins, priors};
+use crate::model::{LinkBounds, LinkPrior, Robot};
 use crate::parameters::{Inertial, Layout, ParameterKind};
 use crate::spatial::LinkInertia;
 use clarabel::algebra::CscMatrix;
@@ -14,12 +14,24 @@ pub struct ConsistentOptions {
     /// Weight of the pull towards the prior parameters: the cost of being off by all of a link's own size, in units of one noise
     /// variance. Where the log determines a parameter the pull is nothing beside it; where it does not, it decides.
     pub prior_weight: f64,
-    /// Per link; empty for none.
+    /// Per link; empty for none. Bounds on the inertia about the centre of mass have no convex form and are left to the nonlinear problem.
     pub bounds: Vec<LinkBounds>,
     /// Least eigenvalue of the pseudo-inertia, as a fraction of the prior link's mass and radius of gyration.
     pub least_eigenvalue: f64,
     /// Least viscous friction [N m s/rad or N s/m]; the paper asks for 0.1.
     pub least_viscous: f64,
+    pub cone: Cone,
+}
+
+/// What makes ten numbers a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Cone {
+    /// The 4 × 4 pseudo-inertia is positive definite: full consistency, triangle inequality of the principal moments included.
+    #[default]
+    PseudoInertia,
+    /// The 6 × 6 inertia `[[I, S(h)ᵀ], [S(h), m E]]` is (Sousa & Cortesão 2014): positive mass and positive definite inertia about the centre of
+    /// mass, the paper's (10c), and no more.
+    SpatialInertia,
 }
 
 /// A weight of one is a prior whose standard deviation is the link's own size: lost among thousands of rows where the log speaks, and
@@ -31,17 +43,9 @@ impl Default for ConsistentOptions {
             bounds: Vec::new(),
             least_eigenvalue: 1e-4,
             least_viscous: 0.0,
+            cone: Cone::PseudoInertia,
         }
     }
-}
-
-/// Bounds (10b) that are linear in the standard parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct LinkBounds {
-    /// (kg).
-    pub mass: Option<[f64; 2]>,
-    /// Per axis of the link frame (m).
-    pub center_of_mass: Option<[[f64; 2]; 3]>,
 }
 
 /// Minimises the weighted residual plus the pull towards priors, subject to a positive definite pseudo-inertia of every link,
@@ -52,6 +56,40 @@ pub struct LinkBounds {
 /// # Panics
 /// When the objective is not one of `robot`.
 pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> PhysicalFit {
+    let solved = solve(robot, objective, options);
+    let layout = Layout::standard(robot);
+    let mut margins = margins(&layout, &solved.values);
+    margins.extend(bound_margins(robot, &layout, &options.bounds, &solved.values));
+    PhysicalFit {
+        fit: objective.fit(&solved.values),
+        margins,
+        values: solved.values,
+        ending: solved.ending,
+        iterations: solved.iterations,
+    }
+}
+
+/// Cost that no parameters within the constraints of `options` are below: the dual objective of the programme, which bounds it whatever
+/// the primal solution lacks in precision, and in any case the cost without constraints. Infinite where the constraints contradict each
+/// other. The pull towards priors must be zero to bound the cost alone.
+pub fn lower_bound(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> f64 {
+    let solved = solve(robot, objective, options);
+    match solved.ending {
+        FitEnding::Infeasible => f64::INFINITY,
+        FitEnding::Converged | FitEnding::Stalled => solved.dual_cost.max(objective.unconstrained()),
+        _ => objective.unconstrained(),
+    }
+}
+
+struct Solved {
+    values: Vec<f64>,
+    ending: FitEnding,
+    iterations: u32,
+    /// Bound on the cost, pull included, from the dual.
+    dual_cost: f64,
+}
+
+fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> Solved {
     let layout = Layout::standard(robot);
     assert!(
         objective.len() >= layout.len(),
@@ -64,7 +102,7 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
     // noise may be a ten-thousandth of the torque, its square would be lost beside the whole.
     let center = unconstrained_minimum(&p, &q);
     let slope = &q + &p * &center;
-    let constraints = constraints(&layout, &links, &scale, options);
+    let constraints = constraints(robot, &layout, &links, &scale, options);
     let matrix = constraints.dense();
     let right = DVector::from_column_slice(&constraints.right) - &matrix * &center;
     let settings = DefaultSettings {
@@ -87,18 +125,17 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
     let values: Vec<f64> = (0..scale.len())
         .map(|i| (center[i] + solver.solution.x[i]) * scale[i])
         .collect();
-    let ending = match solver.solution.status {
-        SolverStatus::Solved => FitEnding::Converged,
-        SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => FitEnding::Stalled,
-        SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => FitEnding::Infeasible,
-        _ => FitEnding::BudgetExhausted,
-    };
-    PhysicalFit {
-        fit: objective.fit(&values),
-        margins: margins(&layout, &values),
+    let unscaled: Vec<f64> = (0..scale.len()).map(|i| center[i] * scale[i]).collect();
+    Solved {
         values,
-        ending,
+        ending: match solver.solution.status {
+            SolverStatus::Solved => FitEnding::Converged,
+            SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => FitEnding::Stalled,
+            SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => FitEnding::Infeasible,
+            _ => FitEnding::BudgetExhausted,
+        },
         iterations: solver.solution.iterations,
+        dual_cost: objective.fit(&unscaled).cost + cost_size(objective) * solver.solution.obj_val_dual,
     }
 }
 
@@ -129,7 +166,7 @@ fn variable_scale(layout: &Layout, links: &[LinkPrior], objective: &FitObjective
 }
 
 /// Minimum of `½ xᵀPx + qᵀx`, of least norm where P is singular.
-fn unconstrained_minimum(p: &DMatrix<f64>, q: &DVector<f64>) -> DVector<f64> {
+pub(super) fn unconstrained_minimum(p: &DMatrix<f64>, q: &DVector<f64>) -> DVector<f64> {
     let eigen = p.clone().symmetric_eigen();
     // Rounding of a matrix of this size is 1e-14 of its largest eigenvalue.
     let least = 1e-13 * eigen.eigenvalues.amax();
@@ -163,11 +200,16 @@ fn cost(
             q[i] -= 2.0 * weight * prior / scale[i];
         }
     }
-    let size = objective
+    let size = cost_size(objective);
+    (p / size, q / size)
+}
+
+/// What costs are measured in: the unconstrained one, kept from zero.
+fn cost_size(objective: &FitObjective) -> f64 {
+    objective
         .unconstrained()
         .max(1e-12 * objective.torque_square())
-        .max(f64::MIN_POSITIVE);
-    (p / size, q / size)
+        .max(f64::MIN_POSITIVE)
 }
 
 /// Rows `A x + s = b`, s in the cones.
@@ -195,7 +237,13 @@ impl Constraints {
     }
 }
 
-fn constraints(layout: &Layout, links: &[LinkPrior], scale: &DVector<f64>, options: &ConsistentOptions) -> Constraints {
+fn constraints(
+    robot: &Robot,
+    layout: &Layout,
+    links: &[LinkPrior],
+    scale: &DVector<f64>,
+    options: &ConsistentOptions,
+) -> Constraints {
     let mut found = Constraints {
         variables: scale.len(),
         ..Constraints::default()
@@ -208,61 +256,92 @@ fn constraints(layout: &Layout, links: &[LinkPrior], scale: &DVector<f64>, optio
         }
     }
     for (link, bounds) in options.bounds.iter().enumerate() {
-        bound_rows(layout, link, bounds, scale, &mut found);
+        bound_rows(robot, layout, link, bounds, scale, &mut found);
     }
     if !found.rows.is_empty() {
         found.cones.push(SupportedConeT::NonnegativeConeT(found.rows.len()));
     }
     for (link, prior) in links.iter().enumerate() {
-        pseudo_inertia_rows(
-            layout,
-            link,
-            &LinkScale::of(prior),
-            scale,
-            options.least_eigenvalue,
-            &mut found,
-        );
+        let LinkScale { mass, length } = LinkScale::of(prior);
+        let (unit, matrix): (Vec<f64>, LinkMatrix) = match options.cone {
+            Cone::PseudoInertia => (vec![length, length, length, 1.0], |body| {
+                DMatrix::from_fn(4, 4, |r, c| body.pseudo_inertia()[(r, c)])
+            }),
+            Cone::SpatialInertia => (vec![length, length, length, 1.0, 1.0, 1.0], spatial_inertia),
+        };
+        cone_rows(layout, link, mass, &unit, matrix, scale, options.least_eigenvalue, &mut found);
     }
     found
 }
 
-fn bound_rows(layout: &Layout, link: usize, bounds: &LinkBounds, scale: &DVector<f64>, found: &mut Constraints) {
+/// A symmetric matrix that is linear in the parameters of a link.
+type LinkMatrix = fn(&LinkInertia) -> DMatrix<f64>;
+
+fn spatial_inertia(body: &LinkInertia) -> DMatrix<f64> {
+    let mut whole = DMatrix::zeros(6, 6);
+    let moment = body.first_moment.cross_matrix();
+    whole.view_mut((0, 0), (3, 3)).copy_from(&body.inertia);
+    whole.view_mut((3, 0), (3, 3)).copy_from(&moment);
+    whole.view_mut((0, 3), (3, 3)).copy_from(&moment.transpose());
+    (3..6).for_each(|i| whole[(i, i)] = body.mass);
+    whole
+}
+
+/// Mass and centre of mass between their bounds, in the frame of the description: `m low ≤ (R h)_axis ≤ m high`.
+fn bound_rows(robot: &Robot, layout: &Layout, link: usize, bounds: &LinkBounds, scale: &DVector<f64>, found: &mut Constraints) {
     let mass = layout.inertial(link, Inertial::M);
     if let Some([low, high]) = bounds.mass {
         found.at_least(&[(mass, scale[mass])], low);
         found.at_least(&[(mass, -scale[mass])], -high);
     }
-    for (axis, which) in [Inertial::MX, Inertial::MY, Inertial::MZ].into_iter().enumerate() {
-        if let Some(box_) = bounds.center_of_mass {
-            let ([low, high], moment) = (box_[axis], layout.inertial(link, which));
-            // m low ≤ m c ≤ m high.
-            found.at_least(&[(moment, scale[moment]), (mass, -low * scale[mass])], 0.0);
-            found.at_least(&[(moment, -scale[moment]), (mass, high * scale[mass])], 0.0);
+    let turn = robot.joints()[link].description_frame;
+    for (axis, &[low, high]) in bounds.center_of_mass.iter().flatten().enumerate() {
+        let along = |sign: f64, end: f64| -> Vec<(usize, f64)> {
+            let moments = [Inertial::MX, Inertial::MY, Inertial::MZ].into_iter().enumerate();
+            let moments = moments.map(|(k, which)| (layout.inertial(link, which), sign * turn[(axis, k)]));
+            moments
+                .chain([(mass, -sign * end)])
+                .map(|(at, v)| (at, v * scale[at]))
+                .collect()
+        };
+        found.at_least(&along(1.0, low), 0.0);
+        found.at_least(&along(-1.0, high), 0.0);
+    }
+    for (kind, bound) in [
+        (ParameterKind::Viscous, bounds.viscous),
+        (ParameterKind::Coulomb, bounds.coulomb),
+    ] {
+        let at = layout.parameters().iter().position(|p| p.link == link && p.kind == kind);
+        if let (Some(at), Some([low, high])) = (at, bound) {
+            found.at_least(&[(at, scale[at])], low);
+            found.at_least(&[(at, -scale[at])], -high);
         }
     }
 }
 
-/// `T J T ⪰ least`, with T making the pseudo-inertia of a body of the link's size a matrix of order one. Upper triangle by columns,
-/// off-diagonal entries times √2, as the solver wants its cones.
-fn pseudo_inertia_rows(
+/// `T J T ⪰ least` for a symmetric matrix J that is linear in a link's parameters, with T making that of a body of the link's size a matrix
+/// of order one. Upper triangle by columns, off-diagonal entries times √2, as the solver wants its cones.
+#[allow(clippy::too_many_arguments)]
+fn cone_rows(
     layout: &Layout,
     link: usize,
-    size: &LinkScale,
+    mass: f64,
+    unit: &[f64],
+    matrix: LinkMatrix,
     scale: &DVector<f64>,
     least: f64,
     found: &mut Constraints,
 ) {
-    let unit = [size.length, size.length, size.length, 1.0];
     let basis: Vec<_> = (0..10)
         .map(|k| {
             let mut parameters = [0.0; 10];
             parameters[k] = 1.0;
-            LinkInertia::from_parameters(&parameters).pseudo_inertia()
+            matrix(&LinkInertia::from_parameters(&parameters))
         })
         .collect();
-    for c in 0..4 {
+    for c in 0..unit.len() {
         for r in 0..=c {
-            let factor = if r == c { 1.0 } else { std::f64::consts::SQRT_2 } / (size.mass * unit[r] * unit[c]);
+            let factor = if r == c { 1.0 } else { std::f64::consts::SQRT_2 } / (mass * unit[r] * unit[c]);
             let row: Vec<_> = Inertial::ALL
                 .iter()
                 .map(|&which| (layout.inertial(link, which), factor * basis[which as usize][(r, c)]))
@@ -272,7 +351,7 @@ fn pseudo_inertia_rows(
             found.at_least(&row, if r == c { least } else { 0.0 });
         }
     }
-    found.cones.push(SupportedConeT::PSDTriangleConeT(4));
+    found.cones.push(SupportedConeT::PSDTriangleConeT(unit.len()));
 }
 
 fn upper(p: &DMatrix<f64>) -> CscMatrix<f64> {

@@ -1,5 +1,6 @@
 //! How far a parameter set is from every limit of what is physical.
 
+use crate::model::{LinkBounds, Robot};
 use crate::parameters::{Layout, ParameterKind};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,12 +13,26 @@ pub enum Constraint {
     PrincipalMoment,
     /// Sum of the two smaller principal moments less the largest [kg m²].
     TriangleInequality,
-    /// Viscous friction not negative.
+    /// Viscous friction not negative, or not below what was asked for.
     Viscous,
     /// Coulomb friction not negative.
     Coulomb,
-    /// A stated bound, in the unit of what it bounds.
-    Bound,
+    /// Sum of two diagonal entries of the inertia about the centre of mass less the third [kg m²].
+    DiagonalTriangle,
+    /// A hundred times the smallest diagonal entry less the largest [kg m²].
+    MomentRatio,
+    /// A diagonal entry across a slender link less three times that along it [kg m²].
+    SlenderAxis,
+    /// A tenth of the smallest diagonal entry less the largest product of inertia [kg m²].
+    ProductsOfInertia,
+    /// The smallest diagonal entry less the least that was asked for [kg m²].
+    LeastMoment,
+    /// Stated bounds, in the unit of what they bound.
+    BoundMass,
+    BoundCenterOfMass,
+    BoundInertia,
+    BoundViscous,
+    BoundCoulomb,
 }
 
 impl Constraint {
@@ -29,7 +44,16 @@ impl Constraint {
             Self::TriangleInequality => "principal_moments_triangle",
             Self::Viscous => "viscous_not_negative",
             Self::Coulomb => "coulomb_not_negative",
-            Self::Bound => "bound",
+            Self::DiagonalTriangle => "diagonal_moments_triangle",
+            Self::MomentRatio => "moment_ratio",
+            Self::SlenderAxis => "slender_axis",
+            Self::ProductsOfInertia => "products_of_inertia",
+            Self::LeastMoment => "least_moment",
+            Self::BoundMass => "bound_mass",
+            Self::BoundCenterOfMass => "bound_center_of_mass",
+            Self::BoundInertia => "bound_inertia",
+            Self::BoundViscous => "bound_viscous",
+            Self::BoundCoulomb => "bound_coulomb",
         }
     }
 }
@@ -78,6 +102,36 @@ pub fn margins(layout: &Layout, values: &[f64]) -> Vec<ConstraintMargin> {
                 ParameterKind::Inertial(_) => {}
             }
         }
+    }
+    found
+}
+
+/// Margins of stated bounds, the least of every kind and link; in the frames of the description.
+pub(super) fn bound_margins(robot: &Robot, layout: &Layout, bounds: &[LinkBounds], values: &[f64]) -> Vec<ConstraintMargin> {
+    let within = |value: f64, [low, high]: [f64; 2]| (value - low).min(high - value);
+    let mut found = Vec::new();
+    for (link, bound) in bounds.iter().enumerate() {
+        let body = layout.link_inertia(values, link);
+        let friction = |kind: ParameterKind| layout.parameters().iter().position(|p| p.link == link && p.kind == kind);
+        let center = robot.joints()[link].description_frame * body.first_moment / body.mass;
+        let least_center = bound.center_of_mass.map(|ranges| {
+            let margins = ranges.iter().zip(&center).map(|(&range, &c)| within(c, range));
+            margins.fold(f64::INFINITY, f64::min)
+        });
+        let of = |at: Option<usize>, range: Option<[f64; 2]>| Some(within(values[at?], range?));
+        let margins = [
+            (Constraint::BoundMass, bound.mass.map(|range| within(body.mass, range))),
+            (Constraint::BoundCenterOfMass, least_center),
+            (Constraint::BoundViscous, of(friction(ParameterKind::Viscous), bound.viscous)),
+            (Constraint::BoundCoulomb, of(friction(ParameterKind::Coulomb), bound.coulomb)),
+        ];
+        found.extend(margins.into_iter().filter_map(|(constraint, margin)| {
+            Some(ConstraintMargin {
+                link,
+                constraint,
+                margin: margin?,
+            })
+        }));
     }
     found
 }

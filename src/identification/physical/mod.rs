@@ -1,20 +1,28 @@
 //! Physical parameters: masses, centres of mass and inertias that a simulator accepts and that fit the log.
 //!
 //! Least squares determines base parameters; the standard parameters behind them are open along the null space of K, and the best fit
-//! may be no body at all (the paper's Table 2 has negative inertias). [`fit_consistent`] is least squares over the standard parameters with
-//! every link's pseudo-inertia positive definite, which is physical consistency in full and nothing beyond it (Traversaro et al. 2016,
-//! Wensing et al. 2018). Convex: the answer is the global one.
+//! may be no body at all (the paper's Table 2 has negative inertias). Two ways to a model that is one:
+//!
+//! - [`fit_consistent`]: least squares over the standard parameters with the pseudo-inertia of every link positive definite (Traversaro
+//!   et al. 2016, Wensing et al. 2018). Convex: the answer is the global one.
+//! - [`fit_paper`]: the paper's (10a–d), nonlinear in mass, centre of mass and inertia about it, with bounds and the constraints that
+//!   simulators like. [`lower_bound`] says how far it can be from its global minimum.
 
 mod consistent;
 mod margins;
 mod objective;
+mod paper;
 mod prior;
 
-pub use consistent::{ConsistentOptions, LinkBounds, fit_consistent};
+pub use crate::model::LinkBounds;
+pub use consistent::{Cone, ConsistentOptions, fit_consistent, lower_bound};
+use margins::bound_margins;
 pub use margins::{Constraint, ConstraintMargin, margins};
 pub use objective::{FitObjective, FitRms};
+pub use paper::{PaperFit, PaperOptions, StartFit, Triangle, fit_paper};
 pub use prior::{LinkScale, priors, rod_prior};
 
+use crate::model::Robot;
 use crate::parameters::{Layout, ParameterKind};
 use crate::spatial::PhysicalInertia;
 
@@ -71,4 +79,82 @@ pub fn physical_links(layout: &Layout, values: &[f64]) -> Option<Vec<PhysicalLin
             })
         })
         .collect()
+}
+
+/// Which problem gives the physical parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FeasibleMethod {
+    /// [`fit_consistent`].
+    #[default]
+    Consistent,
+    /// [`fit_paper`].
+    Paper,
+    /// The consistent fit, with the paper's beside it.
+    Both,
+}
+
+/// What to ask of physical parameters.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FeasibleOptions {
+    pub method: FeasibleMethod,
+    pub consistent: ConsistentOptions,
+    pub paper: PaperOptions,
+}
+
+impl FeasibleOptions {
+    /// The defaults, with the bounds and slender axes of the robot's description.
+    pub fn of(robot: &Robot) -> Self {
+        let bounds: Vec<LinkBounds> = robot.joints().iter().map(|j| j.bounds).collect();
+        Self {
+            method: FeasibleMethod::default(),
+            consistent: ConsistentOptions {
+                bounds: bounds.clone(),
+                ..ConsistentOptions::default()
+            },
+            paper: PaperOptions {
+                bounds,
+                slender: robot.joints().iter().map(|j| j.slender_axis).collect(),
+                ..PaperOptions::default()
+            },
+        }
+    }
+}
+
+/// Physical parameters as asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeasibleFit {
+    pub consistent: PhysicalFit,
+    pub paper: Option<PaperFit>,
+    method: FeasibleMethod,
+}
+
+impl FeasibleFit {
+    /// The parameters that make the model.
+    pub fn model(&self) -> &PhysicalFit {
+        match (&self.paper, self.method) {
+            (Some(paper), FeasibleMethod::Paper) => &paper.fit,
+            _ => &self.consistent,
+        }
+    }
+
+    pub fn method(&self) -> FeasibleMethod {
+        self.method
+    }
+}
+
+/// Solves the problems that `options` ask for. The convex one is solved in any case: its answer is a start for the other.
+pub fn fit_feasible(
+    robot: &Robot,
+    objective: &FitObjective,
+    options: &FeasibleOptions,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> FeasibleFit {
+    let consistent = fit_consistent(robot, objective, &options.consistent);
+    let paper = (options.method != FeasibleMethod::Consistent)
+        .then(|| fit_paper(robot, objective, &consistent, &options.paper, cancelled));
+    FeasibleFit {
+        consistent,
+        paper,
+        method: options.method,
+    }
 }

@@ -1,5 +1,6 @@
 //! The cost of standard parameters: the weighted residual of the log.
 
+use super::consistent::unconstrained_minimum;
 use crate::identification::{Estimate, JointNormal, Solution};
 use crate::parameters::BaseParameters;
 use nalgebra::{DMatrix, DVector};
@@ -83,6 +84,12 @@ impl FitObjective {
             self.map.tr_mul(&self.moment),
             self.torque_square,
         )
+    }
+
+    /// Where the cost is least without any constraint: of least norm along what the log leaves open.
+    pub fn center(&self) -> DVector<f64> {
+        let (h, g, _) = self.quadratic();
+        unconstrained_minimum(&(h * 2.0), &(g * -2.0))
     }
 
     /// The least cost without any constraint.

@@ -23,11 +23,19 @@ const NEIGHBOURS: usize = 2;
 /// Mean power of five neighbouring lines of pure noise, relative to its expectation, is Gamma(5, 1/5): beyond 4.6 once in a million.
 const ABOVE_NOISE: f64 = 4.6;
 
+/// A spectrum whose last line that stands out is within 30 dB of the noise has faded into it; one that a trajectory ends by itself stops
+/// far above.
+const FADING: f64 = 1e3;
+
 /// Fits the period `q` of `period_s` seconds. `variance` is that of a sample of `q` about the truth, where the scatter of periods
 /// shows it; `order` the excitation's highest harmonic, where known: those harmonics are kept in any case.
 ///
 /// A line is kept when it and its neighbours together stand above the noise. With `q = Σ_l c_l exp(iωlt)` the derivatives are
 /// exact: `iωl c_l` and `−(ωl)² c_l`, and the noise in them is what the kept lines carry and no more.
+///
+/// Motions with steps in their jerk (polynomials through way-points) have no last harmonic: theirs fall as `l⁻⁴` and sink into the noise.
+/// There the lines beyond the last that stands out are weighted by `S/(S + N)`, Wiener's filter, with S falling on as it must: cutting
+/// them would cut the corners of the acceleration.
 pub(super) fn fourier_fit(q: &[f64], period_s: f64, variance: Option<f64>, order: Option<usize>) -> FourierFit {
     let n = q.len();
     let lines = forward(q);
@@ -46,21 +54,30 @@ pub(super) fn fourier_fit(q: &[f64], period_s: f64, variance: Option<f64>, order
     let keep = |l: usize| l == 0 || order.is_some_and(|o| l <= o) || joined[l] > ABOVE_NOISE * noise;
     // The last line of an even count has no derivative of its own.
     let last = (n - 1) / 2;
+    let top = (1..=last).rev().find(|&l| keep(l)).unwrap_or(0);
+    let above = joined[top] / noise;
+    let gain = |l: usize| {
+        if keep(l) {
+            1.0
+        } else if l > top && above < FADING && top > 0 {
+            let signal = (above - 1.0).max(0.0) * (top as f64 / l as f64).powi(8);
+            signal / (signal + 1.0)
+        } else {
+            0.0
+        }
+    };
     let omega = TAU / period_s;
     let series = |derivative: i32| {
         let factor = |l: usize| (Complex64::i() * omega * l as f64).powi(derivative);
-        let kept = lines.iter().enumerate().map(|(l, &x)| {
-            if l <= last && keep(l) {
-                x * factor(l)
-            } else {
-                Complex64::ZERO
-            }
-        });
+        let kept = lines
+            .iter()
+            .enumerate()
+            .map(|(l, &x)| if l <= last { x * factor(l) * gain(l) } else { Complex64::ZERO });
         inverse(kept.collect(), n)
     };
     let kept: Vec<usize> = (1..=last).filter(|&l| keep(l)).collect();
     let std = |power: i32| {
-        let sum: f64 = kept.iter().map(|&l| (omega * l as f64).powi(2 * power)).sum();
+        let sum: f64 = (1..=last).map(|l| (omega * l as f64).powi(2 * power) * gain(l).powi(2)).sum();
         (2.0 * noise * sum).sqrt() / n as f64
     };
     FourierFit {

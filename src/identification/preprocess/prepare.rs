@@ -102,6 +102,8 @@ fn hold_still(motion: &mut Motion, velocity_std: &[f64]) -> Vec<bool> {
 struct Record {
     rate_hz: f64,
     q: Vec<Vec<f64>>,
+    /// As logged.
+    qd: Option<Vec<Vec<f64>>>,
     tau: Vec<Vec<f64>>,
     usable: Vec<bool>,
     periods: Option<Periods>,
@@ -194,6 +196,7 @@ impl Chain<'_> {
         Record {
             rate_hz: self.log.rate_hz,
             q: self.log.q.clone(),
+            qd: self.log.qd.clone(),
             tau: self.log.tau.clone(),
             usable: self.log.usable.clone(),
             periods: None,
@@ -244,6 +247,7 @@ impl Chain<'_> {
         Record {
             rate_hz: n as f64 / periods.period_s,
             q,
+            qd: self.log.qd.as_deref().map(mean),
             tau,
             usable: (0..n).map(|i| (i..k * n).step_by(n).any(|s| usable[s])).collect(),
             periods: Some(periods),
@@ -285,6 +289,13 @@ impl Chain<'_> {
         let motion = Motion::from_fn(fits.len(), record.usable.len(), |j, s| {
             [fits[j].q[s], fits[j].qd[s], fits[j].qdd[s]]
         });
+        if let Some(logged) = &record.qd {
+            let why = match disagreement(logged, &motion) {
+                Some((j, part)) => format!("{}; the positions are believed", self.differs(j, part)),
+                None => "they agree with the positions, whose Fourier series has less noise in its derivatives".to_string(),
+            };
+            choices.push(Choice::new("logged_velocities", NOT_USED, why));
+        }
         let highest = fits.iter().map(|f| f.highest).max().unwrap_or(0);
         let kept: Vec<usize> = fits.iter().map(|f| f.kept).collect();
         let worst = fits.iter().map(|f| f.acceleration_std).fold(0.0, f64::max);
@@ -336,7 +347,35 @@ impl Chain<'_> {
             format!("{}, then central differences", describe(spec)),
             why,
         ));
+        if let Some(logged) = &record.qd {
+            let filtered: Vec<Vec<f64>> = logged
+                .iter()
+                .map(|v| zero_phase(&filter, v, padding, filter.settling_samples()))
+                .collect();
+            let choice = match (disagreement(&filtered, &motion), method) {
+                (Some((j, part)), _) => (NOT_USED, format!("{}; the positions are believed", self.differs(j, part))),
+                (None, Method::Paper) => (NOT_USED, "the paper takes them from the positions".to_string()),
+                (None, _) => {
+                    for (j, qd) in filtered.iter().enumerate() {
+                        let qdd = difference(qd, step);
+                        (0..qd.len()).for_each(|s| motion.set(j, s, [motion.positions(j)[s], qd[s], qdd[s]]));
+                        velocity_std[j] = filtered_noise(&logged[j], qd, &filter);
+                    }
+                    let why = "they agree with the positions; filtered alike, and differenced once for the accelerations";
+                    ("used", why.to_string())
+                }
+            };
+            choices.push(Choice::new("logged_velocities", choice.0, choice.1));
+        }
         Ok((motion, velocity_std))
+    }
+
+    fn differs(&self, joint: usize, part: f64) -> String {
+        format!(
+            "those of joint {} are {:.0} % of their size off the positions' derivative: another unit, sign or delay",
+            joint + 1,
+            100.0 * part
+        )
     }
 
     fn parallel_default(&self) -> FilterSpec {
@@ -443,6 +482,37 @@ fn padding(periodic: bool) -> Padding {
 
 fn describe(spec: FilterSpec) -> String {
     format!("zero-phase Butterworth, order {} at {:.3} Hz", spec.order, spec.cutoff_hz)
+}
+
+const NOT_USED: &str = "not used";
+/// Velocities this near to the derivative of the positions are the same quantity: a twentieth is a delay of 8 ms at 1 Hz.
+const SAME_VELOCITY: f64 = 0.05;
+
+/// The joint whose logged velocities are farthest from those of `motion`, and by which part of their root mean square; `None` where all
+/// are the same. Joints that stand still say nothing.
+fn disagreement(logged: &[Vec<f64>], motion: &Motion) -> Option<(usize, f64)> {
+    let rms = |x: &mut dyn Iterator<Item = f64>| x.map(|v| v * v).sum::<f64>().sqrt();
+    let sizes: Vec<f64> = (0..logged.len())
+        .map(|j| rms(&mut motion.velocities(j).iter().copied()))
+        .collect();
+    let fastest = sizes.iter().copied().fold(0.0, f64::max);
+    let part = |(j, v): (usize, &Vec<f64>)| {
+        let off = rms(&mut v.iter().zip(motion.velocities(j)).map(|(a, b)| a - b));
+        (sizes[j] > 0.01 * fastest).then(|| (j, off / sizes[j]))
+    };
+    let worst = logged
+        .iter()
+        .enumerate()
+        .filter_map(part)
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (worst.1 > SAME_VELOCITY).then_some(worst)
+}
+
+/// Standard deviation of what `filter` leaves of the white noise that it took most of: `2 fc/f_s` of its variance.
+fn filtered_noise(raw: &[f64], filtered: &[f64], filter: &LowPass) -> f64 {
+    let removed = raw.iter().zip(filtered).map(|(r, f)| (r - f).powi(2)).sum::<f64>() / raw.len() as f64;
+    let share = 2.0 * filter.cutoff_hz / filter.rate_hz;
+    (removed * share / (1.0 - share).max(0.1)).sqrt()
 }
 
 /// Standard deviation of the velocity that is left after filtering, from what the filter took out: for white noise of variance σ²

@@ -2,10 +2,16 @@
 
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
+use std::cell::RefCell;
+
+thread_local! {
+    /// A plan holds as many sines as the record has samples: making one takes longer than using it, and a log has few lengths.
+    static PLANS: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+}
 
 /// Lines 0 … N/2 of `Σ x_i exp(−2πi l i/N)`.
 pub(crate) fn forward(x: &[f64]) -> Vec<Complex64> {
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
+    let plan = PLANS.with_borrow_mut(|plans| plans.plan_fft_forward(x.len()));
     let mut input = x.to_vec();
     let mut lines = plan.make_output_vec();
     plan.process(&mut input, &mut lines).expect("lengths come from the plan");
@@ -14,7 +20,7 @@ pub(crate) fn forward(x: &[f64]) -> Vec<Complex64> {
 
 /// The record of `n` samples whose [`forward`] transform is `lines`.
 pub(crate) fn inverse(mut lines: Vec<Complex64>, n: usize) -> Vec<f64> {
-    let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(n);
+    let plan = PLANS.with_borrow_mut(|plans| plans.plan_fft_inverse(n));
     // A real record has a real mean and, with an even count, a real last line.
     lines[0].im = 0.0;
     if n.is_multiple_of(2) {

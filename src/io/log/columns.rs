@@ -20,7 +20,19 @@ pub struct Columns {
 pub struct JointColumns {
     /// One header per joint, in the order of the joints.
     pub headers: Vec<String>,
+    /// Name of the file that has them, row for row beside the log; `None` for the log itself.
+    pub file: Option<String>,
     pub transformation: Transformation,
+}
+
+impl Columns {
+    /// Names of the files besides the log that columns are in, each once.
+    pub fn files(&self) -> Vec<&str> {
+        let named = [&self.velocity, &self.torque].into_iter().filter_map(|q| q.file.as_deref());
+        let mut found: Vec<&str> = named.collect();
+        found.dedup();
+        found
+    }
 }
 
 /// `x = C (s ∘ raw) + o`: factor per column (unit, sign, gear ratio, N m/A together), coupling between columns, offset in SI.

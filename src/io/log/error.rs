@@ -25,6 +25,19 @@ pub enum LogError {
         found: Vec<String>,
         example: String,
     },
+    #[error("{file}, line 1: the header is longer than {limit} bytes; a log is text with one line per sample")]
+    LongHeader { file: String, limit: usize },
+    #[error("{file}: `columns` places a quantity in the file `{other}`, which is not among the logs; give it as one more log")]
+    MissingFile { file: String, other: String },
+    #[error(
+        "{file} has {rows} rows and {other}, which `columns` puts beside it, {other_rows}; files are joined row by row: give files of one recording"
+    )]
+    RowsDiffer {
+        file: String,
+        rows: usize,
+        other: String,
+        other_rows: usize,
+    },
     #[error("{file}, line 1: the column `{column}` appears {times} times; rename all but one")]
     RepeatedColumn { file: String, column: String, times: usize },
     #[error("{file}: has no time column and `columns` gives no sample_rate_hz; give one of them")]
@@ -81,6 +94,9 @@ impl LogError {
             | Self::NoHeader { file, .. }
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
+            | Self::LongHeader { file, .. }
+            | Self::MissingFile { file, .. }
+            | Self::RowsDiffer { file, .. }
             | Self::NoTimeBase { file }
             | Self::TooShort { file, .. }
             | Self::TooMuchGarbage { file, .. }
@@ -105,6 +121,9 @@ impl LogError {
             | Self::NoHeader { file, .. }
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
+            | Self::LongHeader { file, .. }
+            | Self::MissingFile { file, .. }
+            | Self::RowsDiffer { file, .. }
             | Self::NoTimeBase { file }
             | Self::TooShort { file, .. }
             | Self::TooMuchGarbage { file, .. }

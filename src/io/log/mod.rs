@@ -11,5 +11,5 @@ mod time_base;
 
 pub use columns::{Columns, JointColumns, TimeUnit, Transformation};
 pub use error::LogError;
-pub use reader::{Source, read_log, read_log_file};
+pub use reader::{Source, read_joined_log, read_log, read_log_file};
 pub use report::{Finding, FindingKind, LogReport};

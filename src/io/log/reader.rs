@@ -7,8 +7,8 @@ use crate::identification::Log;
 use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
-use std::path::Path;
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::path::{Path, PathBuf};
 
 /// Where the bytes come from, with the name that messages use.
 pub struct Source<R> {
@@ -21,6 +21,8 @@ pub(super) struct Table {
     pub file: String,
     /// Line of the file that every row came from.
     pub lines: Vec<u32>,
+    /// Number of every row among all of the file; empty once files are joined.
+    numbers: Vec<u32>,
     /// In the file's unit; empty when there is no time column.
     pub time: Vec<f64>,
     pub q: Vec<Vec<f64>>,
@@ -42,23 +44,61 @@ const GARBAGE_LIMIT: usize = 20;
 /// # Errors
 /// As [`read_log`], and a file that cannot be opened.
 pub fn read_log_file(path: &Path, columns: &Columns, joints: &[String]) -> Result<(Log, LogReport), LogError> {
+    read_joined_log(path, &[], columns, joints)
+}
+
+/// Reads the log in the file at `path`, with the quantities that `columns` places in other files, row by row: `others` has the name and
+/// the path of every file there is.
+///
+/// # Errors
+/// As [`read_log`]; a file that cannot be opened or is not among `others`, or that has another number of rows.
+pub fn read_joined_log(
+    path: &Path,
+    others: &[(String, PathBuf)],
+    columns: &Columns,
+    joints: &[String],
+) -> Result<(Log, LogReport), LogError> {
+    let mut table = table_of(open(path)?, columns, joints, &|q| q.of(columns).file.is_none())?;
+    for name in columns.files() {
+        let Some((_, other)) = others.iter().find(|(known, _)| known == name) else {
+            return Err(LogError::MissingFile {
+                file: table.file,
+                other: name.to_string(),
+            });
+        };
+        let part = table_of(open(other)?, columns, joints, &|q| {
+            q.of(columns).file.as_deref() == Some(name)
+        })?;
+        table.join(part)?;
+    }
+    time_base::uniform(table, columns)
+}
+
+fn open(path: &Path) -> Result<Source<File>, LogError> {
     let name = path
         .file_name()
         .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
-    let bytes = File::open(path).map_err(|e| LogError::Unreadable {
-        file: name.clone(),
-        detail: e.to_string(),
-    })?;
-    read_log(Source { name, bytes }, columns, joints)
+    match File::open(path) {
+        Ok(bytes) => Ok(Source { name, bytes }),
+        Err(e) => Err(LogError::Unreadable {
+            file: name,
+            detail: e.to_string(),
+        }),
+    }
 }
 
-/// Reads a log of the robot whose joints are called `joints`.
+/// Reads the log of the robot whose joints are called `joints`, all of it in one file.
 ///
 /// Rows are streamed: nothing is held but the columns that are used. gzip is recognised by its first two bytes.
 ///
 /// # Errors
 /// [`LogError`]: unreadable, empty or cut off, columns missing, too much garbage, time running backwards, too many gaps.
 pub fn read_log<R: Read>(source: Source<R>, columns: &Columns, joints: &[String]) -> Result<(Log, LogReport), LogError> {
+    time_base::uniform(table_of(source, columns, joints, &|_| true)?, columns)
+}
+
+/// The columns of the quantities that are wanted of one file.
+fn table_of<R: Read>(source: Source<R>, columns: &Columns, joints: &[String], wanted: &Wanted) -> Result<Table, LogError> {
     let Source { name: file, bytes } = source;
     let mut bytes = BufReader::with_capacity(1 << 16, bytes);
     let unreadable = |e: io::Error| LogError::Unreadable {
@@ -69,28 +109,41 @@ pub fn read_log<R: Read>(source: Source<R>, columns: &Columns, joints: &[String]
     if start.is_empty() {
         return Err(LogError::Empty { file });
     }
-    let table = if start.starts_with(&[0x1f, 0x8b]) {
-        read_table(
-            file,
-            BufReader::with_capacity(1 << 16, MultiGzDecoder::new(bytes)),
-            columns,
-            joints,
-        )?
-    } else {
-        read_table(file, bytes, columns, joints)?
-    };
-    time_base::uniform(table, columns)
+    if start.starts_with(&[0x1f, 0x8b]) {
+        let bytes = BufReader::with_capacity(1 << 16, MultiGzDecoder::new(bytes));
+        return read_table(file, bytes, columns, joints, wanted);
+    }
+    read_table(file, bytes, columns, joints, wanted)
 }
 
-fn read_table(file: String, mut bytes: impl BufRead, columns: &Columns, joints: &[String]) -> Result<Table, LogError> {
+type Wanted<'a> = dyn Fn(Quantity) -> bool + 'a;
+
+/// Longest header line that is read: a thousand columns with names of a hundred letters. A file without line ends would fill the memory.
+const LONGEST_HEADER: usize = 100_000;
+
+fn read_table(
+    file: String,
+    mut bytes: impl BufRead,
+    columns: &Columns,
+    joints: &[String],
+    wanted: &Wanted,
+) -> Result<Table, LogError> {
     let delimiter = match bytes.fill_buf() {
         Ok(start) => delimiter(start),
         Err(e) => return Err(broken(&file, 1, &e)),
     };
+    let head = header_part(&mut bytes).map_err(|e| broken(&file, 1, &e))?;
+    if head.len() > LONGEST_HEADER {
+        return Err(LogError::LongHeader {
+            file,
+            limit: LONGEST_HEADER,
+        });
+    }
+    let bytes = Cursor::new(head).chain(bytes);
     let mut reader = ReaderBuilder::new()
         .delimiter(delimiter)
         .flexible(true)
-        .trim(Trim::All)
+        .trim(Trim::Headers)
         .comment(Some(b'#'))
         .from_reader(bytes);
     let header = match reader.byte_headers() {
@@ -101,15 +154,16 @@ fn read_table(file: String, mut bytes: impl BufRead, columns: &Columns, joints: 
         .iter()
         .map(|h| String::from_utf8_lossy(h).trim_start_matches('\u{feff}').to_string())
         .collect();
-    let places = Places::find(&file, &header, columns, joints)?;
+    let places = Places::find(&file, &header, columns, joints, wanted)?;
     let n = joints.len();
     let mut table = Table {
         file,
         lines: Vec::new(),
+        numbers: Vec::new(),
         time: Vec::new(),
-        q: vec![Vec::new(); n],
+        q: vec![Vec::new(); places.q.len()],
         qd: vec![Vec::new(); places.qd.len()],
-        tau: vec![Vec::new(); n],
+        tau: vec![Vec::new(); places.tau.len()],
         rows: 0,
         garbage: Tally::default(),
         missing_time: Tally::default(),
@@ -126,6 +180,21 @@ fn read_table(file: String, mut bytes: impl BufRead, columns: &Columns, joints: 
     }
     table.check()?;
     Ok(table)
+}
+
+/// The file as far as its first line that is no comment, or one byte more than the longest header.
+fn header_part(bytes: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    let mut line = 0;
+    while head.len() <= LONGEST_HEADER {
+        let most = (LONGEST_HEADER + 1 - head.len()) as u64;
+        let read = bytes.by_ref().take(most).read_until(b'\n', &mut head)?;
+        if read == 0 || head[line] != b'#' {
+            break;
+        }
+        line = head.len();
+    }
+    Ok(head)
 }
 
 /// The delimiter that the header line has most of.
@@ -172,7 +241,7 @@ struct Places {
 }
 
 impl Places {
-    fn find(file: &str, header: &[String], columns: &Columns, joints: &[String]) -> Result<Self, LogError> {
+    fn find(file: &str, header: &[String], columns: &Columns, joints: &[String], is_wanted: &Wanted) -> Result<Self, LogError> {
         let n = joints.len();
         let example = format!("`time,q1,…,q{n},tau1,…,tau{n}`");
         if header.is_empty() || header.iter().all(String::is_empty) {
@@ -186,6 +255,9 @@ impl Places {
         }
         let mut missing = Vec::new();
         let mut find = |quantity: Quantity, optional: bool| {
+            if !is_wanted(quantity) {
+                return Vec::new();
+            }
             let wanted = &quantity.of(columns).headers;
             let mut found = Vec::new();
             let mut absent = Vec::new();
@@ -210,7 +282,9 @@ impl Places {
         let q = find(Quantity::Position, false);
         let qd = find(Quantity::Velocity, true);
         let tau = find(Quantity::Torque, false);
+        // Time goes with the positions.
         let time = match &columns.time {
+            _ if !is_wanted(Quantity::Position) => None,
             Some(name) => header.iter().position(|h| h == name).or_else(|| {
                 missing.push(format!("`{name}` (time)"));
                 None
@@ -238,7 +312,7 @@ impl Places {
                 });
             }
         }
-        if time.is_none() && columns.sample_rate_hz.is_none() {
+        if time.is_none() && columns.sample_rate_hz.is_none() && is_wanted(Quantity::Position) {
             return Err(LogError::NoTimeBase { file: file.to_string() });
         }
         Ok(Self { time, q, qd, tau })
@@ -287,8 +361,32 @@ impl Table {
             }
         }
         self.lines.push(line.min(u64::from(u32::MAX)) as u32);
+        self.numbers.push(self.rows as u32);
         let columns = self.q.iter_mut().chain(&mut self.qd).chain(&mut self.tau);
         columns.zip(values.iter()).for_each(|(column, &v)| column.push(v));
+        Ok(())
+    }
+
+    /// Takes over the columns of a file beside this one: row by row, those rows left out that are no numbers in either.
+    fn join(&mut self, mut other: Table) -> Result<(), LogError> {
+        if self.rows != other.rows {
+            return Err(LogError::RowsDiffer {
+                file: self.file.clone(),
+                rows: self.rows,
+                other: other.file,
+                other_rows: other.rows,
+            });
+        }
+        let own: Vec<bool> = self.numbers.iter().map(|n| other.numbers.binary_search(n).is_ok()).collect();
+        let theirs: Vec<bool> = other.numbers.iter().map(|n| self.numbers.binary_search(n).is_ok()).collect();
+        self.retain(&own);
+        other.retain(&theirs);
+        self.garbage.count += own.iter().filter(|kept| !**kept).count();
+        for (mine, found) in [(&mut self.q, other.q), (&mut self.qd, other.qd), (&mut self.tau, other.tau)] {
+            if mine.is_empty() {
+                *mine = found;
+            }
+        }
         Ok(())
     }
 
@@ -318,5 +416,81 @@ impl Table {
 
 /// A finite number, or nothing.
 fn number(field: &[u8]) -> Option<f64> {
-    std::str::from_utf8(field).ok()?.parse().ok().filter(|v: &f64| v.is_finite())
+    let field = field.trim_ascii();
+    short_decimal(field).or_else(|| std::str::from_utf8(field).ok()?.parse().ok().filter(|v: &f64| v.is_finite()))
+}
+
+/// `-12.345` and the like, exactly: digits that make a whole number below 2⁵³ and a power of ten up to 10²² are doubles, and their quotient
+/// is rounded once (Clinger 1990). `None` for anything else, which then takes the long way.
+fn short_decimal(field: &[u8]) -> Option<f64> {
+    let (negative, digits) = match field {
+        [b'-', rest @ ..] => (true, rest),
+        rest => (false, rest),
+    };
+    // Nineteen digits cannot overflow 64 bits; twenty may, and are turned away below.
+    if digits.is_empty() || digits.len() > 20 {
+        return None;
+    }
+    let (mut whole, mut decimals, mut point) = (0u64, 0, false);
+    for &byte in digits {
+        match byte {
+            b'0'..=b'9' => {
+                whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
+                decimals += usize::from(point);
+            }
+            b'.' if !point => point = true,
+            _ => return None,
+        }
+    }
+    let most = digits.len() - usize::from(point);
+    if most == 0 || most > 19 || whole > 1 << 53 || decimals >= POWERS_OF_TEN.len() {
+        return None;
+    }
+    let value = whole as f64 / POWERS_OF_TEN[decimals];
+    Some(if negative { -value } else { value })
+}
+
+const POWERS_OF_TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21,
+    1e22,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn val_short_decimals_are_the_doubles_that_the_standard_library_reads() {
+        let texts = [
+            "0",
+            "-0.0",
+            "3.14159265358979",
+            "-12.345",
+            ".5",
+            "5.",
+            "9007199254740992",
+            "0.000000000000000000001",
+            "123456789.987654321",
+        ];
+        for text in texts {
+            let expected: f64 = text.parse().unwrap();
+            assert_eq!(number(text.as_bytes()).map(f64::to_bits), Some(expected.to_bits()), "{text}");
+        }
+        // A generator of digits: what it makes is read alike, or left to the standard library.
+        let mut state = 1u64;
+        for _ in 0..20_000 {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let text = format!("{}.{:09}", (state >> 50) as i64 - 8000, (state >> 20) % 1_000_000_000);
+            assert_eq!(short_decimal(text.as_bytes()), text.parse().ok(), "{text}");
+        }
+        for text in ["", "-", ".", "1e5", "nan", "inf", "1.2.3", "12a", "+-1"] {
+            assert_eq!(short_decimal(text.as_bytes()), None, "{text}");
+        }
+        assert_eq!(
+            (number(b" 1.5\r"), number(b"1e3"), number(b"nan"), number(b"")),
+            (Some(1.5), Some(1000.0), None, None)
+        );
+    }
 }

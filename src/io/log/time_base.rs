@@ -170,7 +170,7 @@ impl Table {
         self.q.iter().chain(&self.qd).chain(&self.tau).all(|c| c[a] == c[b])
     }
 
-    fn retain(&mut self, keep: &[bool]) {
+    pub(super) fn retain(&mut self, keep: &[bool]) {
         if keep.iter().all(|&k| k) {
             return;
         }
@@ -179,7 +179,10 @@ impl Table {
             column.retain(|_| *flags.next().expect("one flag per row"));
         };
         self.columns_mut().for_each(pack);
-        pack(&mut self.time);
+        // Without a column of time there is none before rows are numbered.
+        if !self.time.is_empty() {
+            pack(&mut self.time);
+        }
         let mut flags = keep.iter();
         self.lines.retain(|_| *flags.next().expect("one flag per row"));
     }

@@ -239,6 +239,9 @@ pub struct JointSchema {
     prior: Option<PriorSchema>,
     /// Capsules that together contain the link.
     geometry: Option<Vec<CapsuleSchema>>,
+    bounds: Option<JointBoundsSchema>,
+    /// Axis of the link frame along which the link is long.
+    slender_axis: Option<AxisSchema>,
     /// Name of the link behind the joint.
     #[schema(required = false)]
     link: String,
@@ -439,6 +442,8 @@ pub struct ColumnsSchema {
 #[schema(as = ColumnQuantity)]
 pub struct ColumnQuantitySchema {
     headers: Option<Vec<String>>,
+    /// Name of another of the logs that has these columns, row for row beside it (velocity and torque).
+    file: Option<String>,
     /// `rad`, `deg`, `rev`, `m`, `mm`; per second for velocities, `rpm`; `N m`, `mN m`, `kN m`, `N`, `kN`, `A` for torques.
     #[schema(value_type = Option<Object>)]
     unit: Option<Vec<String>>,
@@ -490,7 +495,8 @@ pub struct FilterSchema {
     cutoff_hz: f64,
 }
 
-/// Physical parameters: least squares with a positive definite pseudo-inertia of every link.
+/// Physical parameters. `consistent` (or `convex`): least squares with a positive definite pseudo-inertia of every link. `paper`: the
+/// nonlinear problem (10a-d) from many starts, and its gap to a lower bound. `both`: the first is the model, the second is told beside it.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Feasible)]
 pub struct FeasibleSchema {
@@ -505,17 +511,52 @@ pub struct FeasibleSchema {
     /// Least viscous friction (N·m·s/rad or N·s/m).
     #[schema(default = 0.0)]
     least_viscous: Option<f64>,
+    /// On single links, in the place of the robot's own.
     bounds: Option<Vec<LinkBoundsSchema>>,
+    /// Per link, in the place of the robot's own; null for none (`paper`).
+    slender_axes: Option<Vec<Option<AxisSchema>>>,
+    /// Whether (10d) holds besides (10c) (`paper`).
+    #[schema(default = true)]
+    gazebo: Option<bool>,
+    /// Which triangle inequality of the moments of inertia holds (`paper`).
+    #[schema(required = false, default = "principal")]
+    triangle: TriangleSchema,
+    /// Local solves (`paper`).
+    #[schema(default = 8, minimum = 1, maximum = 1000)]
+    starts: Option<u32>,
+    /// Of the random starts (`paper`).
+    #[schema(default = 1)]
+    seed: Option<u64>,
 }
 
 #[derive(Serialize, ToSchema)]
 #[schema(as = FeasibleMethod, rename_all = "snake_case")]
 pub enum FeasibleMethodSchema {
     Consistent,
+    Convex,
+    Paper,
+    Both,
     None,
 }
 
-/// Bounds on one link.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Axis, rename_all = "snake_case")]
+pub enum AxisSchema {
+    X,
+    Y,
+    Z,
+}
+
+/// `principal`: of the principal moments, as simulators check it. `diagonal`: of the tensor's diagonal, as in the paper. `none`: not asked.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Triangle, rename_all = "snake_case")]
+pub enum TriangleSchema {
+    Principal,
+    Diagonal,
+    None,
+}
+
+/// Bounds on one link, `[lower, upper]`, in its frame.
 #[derive(Serialize, ToSchema)]
 #[schema(as = LinkBounds)]
 pub struct LinkBoundsSchema {
@@ -525,4 +566,40 @@ pub struct LinkBoundsSchema {
     mass: Option<[f64; 2]>,
     /// x, y, z in the link frame (m).
     center_of_mass: Option<Vec<Vec<f64>>>,
+    /// About the centre of mass (`paper` alone).
+    inertia: Option<InertiaBoundsSchema>,
+    /// N·m·s/rad or N·s/m
+    viscous: Option<[f64; 2]>,
+    /// N·m or N
+    coulomb: Option<[f64; 2]>,
+}
+
+/// What identification keeps the parameters of a link between, `[lower, upper]`, in its frame.
+#[derive(Serialize, ToSchema)]
+#[schema(as = JointBounds)]
+pub struct JointBoundsSchema {
+    /// (kg)
+    mass: Option<[f64; 2]>,
+    /// x, y, z in the link frame (m).
+    center_of_mass: Option<Vec<Vec<f64>>>,
+    /// About the centre of mass.
+    inertia: Option<InertiaBoundsSchema>,
+    /// N·m·s/rad or N·s/m
+    viscous: Option<[f64; 2]>,
+    /// N·m or N
+    coulomb: Option<[f64; 2]>,
+    #[schema(required = false)]
+    source: String,
+}
+
+/// kg·m²
+#[derive(Serialize, ToSchema)]
+#[schema(as = InertiaBounds)]
+pub struct InertiaBoundsSchema {
+    xx: Option<[f64; 2]>,
+    xy: Option<[f64; 2]>,
+    xz: Option<[f64; 2]>,
+    yy: Option<[f64; 2]>,
+    yz: Option<[f64; 2]>,
+    zz: Option<[f64; 2]>,
 }

@@ -4,6 +4,10 @@
 //! objective is caught before it can cross into C and goes on afterwards, and stopping goes through `stopval`, which every
 //! algorithm honours within two evaluations.
 
+mod constrained;
+
+pub use constrained::{ConstrainedMinimum, Constraints, minimize_subject_to};
+
 use nlopt::{Algorithm, FailState, Nlopt, SuccessState, Target};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
