@@ -68,8 +68,11 @@ pub(crate) struct Evaluated {
     pub declared: Vec<Vec<f64>>,
     pub gain: Vec<f64>,
     /// Per joint, `(parameter, values)` of every column that is not zero there; shaped.
-    pub jacobian: Vec<Vec<(usize, Vec<f64>)>>,
+    pub jacobian: ShapedRows,
 }
+
+/// Per joint, `(parameter, values over the rows)` of every column that is not zero there.
+pub(crate) type ShapedRows = Vec<Vec<(usize, Vec<f64>)>>;
 
 impl AugmentedModel {
     /// The declared model with all parameters zero.
@@ -125,76 +128,100 @@ impl AugmentedModel {
 
     /// Torque of every joint over the rows of a stretch; n × M [N·m or N].
     pub fn predict(&self, stretch: &Stretch) -> Vec<Vec<f64>> {
-        self.evaluate(stretch, false).torque
+        self.evaluate(stretch, None).torque
+    }
+
+    /// Rows of the base parameters along the motion as measured.
+    pub(crate) fn base_rows(&self, stretch: &Stretch) -> ShapedRows {
+        let (set, rows) = self.fill(&self.robot, &stretch.motion);
+        let shaped = |j: usize| {
+            let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+            blocks
+                .map(|(values, &at)| (at, stretch.shaped(values[..rows.samples()].to_vec())))
+                .collect()
+        };
+        (0..self.robot.joint_count()).map(shaped).collect()
+    }
+
+    fn fill(&self, robot: &Robot, motion: &Motion) -> (ColumnSet, RowBlocks) {
+        let set = self.columns();
+        let mut rows = RowBlocks::new(&set, motion.samples());
+        rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
+        (set, rows)
     }
 
     fn columns(&self) -> ColumnSet {
         ColumnSet::new(&self.robot, &Layout::standard(&self.robot), &self.base.kept)
     }
 
-    pub(crate) fn evaluate(&self, stretch: &Stretch, with_jacobian: bool) -> Evaluated {
+    /// Torque over the rows of a stretch, and, where the base parameters' rows along its undistorted motion are handed in, the derivatives.
+    pub(crate) fn evaluate(&self, stretch: &Stretch, base: Option<&ShapedRows>) -> Evaluated {
         let plain = self.torques(&stretch.motion, &self.robot, None);
+        let distorted = self.terms.iter().any(Term::is_distortion);
         let world = self.world(stretch, &plain, None);
         let robot = self.robot.with_gravity(world.gravity);
-        let set = self.columns();
-        let mut rows = RowBlocks::new(&set, world.motion.samples());
-        rows.fill(&Chain::new(&robot), &set, &world.motion, Coulomb::Sign);
-        let mut here = self.torques(&world.motion, &robot, Some((&set, &rows)));
-        let (rigid, declared) = (std::mem::take(&mut here.rigid), std::mem::take(&mut here.declared));
-        let n = self.robot.joint_count();
-        let mut torque = declared.clone();
-        let mut jacobian = vec![Vec::new(); n];
-        if with_jacobian {
-            for (j, list) in jacobian.iter_mut().enumerate() {
-                for (values, &at) in rows.block(j).chunks_exact(rows.stride()).zip(set.row(j)) {
-                    list.push((at, values[..rows.samples()].to_vec()));
-                }
+        let (mut jacobian, here) = match base {
+            Some(rows) if !distorted => (rows.clone(), plain.clone()),
+            Some(_) => {
+                let (set, rows) = self.fill(&robot, &world.motion);
+                let block = |j: usize| {
+                    let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+                    let scaled = |v: &f64| v * world.gain[j];
+                    blocks
+                        .map(|(values, &at)| (at, stretch.shaped(values[..rows.samples()].iter().map(scaled).collect())))
+                        .collect()
+                };
+                let jacobian = (0..self.robot.joint_count()).map(block).collect();
+                (jacobian, self.torques(&world.motion, &robot, Some((&set, &rows))))
             }
-        }
+            None if distorted => (Vec::new(), self.torques(&world.motion, &robot, None)),
+            None => (Vec::new(), plain.clone()),
+        };
         let scene = Scene {
             robot: &robot,
             motion: &world.motion,
-            rigid: &rigid,
-            declared: &declared,
+            rigid: &here.rigid,
+            declared: &here.declared,
             interval: stretch.interval,
             periodic: stretch.periodic,
         };
+        let mut torque = here.declared.clone();
         for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| !t.is_distortion()) {
             let columns = term.effect.columns(term.form, &scene, &term.joints, &term.shape);
             add_columns(&mut torque, &columns, &term.coefficients);
-            if with_jacobian {
-                let at = self.offset_of(t);
-                push_columns(&mut jacobian, &columns, at);
-                push_columns(&mut jacobian, &shape_derivatives(term, &scene), at + term.coefficients.len());
+            if base.is_some() {
+                let derivatives = shape_derivatives(term, &scene);
+                push_columns(&mut jacobian, &columns, self.offset_of(t), stretch, &world.gain);
+                let at = self.offset_of(t) + term.coefficients.len();
+                push_columns(&mut jacobian, &derivatives, at, stretch, &world.gain);
             }
         }
-        scale_rows(&mut torque, &mut jacobian, &world.gain);
-        if with_jacobian {
-            for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
-                let at = self.offset_of(t);
-                for (i, values) in self
-                    .distortion_columns(stretch, &plain, term, Some(t))
-                    .into_iter()
-                    .enumerate()
-                {
-                    values
-                        .into_iter()
-                        .enumerate()
-                        .for_each(|(j, v)| jacobian[j].push((at + i, v)));
-                }
-            }
-        }
-        let shaped = |rows: Vec<Vec<f64>>| rows.into_iter().map(|r| stretch.shaped(r)).collect();
-        for list in &mut jacobian {
-            list.iter_mut().for_each(|(_, v)| *v = stretch.shaped(std::mem::take(v)));
+        let gained = torque.into_iter().zip(&world.gain);
+        let torque = gained
+            .map(|(row, g)| stretch.shaped(row.into_iter().map(|v| v * g).collect()))
+            .collect();
+        if base.is_some() && distorted {
+            self.push_distortions(&mut jacobian, stretch, &plain);
         }
         Evaluated {
             motion: world.motion,
-            torque: shaped(torque),
-            rigid,
-            declared,
+            torque,
+            rigid: here.rigid,
+            declared: here.declared,
             gain: world.gain,
             jacobian,
+        }
+    }
+
+    fn push_distortions(&self, jacobian: &mut ShapedRows, stretch: &Stretch, plain: &Torques) {
+        for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
+            let columns = self.distortion_columns(stretch, plain, term, Some(t));
+            for (i, rows) in columns.into_iter().enumerate() {
+                let at = self.offset_of(t) + i;
+                rows.into_iter()
+                    .enumerate()
+                    .for_each(|(j, v)| jacobian[j].push((at, stretch.shaped(v))));
+            }
         }
     }
 
@@ -332,18 +359,12 @@ fn add_columns(torque: &mut [Vec<f64>], columns: &[Column], coefficients: &[f64]
     }
 }
 
-fn push_columns(jacobian: &mut [Vec<(usize, Vec<f64>)>], columns: &[Column], at: usize) {
+fn push_columns(jacobian: &mut ShapedRows, columns: &[Column], at: usize, stretch: &Stretch, gain: &[f64]) {
     for (i, column) in columns.iter().enumerate() {
         for (j, values) in &column.rows {
-            jacobian[*j].push((at + i, values.clone()));
+            let gained = values.iter().map(|v| v * gain[*j]).collect();
+            jacobian[*j].push((at + i, stretch.shaped(gained)));
         }
-    }
-}
-
-fn scale_rows(torque: &mut [Vec<f64>], jacobian: &mut [Vec<(usize, Vec<f64>)>], gain: &[f64]) {
-    for (j, &g) in gain.iter().enumerate().filter(|(_, g)| **g != 1.0) {
-        torque[j].iter_mut().for_each(|v| *v *= g);
-        jacobian[j].iter_mut().for_each(|(_, c)| c.iter_mut().for_each(|v| *v *= g));
     }
 }
 

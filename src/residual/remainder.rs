@@ -88,7 +88,8 @@ fn score_of(data: &Data, system: &System, candidates: &[Candidate], fixed: usize
         };
         term.parameters() as f64 * (rows as f64).ln() + 2.0 * choice.ln() + each
     };
-    -data.chi_square(system) - system.model.terms[fixed..].iter().map(price).sum::<f64>()
+    // Rows at reversals come and go with a distortion: each is expected to leave one.
+    rows as f64 - data.chi_square(system) - system.model.terms[fixed..].iter().map(price).sum::<f64>()
 }
 
 /// Adds smooth functions while they earn their place; `None` when not even one does.
@@ -154,13 +155,14 @@ const DICTIONARY: f64 = 121.0;
 fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> Option<Smooth> {
     let codes = &job[1..job.len().min(3)];
     let mut shape = scaling(data, system, codes)?;
+    let fine: Vec<&super::Stretch> = data.stretches.iter().collect();
     let columns: Vec<_> = data
         .stretches
         .iter()
         .zip(&system.evaluated)
         .map(|(stretch, e)| Unexplained.columns(0, &scene(system, stretch, e), job, &shape))
         .collect();
-    let (own, rest, right) = system.projected(&system.whitened(data, &columns));
+    let (own, rest, right) = system.projected(&system.whitened(data, &fine, &columns));
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
     let count = products(codes, system.model.robot.joint_count()) * if job.len() > 3 { 2 } else { 1 };
     let price = (rows as f64).ln() + 2.0 * (count as f64).ln();
@@ -253,7 +255,7 @@ fn withdraw(
         let mut model = system.model.clone();
         let term = model.terms.remove(fixed + at);
         let without = data.fit(model);
-        let loss = data.chi_square(&without) - data.chi_square(&system);
+        let loss = data.gain(&without, &system);
         let needed = chance(loss, term.parameters()) * hypotheses(candidates, term.effect.code()) < threshold.chance
             && loss > SHARE_BESIDE * accepted[at].gain;
         if !needed {
@@ -268,6 +270,7 @@ fn withdraw(
         Selected {
             system: data.fit(model),
             accepted,
+            noise: data.noise.clone(),
         },
         Some(remainder),
     )

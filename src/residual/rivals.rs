@@ -27,7 +27,7 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
     let mut model = selected.system.model.clone();
     let own = model.terms.remove(at);
     let without = data.fit(model);
-    let loss = data.chi_square(&without) - data.chi_square(&selected.system);
+    let loss = data.gain(&without, &selected.system);
     let Some(mine) = candidates.iter().find(|c| c.is_same_effect(&own) && c.form == own.form) else {
         return Contest::default();
     };
@@ -50,7 +50,7 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
             let mut model = without.model.clone();
             model.terms.push(s.term.clone());
             let fitted = data.fit(model);
-            let gain = data.chi_square(&without) - data.chi_square(&fitted);
+            let gain = data.gain(&without, &fitted);
             let free = s.candidate.shapes.len().min(s.cost);
             let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
             let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));

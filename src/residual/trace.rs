@@ -50,11 +50,9 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let (cleaned, between) = between::separate(robot, stretches, options.chance);
     let measured = stretches;
     let stretches = &cleaned[..];
-    let data = Data {
-        stretches,
-        noise: floor(robot, stretches, &start, prior),
-        prior,
-    };
+    let mut data = Data::new(stretches, Vec::new(), prior);
+    data.noise = floor(robot, &data, &start);
+    let data = data;
     let first = data.fit(start.clone());
     let lack_of_fit = fits(&data, &first);
     let threshold = Threshold {
@@ -65,6 +63,8 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     };
     let list = candidates(&start, &spans(stretches), prior.is_some());
     let selected = select(&data, start.clone(), &list, &threshold);
+    let declared = data;
+    let data = declared.with_noise(selected.noise.clone());
     let (selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
     let after = fits(&data, &selected.system);
     let contests = rivals(&data, &selected, start.terms.len(), &list);
@@ -145,20 +145,15 @@ fn source(noise: &[NoiseModel]) -> String {
 }
 
 /// The noise of every joint: from the periods where there are at least two, otherwise from what the model leaves.
-pub(super) fn floor(robot: &Robot, stretches: &[Stretch], model: &AugmentedModel, prior: Option<&Prior>) -> Vec<NoiseModel> {
+pub(super) fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
     let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count())
-        .map(|j| NoiseModel::from_periods(stretches, j))
+        .map(|j| NoiseModel::from_periods(data.stretches, j))
         .collect();
-    from_periods.unwrap_or_else(|| residual_noise(robot, stretches, model, prior))
+    from_periods.unwrap_or_else(|| residual_noise(data, model))
 }
 
 /// Noise taken from the residual of an ordinary fit, weights refined once by the noise found.
-pub(super) fn residual_noise(
-    robot: &Robot,
-    stretches: &[Stretch],
-    model: &AugmentedModel,
-    prior: Option<&Prior>,
-) -> Vec<NoiseModel> {
+fn residual_noise(data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
     let unit = NoiseModel {
         source: NoiseSource::Residual,
         std_dev: 1.0,
@@ -166,36 +161,11 @@ pub(super) fn residual_noise(
         innovation: 1.0,
         degrees_of_freedom: 1.0,
     };
-    let mut noise = vec![unit; robot.joint_count()];
+    let mut noise = vec![unit; model.robot.joint_count()];
     for _ in 0..2 {
-        let white: Vec<NoiseModel> = noise
-            .iter()
-            .map(|n| NoiseModel {
-                autoregression: Vec::new(),
-                innovation: n.std_dev,
-                ..n.clone()
-            })
-            .collect();
-        let data = Data {
-            stretches,
-            noise: white,
-            prior,
-        };
-        let system = data.fit(model.clone());
-        noise = (0..robot.joint_count())
-            .map(|j| {
-                let scale = data.noise[j].innovation;
-                let rows = |b: &Vec<super::system::Block>| b[j].residual.iter().map(|r| r * scale).collect();
-                let residuals: Vec<Vec<f64>> = system.blocks.iter().map(rows).collect();
-                // White: how far the rows go together is weighed effect by effect, or slow effects would pass for noise.
-                let coloured = NoiseModel::from_residual(&residuals, system.rows(j), system.spent(j));
-                NoiseModel {
-                    autoregression: Vec::new(),
-                    innovation: coloured.std_dev,
-                    ..coloured
-                }
-            })
-            .collect();
+        let weighted = data.with_noise(noise);
+        let system = weighted.fit(model.clone());
+        noise = weighted.left_as_noise(&system);
     }
     noise
 }
@@ -248,7 +218,7 @@ pub(super) fn rms(model: &AugmentedModel, identification: &[Stretch], held_out: 
 fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); if stretches.is_empty() { 0 } else { stretches[0].joints() }];
     for stretch in stretches {
-        let e = model.evaluate(stretch, false);
+        let e = model.evaluate(stretch, None);
         for (j, total) in sums.iter_mut().enumerate() {
             let keep = stretch.kept(&e.motion, j);
             let single = [stretch.torque.clone()];
@@ -301,7 +271,11 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
     } else {
         term_joints.clone()
     };
-    let covariance = last.term_covariance(at) * last.inflation(&joints);
+    let covariance = if last.has_misfit(&joints) {
+        last.spread(at)
+    } else {
+        last.term_covariance(at)
+    };
     let mut term = last.model.terms[at].clone();
     let k = term.coefficients.len();
     if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
