@@ -55,7 +55,10 @@ const MOST_FINDINGS: usize = 6;
 pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec<Stretch>, Vec<BetweenFinding>) {
     let mut cleaned = stretches.to_vec();
     let mut found: Vec<BetweenFinding> = Vec::new();
-    for stretch in cleaned.iter_mut().filter(|s| s.periods.len() >= 3) {
+    for whole in cleaned.iter_mut().filter(|s| s.periods.len() >= 3) {
+        // One sample of the motion to every row.
+        let mut rows = whole.as_coarse();
+        let stretch = &mut rows;
         leave_out_start(stretch);
         for _ in 0..MOST_FINDINGS {
             let Some(noise) = robust_noise(stretch) else { break };
@@ -73,6 +76,7 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
             stretch.torque = stretch.mean_over(&all);
             found.push(finding);
         }
+        (whole.periods, whole.torque) = (rows.periods, rows.torque);
     }
     (cleaned, found)
 }

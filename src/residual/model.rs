@@ -2,10 +2,10 @@
 
 use super::Stretch;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
-use crate::effects::{Column, Effect, Kind, Scene, World};
+use crate::effects::{Column, Effect, Kind, Scene, Span, World};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout, ParameterKind};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Rotation3};
 
 /// An effect with its values.
 #[derive(Clone)]
@@ -46,6 +46,35 @@ impl Term {
     pub fn parameters(&self) -> usize {
         self.coefficients.len() + self.free_shapes
     }
+
+    /// Whether joints, coefficients and shapes are as many as the effect has on this robot.
+    pub fn is_complete(&self, robot: &Robot) -> bool {
+        let place = self.effect.places(robot).contains(&self.joints);
+        let bounded = self.bounds.len() >= self.free_shapes && self.free_shapes <= self.shape.len();
+        if self.is_distortion() {
+            return place && bounded && self.coefficients.is_empty() && self.shape.len() == self.effect.steps().len();
+        }
+        let span = Span {
+            range: 1.0,
+            speed: 1.0,
+            interval: 1e-3,
+        };
+        let spans = vec![span; robot.joint_count()];
+        let still = Motion::zeros(robot.joint_count(), 2);
+        let rest = vec![vec![0.0; 2]; robot.joint_count()];
+        let scene = Scene {
+            robot,
+            motion: &still,
+            rigid: &rest,
+            declared: &rest,
+            interval: span.interval,
+            periodic: false,
+        };
+        place
+            && bounded
+            && self.shape.len() == self.effect.shapes(self.form, &self.joints, &spans).len()
+            && self.coefficients.len() == self.effect.columns(self.form, &scene, &self.joints, &self.shape).len()
+    }
 }
 
 /// Base parameters and effects.
@@ -77,7 +106,10 @@ pub(crate) type ShapedRows = Vec<Vec<(usize, Vec<f64>)>>;
 impl AugmentedModel {
     /// The declared model with all parameters zero.
     pub fn declared(robot: &Robot) -> Self {
-        let base = BaseParameters::exact(robot);
+        // A base that is not level makes parameters of the first links act that gravity along their axes hides; their columns are zero
+        // until a tilt is in the model.
+        let anyhow = Rotation3::from_euler_angles(0.1, 0.07, 0.0) * robot.gravity();
+        let base = BaseParameters::exact(&robot.with_gravity(anyhow));
         let values = DVector::zeros(base.len());
         Self {
             robot: robot.clone(),
@@ -129,6 +161,24 @@ impl AugmentedModel {
     /// Torque of every joint over the rows of a stretch; n × M [N·m or N].
     pub fn predict(&self, stretch: &Stretch) -> Vec<Vec<f64>> {
         self.evaluate(stretch, None).torque
+    }
+
+    /// How the torque along a motion changes with every parameter of the effects, per joint: `(parameter, values over the samples)` of every column
+    /// that is not zero there, parameters counted over the terms from 0 (coefficients, then free shapes) [N·m or N per unit of it]. For
+    /// designing a motion that determines the effects beside the base parameters: their columns stand next to the regressor's. The columns of a
+    /// distortion are those of the declared torque.
+    ///
+    /// `interval` is the time between samples (s); `periodic` says whether the sample after the last is the first.
+    pub fn effect_columns(&self, motion: &Motion, interval: f64, periodic: bool) -> Vec<Vec<(usize, Vec<f64>)>> {
+        let stretch = Stretch::of_motion(motion.clone(), interval, periodic);
+        let nothing = vec![Vec::new(); self.robot.joint_count()];
+        let base = self.values.len();
+        let derivatives = self.evaluate(&stretch, Some(&nothing)).jacobian;
+        let own = |columns: Vec<(usize, Vec<f64>)>| {
+            let effects = columns.into_iter().filter(|(at, _)| *at >= base);
+            effects.map(|(at, values)| (at - base, values)).collect()
+        };
+        derivatives.into_iter().map(own).collect()
     }
 
     /// Rows of the base parameters along the motion as measured.

@@ -203,14 +203,18 @@ impl<'a> Data<'a> {
         here
     }
 
-    /// Inverse covariance of the parameters: the normal matrix with the prior's part.
-    pub fn information(&self, system: &System) -> DMatrix<f64> {
+    /// What a fit knows of its parameters, as an inverse covariance: the normal matrix with the prior's part, the rows of a joint that keeps more
+    /// than noise counted for as much less as they leave and go together.
+    pub fn known(&self, system: &System) -> DMatrix<f64> {
         let p = system.covariance.nrows();
-        let mut normal = system
-            .blocks
-            .iter()
-            .flatten()
-            .map(Block::normal)
+        let doubt = |j: usize| match system.has_misfit(&[j]) {
+            true => system.mean_square(&[j]) * system.persistence(&[j]),
+            false => 1.0,
+        };
+        let doubts: Vec<f64> = (0..self.noise.len()).map(doubt).collect();
+        let blocks = system.blocks.iter().flat_map(|b| b.iter().zip(&doubts));
+        let mut normal = blocks
+            .map(|(block, doubt)| block.normal() / *doubt)
             .fold(DMatrix::zeros(p, p), |a, b| a + b);
         if let Some(prior) = self.prior {
             let k = prior.mean.len();
@@ -248,7 +252,11 @@ impl<'a> Data<'a> {
             .map(|(b, a)| {
                 let both = b.rows.iter().zip(&a.rows).map(|(x, y)| *x && *y);
                 let values = b.residual.iter().zip(&a.residual);
-                values.zip(both).filter(|(_, both)| *both).map(|((b, a), _)| b * b - a * a).sum::<f64>()
+                values
+                    .zip(both)
+                    .filter(|(_, both)| *both)
+                    .map(|((b, a), _)| b * b - a * a)
+                    .sum::<f64>()
             })
             .sum();
         rows + self.distance(before) - self.distance(after)
@@ -309,8 +317,10 @@ impl System {
 /// Pseudo-inverse of a positive semidefinite matrix, scaled to a unit diagonal first; eigenvalues below `relative` of the largest count as zero.
 pub(crate) fn pseudo_inverse(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
     let p = normal.nrows();
+    // A column that is zero but for rounding (gravity along an axis that is not quite a coordinate axis) is 1e-16 of the others.
+    let least = 1e-24 * normal.diagonal().amax();
     let scale = DVector::from_fn(p, |i, _| {
-        if normal[(i, i)] > 0.0 {
+        if normal[(i, i)] > least {
             normal[(i, i)].sqrt().recip()
         } else {
             0.0

@@ -50,11 +50,13 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let (cleaned, between) = between::separate(robot, stretches, options.chance);
     let measured = stretches;
     let stretches = &cleaned[..];
-    let mut data = Data::new(stretches, Vec::new(), prior);
+    // What to add is found on the coarse forms, which have the same rows; values and errors are those of all samples.
+    let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
+    let mut data = Data::new(&coarse, Vec::new(), prior);
     data.noise = floor(robot, &data, &start);
-    let data = data;
-    let first = data.fit(start.clone());
-    let lack_of_fit = fits(&data, &first);
+    let fine = Data::new(stretches, data.noise.clone(), prior);
+    let first = fine.fit(start.clone());
+    let lack_of_fit = fits(&fine, &first);
     let threshold = Threshold {
         chance: options.chance,
         share: 0.05,
@@ -63,11 +65,12 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     };
     let list = candidates(&start, &spans(stretches), prior.is_some());
     let selected = select(&data, start.clone(), &list, &threshold);
-    let declared = data;
-    let data = declared.with_noise(selected.noise.clone());
-    let (selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
-    let after = fits(&data, &selected.system);
+    let data = data.with_noise(selected.noise.clone());
+    let (mut selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
     let contests = rivals(&data, &selected, start.terms.len(), &list);
+    let data = fine.with_noise(data.noise);
+    selected.system = data.fit(selected.system.model);
+    let after = fits(&data, &selected.system);
     let verdict = verdict(selected.accepted.len() + between.len(), rest.is_some());
     let before_rms = rms(&first.model, stretches, held_out);
     let findings = findings(&data, held_out, &start, &selected.system, &selected.accepted, &contests);
@@ -87,7 +90,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     };
     Outcome {
         report,
-        information: data.information(&selected.system),
+        information: data.known(&selected.system),
         model: selected.system.model,
         noise: data.noise,
     }
@@ -297,6 +300,7 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
         effect: accepted.effect.into(),
         joints: joint_names(robot, &term.joints),
         parameters,
+        note: note(contest, &joints, &rms_before, &rms_after),
         rms_before,
         rms_after,
         evidence: Evidence {
@@ -307,8 +311,15 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
             held_out_periods: accepted.held_out.periods,
         },
         rivals: contest.rivals.clone(),
-        note: contest.note.clone(),
     }
+}
+
+/// What should be known about a finding: that another explains more, or that it did not help on data that it was not fitted to.
+fn note(contest: &Contest, joints: &[usize], before: &RmsPair, after: &RmsPair) -> Option<String> {
+    let sum = |rms: &RmsPair| joints.iter().filter_map(|&j| rms.held_out.get(j)).map(|v| v * v).sum::<f64>();
+    let worse = (sum(after) > sum(before)).then(|| "the error on held-out data did not fall".to_string());
+    let said: Vec<String> = contest.note.clone().into_iter().chain(worse).collect();
+    (!said.is_empty()).then(|| said.join("; "))
 }
 
 /// Names of the joints; all of them for an effect of the whole robot.
