@@ -19,6 +19,7 @@ mod robot;
 pub mod shipped;
 mod trajectory_table;
 mod validate_request;
+mod warm_start;
 
 pub use augmented_document::{augmented_value, read_augmented};
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
