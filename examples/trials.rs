@@ -1,6 +1,6 @@
 //! Trials of the tracing on virtual robots, and the tables of `docs/closing-the-loop.md`.
 //!
-//! `trials nothing COUNT [FIRST]`: logs with nothing in them. `trials grid`: every effect on three joints at three sizes. `trials pairs`.
+//! `trials nothing COUNT [FIRST]`: logs with nothing in them. `trials grid`: every effect on three joints at three sizes. `trials pairs COUNT [FIRST]`.
 
 #[path = "../tests/effects/bench.rs"]
 mod bench;
@@ -17,8 +17,8 @@ fn main() {
     match arguments.first().map(String::as_str) {
         Some("nothing") => nothing(number(1, 200), number(2, 0)),
         Some("grid") => grid(&arguments[1..]),
-        Some("pairs") => pairs(number(1, 20)),
-        _ => eprintln!("usage: trials nothing COUNT [FIRST] | grid [CODE…] | pairs [COUNT]"),
+        Some("pairs") => pairs(number(1, 20), number(2, 0)),
+        _ => eprintln!("usage: trials nothing COUNT [FIRST] | grid [CODE…] | pairs [COUNT [FIRST]]"),
     }
 }
 
@@ -152,11 +152,38 @@ fn on_joint(finding: &str, robot: &Robot, hidden: &HiddenEffect) -> bool {
         .is_some_and(|joints| joints.starts_with(&robot.joints()[joint].name))
 }
 
-fn pairs(count: u64) {
+/// Values and evidence of everything found, and the lack of fit that stays.
+fn explain(outcome: &Outcome) {
+    for f in &outcome.report.findings {
+        let values: Vec<String> = f
+            .parameters
+            .iter()
+            .take(4)
+            .map(|p| format!("{} = {:.4} ± {:.4}", p.name, p.value, p.std_dev))
+            .collect();
+        println!(
+            "    {} on {}: evidence {:.1}, p {:.1e}, {}",
+            f.effect,
+            f.joints.join("+"),
+            f.evidence.log_evidence_ratio,
+            f.evidence.p_value,
+            values.join(", ")
+        );
+    }
+    let left: Vec<String> = outcome
+        .report
+        .lack_of_fit_after
+        .iter()
+        .map(|f| format!("{:.3}", f.statistic))
+        .collect();
+    println!("    lack of fit afterwards {}", left.join(" "));
+}
+
+fn pairs(count: u64, first: u64) {
     let robot = seven_axes();
     let noise = sensor_noise(7);
     let mut right = 0;
-    for k in 0..count {
+    for k in first..first + count {
         let (a, b) = (CODES[(k * 5 % 16) as usize], CODES[((k * 7 + 3) % 16) as usize]);
         if a == b {
             continue;
@@ -165,10 +192,14 @@ fn pairs(count: u64) {
             effect(a, 1 + (k % 3) as usize, 1.0, &robot),
             effect(b, 4 + (k % 2) as usize, 1.0, &robot),
         ];
-        let list = found(&traced(&robot, &effects, &noise, 700 + k));
+        let outcome = traced(&robot, &effects, &noise, 700 + k);
+        let list = found(&outcome);
         let both = list.len() == 2 && [a, b].iter().all(|c| list.iter().any(|f| f.starts_with(c)));
         right += usize::from(both);
-        println!("{} {a} with {b}: {list:?}", if both { "right" } else { "WRONG" });
+        println!("{k} {} {a} with {b}: {list:?}", if both { "right" } else { "WRONG" });
+        if !both {
+            explain(&outcome);
+        }
     }
     println!("{right} pairs right");
 }

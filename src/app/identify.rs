@@ -1,7 +1,7 @@
 //! Identify a robot from logs.
 
 use super::report::document;
-use super::trace::residual;
+use super::trace::{add_effects, residual};
 use super::{CancelFlag, Code, Error};
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::{FeasibleFit, FitObjective, PhysicalFit, fit_feasible};
@@ -171,9 +171,13 @@ pub fn identify(
         done: total - 1,
         of: total,
     });
-    let traced = request.trace.then(|| residual(&request.robot, &used, &held_out));
-    let (report, augmented) = traced.unzip();
+    let traced = request.trace.then(|| residual(&request.robot, &used, &held_out, None));
+    let (report, traced) = traced.unzip();
     document.residual = report;
+    let mut model = model;
+    if let (Some(files), Some(traced)) = (&mut model, &traced) {
+        add_effects(files, traced);
+    }
     Ok(Identified {
         document,
         base,
@@ -182,7 +186,7 @@ pub fn identify(
         model,
         identification: used,
         validation: held_out,
-        augmented,
+        augmented: traced.map(|t| t.model),
     })
 }
 

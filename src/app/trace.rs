@@ -1,10 +1,12 @@
 //! What the declared model leaves over, as the `residual` part of an answer: data faults first, then physics.
 
-use super::identify::UsedLog;
+use super::identify::{ModelFiles, UsedLog};
+use crate::io::augmented_value;
 use crate::io::log::{FindingKind, LogReport};
 use crate::model::Robot;
 use crate::residual::{
-    AugmentedModel, DataFault, Evidence, FaultKind, Finding, ResidualReport, RmsPair, Stretch, TraceOptions, column_faults, trace,
+    AugmentedModel, DataFault, Evidence, FaultKind, Finding, Prior, ResidualReport, RmsPair, Stretch, TraceOptions, Traced,
+    column_faults, trace,
 };
 use serde_json::Value;
 
@@ -12,14 +14,24 @@ use serde_json::Value;
 ///
 /// Inverted torque signs are named and then undone, so that what else is there can be seen. With joints in another order or mixed-up units
 /// nothing physical can be said: the faults are all that comes back.
-pub(super) fn residual(robot: &Robot, identification: &[UsedLog], validation: &[UsedLog]) -> (Value, AugmentedModel) {
+///
+/// With an `existing` model the question is what has changed since it was made.
+pub(super) fn residual(
+    robot: &Robot,
+    identification: &[UsedLog],
+    validation: &[UsedLog],
+    existing: Option<(AugmentedModel, Prior)>,
+) -> (Value, Traced) {
     let stretches = |logs: &[UsedLog]| logs.iter().filter_map(|l| l.stretch.clone()).collect::<Vec<_>>();
     let (mut measured, mut held_out) = (stretches(identification), stretches(validation));
     let faults = faults(robot, identification);
     let beyond_repair = faults
         .iter()
         .any(|f| matches!(f.fault, FaultKind::JointOrder | FaultKind::UnitMismatch));
-    let options = TraceOptions::default();
+    let options = TraceOptions {
+        existing,
+        ..TraceOptions::default()
+    };
     let nothing_added = TraceOptions {
         most_effects: 0,
         ..options.clone()
@@ -44,13 +56,42 @@ pub(super) fn residual(robot: &Robot, identification: &[UsedLog], validation: &[
         &held_out,
         if beyond_repair { &nothing_added } else { &options },
     );
-    let mut report = traced.report;
+    let mut report = traced.report.clone();
     if let Some(before) = as_recorded {
         let named = faults.iter().map(|f| fault_finding(f, &before.report, &report));
         report.findings = named.chain(report.findings.iter().cloned()).collect();
     }
     report.data_faults = faults;
-    (serde_json::to_value(&report).expect("plain numbers and words"), traced.model)
+    (serde_json::to_value(&report).expect("plain numbers and words"), traced)
+}
+
+/// Writes the effects found into the model files: all of it into the JSON, what a URDF cannot hold as a comment into that.
+pub(super) fn add_effects(files: &mut ModelFiles, traced: &Traced) {
+    let robot = &traced.model.robot;
+    let not_held: Vec<String> = traced
+        .model
+        .terms
+        .iter()
+        .map(|term| {
+            let joints: Vec<&str> = term.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect();
+            let place = if joints.is_empty() {
+                "the whole robot".to_string()
+            } else {
+                joints.join(", ")
+            };
+            let code = term.effect.code();
+            format!("{code} on {place}: URDF has bodies, damping and friction, and no place for it; the JSON model has it")
+        })
+        .collect();
+    if let Some(map) = files.json.as_object_mut() {
+        map.insert("augmented".into(), augmented_value(&traced.model, &traced.information));
+        map.insert("not_in_urdf".into(), not_held.clone().into());
+    }
+    if let Some(end) = files.urdf.find("?>").filter(|_| !not_held.is_empty()) {
+        // Two hyphens would end the comment.
+        let comment = not_held.join("\n     ").replace("--", "- -");
+        files.urdf.insert_str(end + 2, &format!("\n<!-- {comment} -->"));
+    }
 }
 
 fn invert(stretch: &mut Stretch, joint: usize) {

@@ -2,6 +2,7 @@
 
 use super::identify::{LogFile, Reading, split_companions, use_log};
 use super::report::errors;
+use super::trace::residual;
 use super::{CancelFlag, Code, Error};
 use crate::identification::{prediction, validate as prediction_errors};
 use crate::io::{LogDocument, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
@@ -34,7 +35,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         columns: &request.columns,
         preprocess: &request.preprocess,
         offset: !offsets.is_empty(),
-        trace: false,
+        trace: request.existing.is_some(),
     };
     let mut document = ValidateDocument {
         robot: robot.name().to_string(),
@@ -42,8 +43,10 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         logs: Vec::new(),
         log_report: Vec::new(),
         predictions: Vec::new(),
+        residual: None,
     };
     let (logs, beside) = split_companions(&request.columns, logs)?;
+    let mut used = Vec::new();
     for file in logs {
         if cancel.is_cancelled() {
             return Err(Error::new(
@@ -71,6 +74,9 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
                 physical: None,
             });
         }
+        used.push(log);
     }
+    let existing = request.existing.clone();
+    document.residual = existing.map(|model| residual(robot, &used, &[], Some(model)).0);
     Ok(document)
 }

@@ -108,7 +108,38 @@ pub fn validation(found: &ValidateDocument) -> String {
         let _ = writeln!(text, "  {}", log.name);
         errors(&mut text, "model", &log.errors);
     }
+    if let Some(residual) = &found.residual {
+        changes(&mut text, residual);
+    }
     text
+}
+
+/// What has changed since the model was made, finding by finding.
+fn changes(text: &mut String, residual: &serde_json::Value) {
+    let list = |v: &serde_json::Value| -> Vec<String> {
+        let items = v.as_array().into_iter().flatten();
+        items.filter_map(|i| i.as_str().map(String::from)).collect()
+    };
+    let _ = writeln!(
+        text,
+        "  since the model was made: {}",
+        residual["verdict"].as_str().unwrap_or("").replace('_', " ")
+    );
+    for finding in residual["findings"].as_array().into_iter().flatten() {
+        let joints = list(&finding["joints"]).join(", ");
+        let _ = writeln!(text, "    {} on {joints}", finding["effect"].as_str().unwrap_or(""));
+        for p in finding["parameters"].as_array().into_iter().flatten() {
+            let number = |key: &str| p[key].as_f64().unwrap_or(f64::NAN);
+            let _ = writeln!(
+                text,
+                "      {} {:.5} ± {:.5} {}",
+                p["name"].as_str().unwrap_or(""),
+                number("value"),
+                number("std_dev"),
+                p["unit"].as_str().unwrap_or("")
+            );
+        }
+    }
 }
 
 fn errors(text: &mut String, what: &str, errors: &JointErrors) {

@@ -176,6 +176,12 @@ pub trait Effect: Sync + Send {
         &[]
     }
 
+    /// Whether every robot has it, more or less: what the standard dynamic parameters of a joint hold besides body and friction (Khalil & Dombre
+    /// 2004: Ia and offset). Where the data do not decide, such an effect is the likelier one.
+    fn is_everyday(&self) -> bool {
+        false
+    }
+
     /// Reported values from coefficients and shape; differentiable, for the standard deviations. The identity unless said otherwise.
     fn reported(&self, _form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
         coefficients.iter().chain(shape).copied().collect()

@@ -29,6 +29,10 @@ impl Effect for RotorInertia {
         &[0]
     }
 
+    fn is_everyday(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let unit = if robot.joints()[joints[0]].is_revolute() {
             "kg m^2".into()

@@ -24,6 +24,10 @@ impl Effect for TorqueOffset {
         vec![own_joint(scene, joints[0], |_| 1.0)]
     }
 
+    fn is_everyday(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         vec![ParameterInfo::new("offset", robot.joints()[joints[0]].effort_unit())]
     }

@@ -36,7 +36,7 @@ pub struct Margin {
     /// Extreme value reached, at `at_s`.
     pub peak: f64,
     /// Bound on the extreme over all time. Of motions proven: `middle ± half range / cos(π L / N)` of N equispaced values. Of torques: the
-    /// extreme sample and half the largest change between neighbours on [`TORQUE_SAMPLES`] per harmonic.
+    /// extreme sample and half the largest change between neighbours on a thousand per harmonic.
     pub certified_peak: f64,
     /// Time of the extreme (s).
     pub at_s: f64,

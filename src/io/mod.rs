@@ -4,6 +4,7 @@
 //! enough: the reader's own findings (unknown fields, wrong types) and the core's (limits the wrong way round, too many harmonics)
 //! end in one list, each with a JSON pointer, what is wrong, and the remedy.
 
+mod augmented_document;
 mod base_document;
 mod bounds_document;
 mod columns_document;
@@ -22,6 +23,7 @@ mod trajectory_table;
 mod validate_request;
 mod warm_start;
 
+pub use augmented_document::{augmented_value, read_augmented};
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};
 pub use design_document::{
@@ -45,6 +47,8 @@ pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
     ("IdentifyRequest", identify_request::IDENTIFY_FIELDS),
     ("ValidateRequest", validate_request::VALIDATE_FIELDS),
     ("Model", validate_request::MODEL_FIELDS),
+    ("AugmentedModel", augmented_document::AUGMENTED_FIELDS),
+    ("AddedEffect", augmented_document::EFFECT_FIELDS),
     ("Preprocess", identify_request::PREPROCESS_FIELDS),
     ("Filter", identify_request::FILTER_FIELDS),
     ("Feasible", identify_request::FEASIBLE_FIELDS),

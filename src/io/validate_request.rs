@@ -1,14 +1,16 @@
 //! Requests to hold a model against logs.
 
+use super::augmented_document::read_augmented;
 use super::columns_document::read_columns;
 use super::cursor::{Cursor, Findings};
 use super::identify_document::{JointErrors, LogDocument, PredictionDocument};
-use super::identify_request::{NamedExcitations, read_period, read_preprocess};
+use super::identify_request::{NamedExcitations, boolean, read_period, read_preprocess};
 use super::json::Parsed;
 use super::log::Columns;
 use super::robot::{NamedRobots, read_robot_or_name};
 use crate::identification::PreprocessOptions;
 use crate::model::{FieldProblem, Robot};
+use crate::residual::{AugmentedModel, Prior};
 use serde::Serialize;
 
 /// A checked request.
@@ -21,6 +23,8 @@ pub struct ValidateRequest {
     pub columns: Columns,
     pub preprocess: PreprocessOptions,
     pub prediction_points: usize,
+    /// What tracing holds new logs against, where it is asked for and the model says how well it is known.
+    pub existing: Option<(AugmentedModel, Prior)>,
 }
 
 pub const VALIDATE_FIELDS: &[&str] = &[
@@ -30,8 +34,9 @@ pub const VALIDATE_FIELDS: &[&str] = &[
     "period_s",
     "preprocess",
     "prediction_points",
+    "trace",
 ];
-pub const MODEL_FIELDS: &[&str] = &["robot", "offsets", "base_parameters"];
+pub const MODEL_FIELDS: &[&str] = &["robot", "offsets", "base_parameters", "augmented", "not_in_urdf"];
 
 /// Reads a request whose `model` is the JSON model of an identification, or any robot with parameters for every link.
 ///
@@ -53,7 +58,7 @@ pub fn read_validate_request(
 fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcitations) -> Option<ValidateRequest> {
     let fields = cursor.fields(VALIDATE_FIELDS)?;
     let model = fields.required("model").and_then(|c| read_model(&c, robots));
-    let joints = model.as_ref().map(|(robot, _)| robot.joint_count());
+    let joints = model.as_ref().map(|m| m.robot.joint_count());
     let columns = fields
         .nullable("columns")
         .map_or_else(Columns::default, |c| read_columns(&c, joints));
@@ -62,33 +67,50 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         .nullable("prediction_points")
         .and_then(|c| c.whole(0, 100_000))
         .unwrap_or(0);
-    let (robot, offsets) = model?;
+    let trace = fields.nullable("trace").and_then(|c| boolean(&c)).unwrap_or(true);
+    let model = model?;
     Some(ValidateRequest {
-        robot,
-        offsets,
+        robot: model.robot,
+        offsets: model.offsets,
+        existing: model.augmented.filter(|_| trace),
         columns,
         preprocess,
         prediction_points: points as usize,
     })
 }
 
-fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<(Robot, Option<Vec<f64>>)> {
-    let (robot, offsets) = match cursor.value().get("robot").is_some() {
+struct Model {
+    robot: Robot,
+    offsets: Option<Vec<f64>>,
+    augmented: Option<(AugmentedModel, Prior)>,
+}
+
+fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
+    let model = match cursor.value().get("robot").is_some() {
         true => {
             let fields = cursor.fields(MODEL_FIELDS)?;
             let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, robots))?.robot;
             let offsets = fields.nullable("offsets").and_then(|c| c.numbers(Some(robot.joint_count())));
-            (robot, offsets)
+            let augmented = fields.nullable("augmented").and_then(|c| read_augmented(&c, &robot));
+            Model {
+                robot,
+                offsets,
+                augmented,
+            }
         }
-        false => (read_robot_or_name(cursor, robots)?.robot, None),
+        false => Model {
+            robot: read_robot_or_name(cursor, robots)?.robot,
+            offsets: None,
+            augmented: None,
+        },
     };
-    for joint in robot.joints().iter().filter(|j| j.prior.is_none()) {
+    for joint in model.robot.joints().iter().filter(|j| j.prior.is_none()) {
         cursor.complain_with(
             format!("the link behind joint `{}` has no mass and inertia", joint.name),
             "give the model of an identification, or a robot with parameters for every link",
         );
     }
-    Some((robot, offsets))
+    Some(model)
 }
 
 /// How well a model predicts logs.
@@ -100,6 +122,10 @@ pub struct ValidateDocument {
     pub logs: Vec<ValidatedLog>,
     pub log_report: Vec<LogDocument>,
     pub predictions: Vec<PredictionDocument>,
+    /// What has changed since the model was made: noise floor, findings, rivals, before and after; null where the model does not say how well
+    /// it is known, or tracing was turned off.
+    #[cfg_attr(feature = "service", schema(value_type = Option<Object>))]
+    pub residual: Option<serde_json::Value>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

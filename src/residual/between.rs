@@ -55,7 +55,10 @@ const MOST_FINDINGS: usize = 6;
 pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec<Stretch>, Vec<BetweenFinding>) {
     let mut cleaned = stretches.to_vec();
     let mut found: Vec<BetweenFinding> = Vec::new();
-    for stretch in cleaned.iter_mut().filter(|s| s.periods.len() >= 3) {
+    for whole in cleaned.iter_mut().filter(|s| s.periods.len() >= 3) {
+        // One sample of the motion to every row.
+        let mut rows = whole.as_coarse();
+        let stretch = &mut rows;
         leave_out_start(stretch);
         for _ in 0..MOST_FINDINGS {
             let Some(noise) = robust_noise(stretch) else { break };
@@ -73,6 +76,7 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
             stretch.torque = stretch.mean_over(&all);
             found.push(finding);
         }
+        (whole.periods, whole.torque) = (rows.periods, rows.torque);
     }
     (cleaned, found)
 }
@@ -271,7 +275,8 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
     let mut sums = vec![vec![0.0; length + 1]; n];
     let mut levels = vec![vec![0.0; length + 1]; n];
     for j in 0..n {
-        let keep = noise[j].whitened_rows(&stretch.usable[j], stretch.periodic);
+        // At a reversal a jump of friction that comes a sample later in one period is no touch.
+        let keep = noise[j].whitened_rows(&stretch.kept(&stretch.motion, j), stretch.periodic);
         let unit = noise[j].whiten(&vec![1.0; rows], &keep, 1);
         let median = median_period(stretch, j);
         for (p, period) in stretch.periods.iter().enumerate() {
@@ -297,7 +302,8 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
             .sum()
     };
     let (mut best, mut windows) = ((0.0, 0, 0), 0.0);
-    let mut width = (SHORTEST / stretch.interval).round().max(4.0) as usize;
+    let shortest = (SHORTEST / stretch.interval).round().max(4.0) as usize;
+    let mut width = shortest;
     while width <= rows {
         for from in ((START * rows as f64) as usize..length.saturating_sub(width)).step_by((width / 4).max(1)) {
             windows += 1.0;
@@ -308,7 +314,7 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
         }
         width = width * 3 / 2;
     }
-    let (gain, from, to) = sharpened(best, length, &statistic);
+    let (gain, from, to) = sharpened(best, length, shortest, &statistic);
     // The median over P periods has π/2 of the variance of their mean.
     let fair = gain / (1.0 + 0.5 * std::f64::consts::PI / count as f64);
     let p_value = chance(fair, n) * windows;
@@ -344,10 +350,11 @@ fn median_period(stretch: &Stretch, j: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Moves the edges of an interval to where the statistic is largest, in steps that halve.
+/// Moves the edges of an interval to where the statistic is largest, in steps that halve; a few samples alone are a spike, not a touch.
 fn sharpened(
     (mut gain, mut from, mut to): (f64, usize, usize),
     length: usize,
+    shortest: usize,
     statistic: &impl Fn(usize, usize) -> f64,
 ) -> (f64, usize, usize) {
     let mut step = (to - from).max(1);
@@ -360,6 +367,7 @@ fn sharpened(
         ];
         let best = moves
             .into_iter()
+            .filter(|(a, b)| b - a >= shortest)
             .map(|(a, b)| (statistic(a, b), a, b))
             .fold((gain, from, to), |a, b| if b.0 > a.0 { b } else { a });
         if best.0 > gain {

@@ -1,7 +1,7 @@
 //! Every effect on every place it can sit, and what it would explain of what is left.
 
 use super::system::{Data, System, Whitened, reduce};
-use super::{AugmentedModel, Term};
+use super::{AugmentedModel, Stretch, Term};
 use crate::effects::{self, Column, Effect, Kind, Scene, Shape, Span};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -111,12 +111,13 @@ impl Candidate {
     }
 }
 
-/// Columns of a candidate at a shape over all stretches, whitened.
+/// Columns of a candidate at a shape over all stretches, whitened; from the coarse forms of the stretches, whose torques are good enough to
+/// find what is worth fitting.
 pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, shapes: &[Vec<f64>]) -> Whitened {
-    let per_stretch: Vec<Vec<Column>> = data
-        .stretches
+    let coarse: Vec<&Stretch> = data.stretches.iter().map(Stretch::coarse_form).collect();
+    let per_stretch: Vec<Vec<Column>> = coarse
         .iter()
-        .zip(&system.evaluated)
+        .zip(system.thinned(data))
         .map(|(stretch, e)| {
             if candidate.is_distortion() {
                 return distortion(system, stretch, candidate);
@@ -133,10 +134,10 @@ pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, sh
             shapes.iter().flat_map(columns).collect()
         })
         .collect();
-    system.whitened(data, &per_stretch)
+    system.whitened(data, &coarse, &per_stretch)
 }
 
-fn distortion(system: &System, stretch: &super::Stretch, candidate: &Candidate) -> Vec<Column> {
+fn distortion(system: &System, stretch: &Stretch, candidate: &Candidate) -> Vec<Column> {
     let zero = candidate.term(&vec![0.0; candidate.effect.steps().len()], &[]);
     let plain = system.model.torques(&stretch.motion, &system.model.robot, None);
     let derivative = system.model.distortion_columns(stretch, &plain, &zero, None);
@@ -277,9 +278,14 @@ pub(crate) fn appraise(
         } else {
             candidate.shapes.len()
         };
-    let fair_gain = gain / dispersion(system, candidate, gain, after);
-    let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
-    let evidence = fair_gain - cost as f64 * (rows as f64).ln() - 2.0 * (tried as f64).ln();
+    let joints = reach(candidate, system.model.robot.joint_count());
+    let (fair_gain, rows) = if system.noise_is_measured {
+        let rows = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum::<usize>() as f64;
+        (gain / dispersion(system, &joints, gain, after), rows)
+    } else {
+        likelihood_gain(system, &joints, gain, after)
+    };
+    let evidence = fair_gain - cost as f64 * rows.ln() - 2.0 * (tried as f64).ln();
     Scored {
         candidate: candidate.clone(),
         term,
@@ -305,21 +311,24 @@ pub(crate) fn reach(candidate: &Candidate, joints: usize) -> Vec<usize> {
 
 /// What a gain is measured against, on the joints reached: the mean square of the whitened residual once the gain is taken off, where the part
 /// that is not noise counts for as many rows as go together in it, because a misfit is smooth and its rows are no independent witnesses.
-/// Without periods all of the residual may be misfit. `after` is the model with the candidate, where it has been fitted.
-pub(crate) fn dispersion(system: &System, candidate: &Candidate, gain: f64, after: Option<&System>) -> f64 {
-    let joints = reach(candidate, system.model.robot.joint_count());
+/// `after` is the model with the candidate, where it has been fitted.
+fn dispersion(system: &System, joints: &[usize], gain: f64, after: Option<&System>) -> f64 {
     let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
-    let sum: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
-    let left = (sum - gain) / rows.max(1) as f64;
-    let persistence = || after.unwrap_or(system).persistence(&joints);
-    if !system.noise_is_measured {
-        return left.max(f64::MIN_POSITIVE) * persistence();
-    }
+    let left = system.mean_square(joints) - gain / rows.max(1) as f64;
     if left <= 1.0 {
         1.0
     } else {
-        1.0 + (left - 1.0) * persistence()
+        1.0 + (left - 1.0) * after.unwrap_or(system).persistence(joints)
     }
+}
+
+/// Without measured noise: `n ln(χ₀²/χ²)`, twice the log of the likelihood ratio with unknown variance, n the rows that are worth something of
+/// their own; and n.
+fn likelihood_gain(system: &System, joints: &[usize], gain: f64, after: Option<&System>) -> (f64, f64) {
+    let before: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
+    let rows: f64 = joints.iter().map(|&j| after.unwrap_or(system).effective_rows(j)).sum();
+    let share = (gain / before.max(f64::MIN_POSITIVE)).min(1.0 - 1e-12);
+    (-rows * (-share).ln_1p(), rows.max(2.0))
 }
 
 /// How likely a gain as large as this is without the effect: χ² of as many degrees of freedom as parameters.

@@ -8,6 +8,7 @@
 mod between;
 mod candidate;
 mod crossval;
+mod dependence;
 mod faults;
 mod model;
 mod noise;

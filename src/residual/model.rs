@@ -2,10 +2,10 @@
 
 use super::Stretch;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
-use crate::effects::{Column, Effect, Kind, Scene, World};
+use crate::effects::{Column, Effect, Kind, Scene, Span, World};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout, ParameterKind};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Rotation3};
 
 /// An effect with its values.
 #[derive(Clone)]
@@ -46,6 +46,35 @@ impl Term {
     pub fn parameters(&self) -> usize {
         self.coefficients.len() + self.free_shapes
     }
+
+    /// Whether joints, coefficients and shapes are as many as the effect has on this robot.
+    pub fn is_complete(&self, robot: &Robot) -> bool {
+        let place = self.effect.places(robot).contains(&self.joints);
+        let bounded = self.bounds.len() >= self.free_shapes && self.free_shapes <= self.shape.len();
+        if self.is_distortion() {
+            return place && bounded && self.coefficients.is_empty() && self.shape.len() == self.effect.steps().len();
+        }
+        let span = Span {
+            range: 1.0,
+            speed: 1.0,
+            interval: 1e-3,
+        };
+        let spans = vec![span; robot.joint_count()];
+        let still = Motion::zeros(robot.joint_count(), 2);
+        let rest = vec![vec![0.0; 2]; robot.joint_count()];
+        let scene = Scene {
+            robot,
+            motion: &still,
+            rigid: &rest,
+            declared: &rest,
+            interval: span.interval,
+            periodic: false,
+        };
+        place
+            && bounded
+            && self.shape.len() == self.effect.shapes(self.form, &self.joints, &spans).len()
+            && self.coefficients.len() == self.effect.columns(self.form, &scene, &self.joints, &self.shape).len()
+    }
 }
 
 /// Base parameters and effects.
@@ -68,13 +97,19 @@ pub(crate) struct Evaluated {
     pub declared: Vec<Vec<f64>>,
     pub gain: Vec<f64>,
     /// Per joint, `(parameter, values)` of every column that is not zero there; shaped.
-    pub jacobian: Vec<Vec<(usize, Vec<f64>)>>,
+    pub jacobian: ShapedRows,
 }
+
+/// Per joint, `(parameter, values over the rows)` of every column that is not zero there.
+pub(crate) type ShapedRows = Vec<Vec<(usize, Vec<f64>)>>;
 
 impl AugmentedModel {
     /// The declared model with all parameters zero.
     pub fn declared(robot: &Robot) -> Self {
-        let base = BaseParameters::exact(robot);
+        // A base that is not level makes parameters of the first links act that gravity along their axes hides; their columns are zero
+        // until a tilt is in the model.
+        let anyhow = Rotation3::from_euler_angles(0.1, 0.07, 0.0) * robot.gravity();
+        let base = BaseParameters::exact(&robot.with_gravity(anyhow));
         let values = DVector::zeros(base.len());
         Self {
             robot: robot.clone(),
@@ -125,76 +160,118 @@ impl AugmentedModel {
 
     /// Torque of every joint over the rows of a stretch; n × M [N·m or N].
     pub fn predict(&self, stretch: &Stretch) -> Vec<Vec<f64>> {
-        self.evaluate(stretch, false).torque
+        self.evaluate(stretch, None).torque
+    }
+
+    /// How the torque along a motion changes with every parameter of the effects, per joint: `(parameter, values over the samples)` of every column
+    /// that is not zero there, parameters counted over the terms from 0 (coefficients, then free shapes) [N·m or N per unit of it]. For
+    /// designing a motion that determines the effects beside the base parameters: their columns stand next to the regressor's. The columns of a
+    /// distortion are those of the declared torque.
+    ///
+    /// `interval` is the time between samples (s); `periodic` says whether the sample after the last is the first.
+    pub fn effect_columns(&self, motion: &Motion, interval: f64, periodic: bool) -> Vec<Vec<(usize, Vec<f64>)>> {
+        let stretch = Stretch::of_motion(motion.clone(), interval, periodic);
+        let nothing = vec![Vec::new(); self.robot.joint_count()];
+        let base = self.values.len();
+        let derivatives = self.evaluate(&stretch, Some(&nothing)).jacobian;
+        let own = |columns: Vec<(usize, Vec<f64>)>| {
+            let effects = columns.into_iter().filter(|(at, _)| *at >= base);
+            effects.map(|(at, values)| (at - base, values)).collect()
+        };
+        derivatives.into_iter().map(own).collect()
+    }
+
+    /// Rows of the base parameters along the motion as measured.
+    pub(crate) fn base_rows(&self, stretch: &Stretch) -> ShapedRows {
+        let (set, rows) = self.fill(&self.robot, &stretch.motion);
+        let shaped = |j: usize| {
+            let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+            blocks
+                .map(|(values, &at)| (at, stretch.shaped(values[..rows.samples()].to_vec())))
+                .collect()
+        };
+        (0..self.robot.joint_count()).map(shaped).collect()
+    }
+
+    fn fill(&self, robot: &Robot, motion: &Motion) -> (ColumnSet, RowBlocks) {
+        let set = self.columns();
+        let mut rows = RowBlocks::new(&set, motion.samples());
+        rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
+        (set, rows)
     }
 
     fn columns(&self) -> ColumnSet {
         ColumnSet::new(&self.robot, &Layout::standard(&self.robot), &self.base.kept)
     }
 
-    pub(crate) fn evaluate(&self, stretch: &Stretch, with_jacobian: bool) -> Evaluated {
+    /// Torque over the rows of a stretch, and, where the base parameters' rows along its undistorted motion are handed in, the derivatives.
+    pub(crate) fn evaluate(&self, stretch: &Stretch, base: Option<&ShapedRows>) -> Evaluated {
         let plain = self.torques(&stretch.motion, &self.robot, None);
+        let distorted = self.terms.iter().any(Term::is_distortion);
         let world = self.world(stretch, &plain, None);
         let robot = self.robot.with_gravity(world.gravity);
-        let set = self.columns();
-        let mut rows = RowBlocks::new(&set, world.motion.samples());
-        rows.fill(&Chain::new(&robot), &set, &world.motion, Coulomb::Sign);
-        let mut here = self.torques(&world.motion, &robot, Some((&set, &rows)));
-        let (rigid, declared) = (std::mem::take(&mut here.rigid), std::mem::take(&mut here.declared));
-        let n = self.robot.joint_count();
-        let mut torque = declared.clone();
-        let mut jacobian = vec![Vec::new(); n];
-        if with_jacobian {
-            for (j, list) in jacobian.iter_mut().enumerate() {
-                for (values, &at) in rows.block(j).chunks_exact(rows.stride()).zip(set.row(j)) {
-                    list.push((at, values[..rows.samples()].to_vec()));
-                }
+        let (mut jacobian, here) = match base {
+            Some(rows) if !distorted => (rows.clone(), plain.clone()),
+            Some(_) => {
+                let (set, rows) = self.fill(&robot, &world.motion);
+                let block = |j: usize| {
+                    let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+                    let scaled = |v: &f64| v * world.gain[j];
+                    blocks
+                        .map(|(values, &at)| (at, stretch.shaped(values[..rows.samples()].iter().map(scaled).collect())))
+                        .collect()
+                };
+                let jacobian = (0..self.robot.joint_count()).map(block).collect();
+                (jacobian, self.torques(&world.motion, &robot, Some((&set, &rows))))
             }
-        }
+            None if distorted => (Vec::new(), self.torques(&world.motion, &robot, None)),
+            None => (Vec::new(), plain.clone()),
+        };
         let scene = Scene {
             robot: &robot,
             motion: &world.motion,
-            rigid: &rigid,
-            declared: &declared,
+            rigid: &here.rigid,
+            declared: &here.declared,
             interval: stretch.interval,
             periodic: stretch.periodic,
         };
+        let mut torque = here.declared.clone();
         for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| !t.is_distortion()) {
             let columns = term.effect.columns(term.form, &scene, &term.joints, &term.shape);
             add_columns(&mut torque, &columns, &term.coefficients);
-            if with_jacobian {
-                let at = self.offset_of(t);
-                push_columns(&mut jacobian, &columns, at);
-                push_columns(&mut jacobian, &shape_derivatives(term, &scene), at + term.coefficients.len());
+            if base.is_some() {
+                let derivatives = shape_derivatives(term, &scene);
+                push_columns(&mut jacobian, &columns, self.offset_of(t), stretch, &world.gain);
+                let at = self.offset_of(t) + term.coefficients.len();
+                push_columns(&mut jacobian, &derivatives, at, stretch, &world.gain);
             }
         }
-        scale_rows(&mut torque, &mut jacobian, &world.gain);
-        if with_jacobian {
-            for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
-                let at = self.offset_of(t);
-                for (i, values) in self
-                    .distortion_columns(stretch, &plain, term, Some(t))
-                    .into_iter()
-                    .enumerate()
-                {
-                    values
-                        .into_iter()
-                        .enumerate()
-                        .for_each(|(j, v)| jacobian[j].push((at + i, v)));
-                }
-            }
-        }
-        let shaped = |rows: Vec<Vec<f64>>| rows.into_iter().map(|r| stretch.shaped(r)).collect();
-        for list in &mut jacobian {
-            list.iter_mut().for_each(|(_, v)| *v = stretch.shaped(std::mem::take(v)));
+        let gained = torque.into_iter().zip(&world.gain);
+        let torque = gained
+            .map(|(row, g)| stretch.shaped(row.into_iter().map(|v| v * g).collect()))
+            .collect();
+        if base.is_some() && distorted {
+            self.push_distortions(&mut jacobian, stretch, &plain);
         }
         Evaluated {
             motion: world.motion,
-            torque: shaped(torque),
-            rigid,
-            declared,
+            torque,
+            rigid: here.rigid,
+            declared: here.declared,
             gain: world.gain,
             jacobian,
+        }
+    }
+
+    fn push_distortions(&self, jacobian: &mut ShapedRows, stretch: &Stretch, plain: &Torques) {
+        for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
+            let columns = self.distortion_columns(stretch, plain, term, Some(t));
+            for (i, rows) in columns.into_iter().enumerate() {
+                let at = self.offset_of(t) + i;
+                rows.into_iter()
+                    .enumerate()
+                    .for_each(|(j, v)| jacobian[j].push((at, stretch.shaped(v))));
+            }
         }
     }
 
@@ -332,18 +409,12 @@ fn add_columns(torque: &mut [Vec<f64>], columns: &[Column], coefficients: &[f64]
     }
 }
 
-fn push_columns(jacobian: &mut [Vec<(usize, Vec<f64>)>], columns: &[Column], at: usize) {
+fn push_columns(jacobian: &mut ShapedRows, columns: &[Column], at: usize, stretch: &Stretch, gain: &[f64]) {
     for (i, column) in columns.iter().enumerate() {
         for (j, values) in &column.rows {
-            jacobian[*j].push((at + i, values.clone()));
+            let gained = values.iter().map(|v| v * gain[*j]).collect();
+            jacobian[*j].push((at + i, stretch.shaped(gained)));
         }
-    }
-}
-
-fn scale_rows(torque: &mut [Vec<f64>], jacobian: &mut [Vec<(usize, Vec<f64>)>], gain: &[f64]) {
-    for (j, &g) in gain.iter().enumerate().filter(|(_, g)| **g != 1.0) {
-        torque[j].iter_mut().for_each(|v| *v *= g);
-        jacobian[j].iter_mut().for_each(|(_, c)| c.iter_mut().for_each(|v| *v *= g));
     }
 }
 

@@ -43,16 +43,6 @@ impl NoiseModel {
         (freedom > 0.0).then(|| Self::from_covariance(NoiseSource::Periods, &covariance, freedom))
     }
 
-    /// From what a fit leaves over, taken as noise: `residuals` of all stretches, unusable rows zero; `parameters` is the number the fit
-    /// has spent on this joint.
-    pub fn from_residual(residuals: &[Vec<f64>], rows: usize, parameters: f64) -> Self {
-        let mut covariance = vec![0.0; MOST_TERMS + 1];
-        for residual in residuals {
-            (0..=MOST_TERMS).for_each(|lag| covariance[lag] += lagged(residual, lag));
-        }
-        Self::from_covariance(NoiseSource::Residual, &covariance, (rows as f64 - parameters).max(1.0))
-    }
-
     /// Levinson's recursion, the order chosen by the Bayesian information criterion.
     fn from_covariance(source: NoiseSource, sums: &[f64], freedom: f64) -> Self {
         let variance = (sums[0] / freedom).max(f64::MIN_POSITIVE);

@@ -6,8 +6,8 @@
 
 use super::candidate::{Candidate, chance, hypotheses};
 use super::select::{Selected, Threshold};
-use super::system::{Data, System, reduce};
-use super::{AugmentedModel, Remainder, Term};
+use super::system::{Data, System, Thinned, reduce};
+use super::{AugmentedModel, Remainder, Stretch, Term};
 use crate::effects::{Effect, Scene, Unexplained, products, variable, variable_name};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -34,6 +34,10 @@ pub(crate) fn examine(
     candidates: &[Candidate],
     threshold: &Threshold,
 ) -> (Selected, Option<Remainder>) {
+    // Without measured noise nobody knows whether anything is left.
+    if !selected.system.noise_is_measured {
+        return (selected, None);
+    }
     let count = selected.accepted.len();
     let full = with_functions(data, &selected.system);
     let start = score_of(data, &selected.system, candidates, fixed);
@@ -88,7 +92,8 @@ fn score_of(data: &Data, system: &System, candidates: &[Candidate], fixed: usize
         };
         term.parameters() as f64 * (rows as f64).ln() + 2.0 * choice.ln() + each
     };
-    -data.chi_square(system) - system.model.terms[fixed..].iter().map(price).sum::<f64>()
+    // Rows at reversals come and go with a distortion: each is expected to leave one.
+    rows as f64 - data.chi_square(system) - system.model.terms[fixed..].iter().map(price).sum::<f64>()
 }
 
 /// Adds smooth functions while they earn their place; `None` when not even one does.
@@ -111,7 +116,7 @@ fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     let excess = |j: usize| system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j);
     // Five standard deviations of χ², because the noise's own correlation is an estimate; and a fifth of the noise of a single measurement,
     // below which a remainder is nothing to act on and may come from the positions.
-    let repetitions = data.stretches.iter().map(super::Stretch::repetitions).max().unwrap_or(1) as f64;
+    let repetitions = data.stretches.iter().map(Stretch::repetitions).max().unwrap_or(1) as f64;
     let least = |j: usize| (5.0 * (2.0 * system.rows(j) as f64).sqrt()).max(0.04 * repetitions * system.rows(j) as f64);
     let mut rows: Vec<usize> = (0..n).filter(|&j| excess(j) > least(j)).collect();
     rows.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)));
@@ -154,13 +159,13 @@ const DICTIONARY: f64 = 121.0;
 fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> Option<Smooth> {
     let codes = &job[1..job.len().min(3)];
     let mut shape = scaling(data, system, codes)?;
-    let columns: Vec<_> = data
-        .stretches
+    let coarse: Vec<&Stretch> = data.stretches.iter().map(Stretch::coarse_form).collect();
+    let columns: Vec<_> = coarse
         .iter()
-        .zip(&system.evaluated)
+        .zip(system.thinned(data))
         .map(|(stretch, e)| Unexplained.columns(0, &scene(system, stretch, e), job, &shape))
         .collect();
-    let (own, rest, right) = system.projected(&system.whitened(data, &columns));
+    let (own, rest, right) = system.projected(&system.whitened(data, &coarse, &columns));
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
     let count = products(codes, system.model.robot.joint_count()) * if job.len() > 3 { 2 } else { 1 };
     let price = (rows as f64).ln() + 2.0 * (count as f64).ln();
@@ -208,7 +213,7 @@ fn pursue(own: &DMatrix<f64>, rest: &DMatrix<f64>, right: &DVector<f64>, price: 
     (chosen, best.0, best.1)
 }
 
-fn scene<'a>(system: &'a System, stretch: &super::Stretch, e: &'a super::model::Evaluated) -> Scene<'a> {
+fn scene<'a>(system: &'a System, stretch: &Stretch, e: &'a Thinned) -> Scene<'a> {
     Scene {
         robot: &system.model.robot,
         motion: &e.motion,
@@ -224,7 +229,7 @@ fn scaling(data: &Data, system: &System, codes: &[usize]) -> Option<Vec<f64>> {
     let mut shape = Vec::new();
     for &code in codes {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (stretch, e) in data.stretches.iter().zip(&system.evaluated) {
+        for (stretch, e) in data.stretches.iter().map(Stretch::coarse_form).zip(system.thinned(data)) {
             for v in variable(&scene(system, stretch, e), code) {
                 (low, high) = (low.min(v), high.max(v));
             }
@@ -253,7 +258,7 @@ fn withdraw(
         let mut model = system.model.clone();
         let term = model.terms.remove(fixed + at);
         let without = data.fit(model);
-        let loss = data.chi_square(&without) - data.chi_square(&system);
+        let loss = data.gain(&without, &system);
         let needed = chance(loss, term.parameters()) * hypotheses(candidates, term.effect.code()) < threshold.chance
             && loss > SHARE_BESIDE * accepted[at].gain;
         if !needed {
@@ -268,6 +273,7 @@ fn withdraw(
         Selected {
             system: data.fit(model),
             accepted,
+            noise: data.noise.clone(),
         },
         Some(remainder),
     )
@@ -338,6 +344,6 @@ fn by_strength(data: &Data, without: &System, term: &Term) -> Vec<usize> {
 /// RMS of the mean residual above what noise leaves there [N·m or N].
 fn rms_above_noise(data: &Data, system: &System, joint: usize) -> f64 {
     let ratio = system.joint_chi_square(joint) / (system.rows(joint) as f64 - system.spent(joint)).max(1.0);
-    let repetitions = data.stretches.first().map_or(1, super::Stretch::repetitions) as f64;
+    let repetitions = data.stretches.first().map_or(1, Stretch::repetitions) as f64;
     data.noise[joint].std_dev * ((ratio - 1.0).max(0.0) / repetitions).sqrt()
 }

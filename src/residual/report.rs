@@ -101,7 +101,8 @@ pub struct Remainder {
 /// The `residual` part of an answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResidualReport {
-    /// Standard deviation of one measurement, per joint [N·m or N].
+    /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has more than 4000 of them,
+    /// here as in the errors.
     pub noise_floor: Vec<f64>,
     /// How the floor was found.
     pub noise_source: String,

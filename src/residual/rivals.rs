@@ -1,7 +1,7 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
 use super::Rival;
-use super::candidate::{Candidate, appraise, scan};
+use super::candidate::{Candidate, appraise, reach, scan};
 use super::select::Selected;
 use super::system::Data;
 use super::trace::joint_names;
@@ -27,30 +27,30 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
     let mut model = selected.system.model.clone();
     let own = model.terms.remove(at);
     let without = data.fit(model);
-    let loss = data.chi_square(&without) - data.chi_square(&selected.system);
+    let loss = data.gain(&without, &selected.system);
     let Some(mine) = candidates.iter().find(|c| c.is_same_effect(&own) && c.form == own.form) else {
         return Contest::default();
     };
     let tried = mine.grid().len();
     let cost = own.parameters() - mine.shapes.len();
     let finding = appraise(&without, mine, own.clone(), loss, cost, tried, Some(&selected.system));
-    let others: Vec<_> = scan(data, &without, candidates)
-        .into_iter()
-        .filter(|s| !s.candidate.is_same_effect(&own))
-        .collect();
-    // The linearised gain errs by a fraction: what comes near is fitted properly.
-    let near: Vec<_> = others
-        .iter()
-        .filter(|s| s.evidence > 0.7 * finding.evidence - 2.0 * NOT_EXCLUDED)
-        .take(6)
-        .collect();
+    // A rival moves the same rows.
+    let joints = without.model.robot.joint_count();
+    let reached = reach(mine, joints);
+    let meets = |c: &&Candidate| !c.is_same_effect(&own) && reach(c, joints).iter().any(|j| reached.contains(j));
+    let others: Vec<Candidate> = candidates.iter().filter(meets).cloned().collect();
+    let others = scan(data, &without, &others);
+    // The linearised gain errs by a fraction, and before a fit nobody knows what it leaves: what gains nearly as much is fitted properly.
+    let mut near: Vec<_> = others.iter().filter(|s| s.gain > 0.6 * loss).collect();
+    near.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    near.truncate(6);
     let mut rivals: Vec<Rival> = near
         .par_iter()
         .filter_map(|s| {
             let mut model = without.model.clone();
             model.terms.push(s.term.clone());
             let fitted = data.fit(model);
-            let gain = data.chi_square(&without) - data.chi_square(&fitted);
+            let gain = data.gain(&without, &fitted);
             let free = s.candidate.shapes.len().min(s.cost);
             let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
             let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));
@@ -64,5 +64,14 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
         .collect();
     rivals.sort_by(|a, b| a.evidence.total_cmp(&b.evidence));
     rivals.dedup_by(|a, b| a.effect == b.effect && a.joints == b.joints);
-    Contest { rivals, note: None }
+    let better = rivals.iter().filter(|r| r.evidence < 0.0 && own.effect.is_everyday());
+    let names: Vec<&str> = better.map(|r| r.effect.as_str()).collect();
+    let note = (!names.is_empty()).then(|| {
+        format!(
+            "{} explains a little more, but the difference is smaller than what both leave unexplained; {} is what every robot has, and so              the likelier cause",
+            names.join(", "),
+            own.effect.code()
+        )
+    });
+    Contest { rivals, note }
 }

@@ -2,8 +2,9 @@
 
 use super::candidate::{Candidate, Scored, appraise, chance, columns_of, hypotheses, reach, scan};
 use super::crossval::{HeldOutGain, held_out_gain};
+use super::dependence::chance_of;
 use super::system::{Data, System};
-use super::{AugmentedModel, Term};
+use super::{AugmentedModel, NoiseModel, Term};
 use rayon::prelude::*;
 
 /// What an accepted effect has shown.
@@ -23,6 +24,8 @@ pub(crate) struct Selected {
     pub system: System,
     /// In the order of acceptance, one per term of the model.
     pub accepted: Vec<Accepted>,
+    /// Noise that the system's rows are whitened with: what is left, where it is not measured.
+    pub noise: Vec<NoiseModel>,
 }
 
 /// What an effect must reach.
@@ -39,78 +42,178 @@ pub(crate) struct Threshold {
 
 pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     let fixed = start.terms.len();
+    let mut data = data.with_noise(data.noise.clone());
     let mut now = Selected {
         system: data.fit(start),
         accepted: Vec::new(),
+        noise: Vec::new(),
     };
+    let mut open = candidates.to_vec();
     for _ in 0..threshold.most_effects {
-        let Some((system, accepted)) = step(data, &now.system, candidates, threshold) else {
+        let Some(step) = step(&data, &now.system, &open, threshold) else {
             break;
         };
-        now.system = system;
-        now.accepted.push(accepted);
-        drop_superfluous(data, &mut now, fixed, candidates, threshold);
+        now.system = step.system;
+        now.accepted.push(step.accepted);
+        if let Some(other) = step.instead_of {
+            open.retain(|c| c.effect.code() != other.effect.code() || c.joints != other.joints);
+        }
+        if !now.system.noise_is_measured {
+            data = data.with_noise(data.left_as_noise(&now.system));
+            now.system = data.fit(now.system.model.clone());
+        }
+        drop_superfluous(&data, &mut now, fixed, candidates, threshold);
     }
+    now.noise = data.noise;
     now
 }
 
+/// An effect that has earned its place.
+struct Step {
+    system: System,
+    accepted: Accepted,
+    /// The effect that explains a little more, and that gave way to this one.
+    instead_of: Option<Candidate>,
+}
+
+/// A contender, fitted with everything else.
+struct Fitted {
+    scored: Scored,
+    system: System,
+}
+
 /// The best candidate that earns its place, fitted together with everything else.
-fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Threshold) -> Option<(System, Accepted)> {
+fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Threshold) -> Option<Step> {
     let scored = scan(data, system, candidates);
-    let best = scored.first()?.evidence;
-    // The linearised gain of a distortion, or of a column made of torques that are not right yet, is off by a fraction; the true one decides.
-    // Without measured noise what is left decides, and that is known only afterwards.
-    let open = |s: &Scored| s.evidence > 0.0 || !system.noise_is_measured;
-    let mut contenders: Vec<&Scored> = scored
+    let first = contenders(&scored);
+    // Where all rows have misfit, imitators without physical sense can fill the first places: further ones get their turn.
+    let further = scored
         .iter()
-        .filter(|s| open(s) && s.evidence > best - (0.3 * best.abs()).max(6.0))
-        .take(4)
-        .collect();
+        .filter(|s| !system.noise_is_measured && s.evidence > 0.0 && !first.iter().any(|c| std::ptr::eq(*c, *s)))
+        .take(MOST_FITTED.saturating_sub(first.len()))
+        .collect::<Vec<_>>();
+    let groups = std::iter::once(first).chain(further.chunks(GROUP).map(<[_]>::to_vec));
+    groups
+        .map(|group| best_of(data, system, &group, candidates, threshold))
+        .find_map(|found| found)
+}
+
+/// Fits per step: the right one is among the first two dozen or explains next to nothing.
+const MOST_FITTED: usize = 24;
+const GROUP: usize = 6;
+
+/// The best of a group, or what is simpler and explains nearly as much.
+fn best_of(data: &Data, system: &System, group: &[&Scored], candidates: &[Candidate], threshold: &Threshold) -> Option<Step> {
+    let mut fitted: Vec<Fitted> = group.par_iter().map(|s| fitted(data, system, s)).collect();
+    fitted.sort_by(|a, b| b.scored.evidence.total_cmp(&a.scored.evidence));
+    let judged = |f: &Fitted| {
+        let tried = hypotheses(candidates, f.scored.candidate.effect.code());
+        judge(data, system, &f.scored, &f.system, threshold, tried)
+    };
+    let (best, accepted) = fitted.iter().enumerate().find_map(|(i, f)| Some((i, judged(f)?)))?;
+    let simpler = (0..fitted.len()).find_map(|i| {
+        let stands_in = i != best && stands_in(&fitted[i], &fitted[best]);
+        stands_in.then(|| Some((i, judged(&fitted[i])?))).flatten()
+    });
+    let instead_of = simpler.is_some().then(|| fitted[best].scored.candidate.clone());
+    let (at, accepted) = simpler.unwrap_or((best, accepted));
+    Some(Step {
+        system: fitted.swap_remove(at).system,
+        accepted,
+        instead_of,
+    })
+}
+
+/// Candidates worth fitting: the linearised gain of a distortion, or of a column made of torques that are not right yet, is off by a fraction; the
+/// true one decides.
+fn contenders(scored: &[Scored]) -> Vec<&Scored> {
+    let open: Vec<&Scored> = scored.iter().filter(|s| s.evidence > 0.0).collect();
+    let best = open.first().map_or(0.0, |s| s.evidence);
+    let near = open
+        .iter()
+        .filter(|s| s.evidence > best - (0.3 * best.abs()).max(6.0))
+        .take(4);
+    let mut list: Vec<&Scored> = near.copied().collect();
     // An effect on many joints is weighed against what is left on all of them: those that gain most stay in, whatever is left.
-    let mut by_gain: Vec<&Scored> = scored.iter().filter(|s| open(s)).collect();
+    let mut by_gain = open.clone();
     by_gain.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    for scored in by_gain.into_iter().take(3) {
-        if !contenders.iter().any(|c| std::ptr::eq(*c, scored)) {
-            contenders.push(scored);
+    // And whatever can stand in for one of them by being simpler.
+    let near = list.clone();
+    let simpler = open
+        .iter()
+        .filter(|s| near.iter().any(|n| is_simpler(&s.candidate, &n.candidate)))
+        .copied();
+    for scored in by_gain.into_iter().take(3).chain(simpler) {
+        if !list.iter().any(|c| std::ptr::eq(*c, scored)) {
+            list.push(scored);
         }
     }
-    let before = data.chi_square(system);
-    let mut fitted: Vec<(Scored, System)> = contenders
-        .par_iter()
-        .map(|s| {
-            let mut model = system.model.clone();
-            model.terms.push(s.term.clone());
-            let there = data.fit(model);
-            let gain = before - data.chi_square(&there);
-            let rank = if s.term.is_distortion() {
-                s.cost
-            } else {
-                s.cost - s.candidate.shapes.len().min(s.cost)
-            };
-            let scored = appraise(system, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&there));
-            (scored, there)
-        })
-        .collect();
-    fitted.sort_by(|a, b| b.0.evidence.total_cmp(&a.0.evidence));
-    fitted.into_iter().find_map(|(scored, there)| {
-        let tried = hypotheses(candidates, scored.candidate.effect.code());
-        let accepted = judge(data, system, &scored, &there, threshold, tried)?;
-        Some((there, accepted))
-    })
+    list
+}
+
+fn fitted(data: &Data, system: &System, scored: &Scored) -> Fitted {
+    let mut model = system.model.clone();
+    model.terms.push(scored.term.clone());
+    let there = data.fit(model);
+    let gain = data.gain(system, &there);
+    let rank = if scored.term.is_distortion() {
+        scored.cost
+    } else {
+        scored.cost - scored.candidate.shapes.len().min(scored.cost)
+    };
+    let term = scored.term.clone();
+    let scored = appraise(system, &scored.candidate, term, gain, rank, scored.tried, Some(&there));
+    Fitted { scored, system: there }
+}
+
+/// Effects that are alike on ordinary motions share this much: |qd| of a sinusoid is a constant to 8/π² = 81 %, of constant speeds to more.
+const ALIKE: f64 = 0.75;
+
+/// On the same joints, what every robot has in the place of what few have, or the same effect with fewer parameters.
+fn is_simpler(one: &Candidate, other: &Candidate) -> bool {
+    let common = one.effect.is_everyday() && !other.effect.is_everyday();
+    let plainer = one.effect.code() == other.effect.code() && one.shapes.len() < other.shapes.len();
+    one.joints == other.joints && !one.joints.is_empty() && (common || plainer)
+}
+
+/// Whether something simpler is to be named in the place of what explains more: it explains nearly as much, and the difference
+/// is less than what the better one leaves unexplained. What the model still lacks could then turn the balance, and what is common is the
+/// likelier cause. Where the better one leaves nothing above the measured noise, it keeps its place.
+fn stands_in(simple: &Fitted, best: &Fitted) -> bool {
+    let joints = &best.scored.candidate.joints;
+    if !is_simpler(&simple.scored.candidate, &best.scored.candidate) {
+        return false;
+    }
+    let rows: usize = joints.iter().map(|&j| best.system.rows(j)).sum();
+    let noise = if best.system.noise_is_measured { rows as f64 } else { 0.0 };
+    let left = best.system.mean_square(joints) * rows as f64 - noise;
+    let difference = best.scored.gain - simple.scored.gain;
+    simple.scored.gain > ALIKE * best.scored.gain && difference < left && best.system.has_misfit(joints)
 }
 
 /// Whether a fitted candidate has earned its place.
 fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshold: &Threshold, tried: f64) -> Option<Accepted> {
-    let p_value = (chance(scored.fair_gain, scored.cost) * tried).min(1.0);
-    let enough = scored.evidence > 0.0 && p_value < threshold.chance && explains_a_share(before, scored, threshold.share);
-    if !enough {
+    let promising = scored.evidence > 0.0 && explains_a_share(before, scored, threshold.share) && is_physical(after);
+    if !promising {
         return None;
     }
     let term = after.model.terms.last().expect("the candidate was added");
-    if !is_physical(after) {
+    let columns = columns_of(data, before, &scored.candidate, std::slice::from_ref(&term.shape));
+    let single = if before.noise_is_measured {
+        chance(scored.fair_gain, scored.cost)
+    } else {
+        chance_of(before, &columns)
+    };
+    let p_value = (single * tried).min(1.0);
+    // Sums over forty stretches of time are normal only nearly, and less so far out.
+    let limit = if before.noise_is_measured {
+        threshold.chance
+    } else {
+        0.1 * threshold.chance
+    };
+    if p_value >= limit {
         return None;
     }
-    let columns = columns_of(data, before, &scored.candidate, std::slice::from_ref(&term.shape));
     let held_out = held_out_gain(data, before, &columns);
     let linear = before.reduced(&columns).gain.min(scored.gain);
     let generalises = held_out.blocks > threshold.generalises * linear;
@@ -137,7 +240,11 @@ fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshol
 fn is_physical(system: &System) -> bool {
     let at = system.model.terms.len() - 1;
     let term = &system.model.terms[at];
-    let covariance = system.term_covariance(at);
+    let covariance = if system.noise_is_measured {
+        system.term_covariance(at)
+    } else {
+        system.spread(at)
+    };
     let k = term.coefficients.len();
     let values: Vec<f64> = term
         .coefficients
@@ -159,8 +266,17 @@ fn explains_a_share(system: &System, scored: &Scored, share: f64) -> bool {
     let joints = reach(&scored.candidate, system.model.robot.joint_count());
     let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
     let sum: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
-    let excess = sum - rows as f64;
+    // Without measured noise all of it may be misfit.
+    let excess = if system.noise_is_measured { sum - rows as f64 } else { sum };
     scored.gain > share * excess
+}
+
+fn reached(term: &Term, joints: usize) -> Vec<usize> {
+    if term.joints.is_empty() {
+        (0..joints).collect()
+    } else {
+        term.joints.clone()
+    }
 }
 
 /// Takes out effects that later ones have made superfluous.
@@ -174,8 +290,14 @@ fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &
         let mut model = now.system.model.clone();
         let term: Term = model.terms.remove(at);
         let without = data.fit(model);
-        let loss = data.chi_square(&without) - data.chi_square(&now.system);
-        if chance(loss, term.parameters()) * hypotheses(candidates, term.effect.code()) > threshold.chance {
+        let loss = data.gain(&without, &now.system);
+        // What is left was taken for noise before the last effect was found: only where that is measured can a loss be weighed by it alone.
+        let fair = if now.system.noise_is_measured {
+            loss
+        } else {
+            loss / now.system.persistence(&reached(&term, now.system.model.robot.joint_count()))
+        };
+        if chance(fair, term.parameters()) * hypotheses(candidates, term.effect.code()) > threshold.chance {
             now.system = without;
             now.accepted.remove(at - fixed);
         }

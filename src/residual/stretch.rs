@@ -2,6 +2,8 @@
 
 use crate::dynamics::Motion;
 use crate::effects::Span;
+use crate::identification::filter::LowPass;
+use crate::identification::preprocess::RowFilter;
 use crate::identification::{Log, PreparedLog};
 use std::sync::Arc;
 
@@ -27,6 +29,17 @@ pub struct Stretch {
     /// Rows that count; n × M.
     pub usable: Vec<Vec<bool>>,
     pub filter: Option<ColumnFilter>,
+    /// The same rows from fewer samples, where a filter leaves most of them without say.
+    pub coarse: Option<Coarse>,
+}
+
+/// Every `step`-th sample from `first`, and a filter of the same cut-off at that rate: good to a few percent of a jump of the sign, ten
+/// times cheaper, and used to find what is worth fitting.
+#[derive(Debug, Clone)]
+pub struct Coarse {
+    pub first: usize,
+    pub step: usize,
+    pub stretch: Box<Stretch>,
 }
 
 impl std::fmt::Debug for Stretch {
@@ -56,6 +69,25 @@ impl Stretch {
         self.periods.len().max(1)
     }
 
+    /// Samples of the motion that the coarse form stands on; all of them where there is none.
+    pub(crate) fn coarse_samples(&self) -> Vec<usize> {
+        let (first, step) = self.coarse.as_ref().map_or((0, 1), |c| (c.first, c.step));
+        (first..self.motion.samples()).step_by(step).collect()
+    }
+
+    pub(crate) fn coarse_form(&self) -> &Stretch {
+        self.coarse.as_ref().map_or(self, |c| &c.stretch)
+    }
+
+    /// The coarse form with this stretch's torque, which may have been cleaned or turned round since it was made.
+    pub(crate) fn as_coarse(&self) -> Self {
+        Self {
+            torque: self.torque.clone(),
+            periods: self.periods.clone(),
+            ..self.coarse_form().clone()
+        }
+    }
+
     /// `values` over the motion as they enter the rows.
     pub(crate) fn shaped(&self, values: Vec<f64>) -> Vec<f64> {
         match &self.filter {
@@ -67,28 +99,18 @@ impl Stretch {
     /// Rows of `joint` that can be compared with a model whose (distorted) motion is `motion`: usable ones, but not those at a reversal,
     /// where a fraction of a sample decides on the sign of Coulomb friction.
     ///
-    /// A filtered stretch keeps them: there the jump is filtered alike on both sides.
+    /// A filtered stretch keeps them, unless its filter is a mean over a few samples: there the jump is filtered alike on both sides.
     pub(crate) fn kept(&self, motion: &Motion, joint: usize) -> Vec<bool> {
         let mut keep = self.usable[joint].clone();
-        if self.filter.is_some() {
+        let binned = self.coarse.as_ref().filter(|c| c.stretch.filter.is_none());
+        if self.filter.is_some() && binned.is_none() {
             return keep;
         }
-        let v = motion.velocities(joint);
-        let n = v.len();
-        // Slower than a thousandth of the top speed the sign is a matter of the derivative's own ripple.
-        let slowest = 1e-3 * v.iter().fold(0.0f64, |a, v| a.max(v.abs()));
-        keep.iter_mut().zip(v).for_each(|(k, v)| *k &= v.abs() >= slowest);
-        let next = |s: usize| if s + 1 < n { Some(s + 1) } else { self.periodic.then_some(0) };
-        for s in 0..n {
-            let Some(t) = next(s) else { continue };
-            if v[s] * v[t] <= 0.0 {
-                let before = if s > 0 { Some(s - 1) } else { self.periodic.then_some(n - 1) };
-                [before, Some(s), Some(t), next(t)]
-                    .into_iter()
-                    .flatten()
-                    .for_each(|at| keep[at] = false);
-            }
-        }
+        let step = binned.map_or(1, |c| c.step);
+        let clear = clear_of_reversals(motion.velocities(joint), self.periodic);
+        keep.iter_mut()
+            .zip(clear.chunks(step))
+            .for_each(|(k, bin)| *k &= bin.iter().all(|c| *c));
         keep
     }
 
@@ -100,6 +122,26 @@ impl Stretch {
             .map(|j| (0..self.rows()).map(|s| mean(j, s)).collect())
             .collect()
     }
+}
+
+/// Samples that are neither at a reversal nor so slow that the sign is a matter of the derivative's own ripple: a thousandth of the top
+/// speed.
+fn clear_of_reversals(v: &[f64], periodic: bool) -> Vec<bool> {
+    let n = v.len();
+    let slowest = 1e-3 * v.iter().fold(0.0f64, |a, v| a.max(v.abs()));
+    let mut clear: Vec<bool> = v.iter().map(|v| v.abs() >= slowest).collect();
+    let next = |s: usize| if s + 1 < n { Some(s + 1) } else { periodic.then_some(0) };
+    for s in 0..n {
+        let Some(t) = next(s) else { continue };
+        if v[s] * v[t] <= 0.0 {
+            let before = if s > 0 { Some(s - 1) } else { periodic.then_some(n - 1) };
+            [before, Some(s), Some(t), next(t)]
+                .into_iter()
+                .flatten()
+                .for_each(|at| clear[at] = false);
+        }
+    }
+    clear
 }
 
 /// Travel and speed of every joint over all stretches.
@@ -128,6 +170,23 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
 }
 
 impl Stretch {
+    /// A motion without a measurement: all torques zero.
+    pub fn of_motion(motion: Motion, interval: f64, periodic: bool) -> Self {
+        let (joints, samples) = (motion.joints(), motion.samples());
+        Self {
+            name: "motion".into(),
+            motion,
+            torque: vec![vec![0.0; samples]; joints],
+            periods: Vec::new(),
+            starts: vec![0.0],
+            interval,
+            periodic,
+            usable: vec![vec![true; samples]; joints],
+            filter: None,
+            coarse: None,
+        }
+    }
+
     /// From a prepared log and the record it was prepared from, which has the periods one by one.
     pub fn new(prepared: &PreparedLog, log: &Log) -> Self {
         let n = prepared.samples();
@@ -144,8 +203,9 @@ impl Stretch {
             starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
         }
         let filter = prepared.row_filter.clone();
+        let coarse_filter = coarse_filter(&filter);
         let plain = filter.torque.is_none() && filter.columns.is_none() && filter.edges == 0 && filter.decimation == 1;
-        Self {
+        let fine = Self {
             name: prepared.name.clone(),
             motion: prepared.motion.clone(),
             torque: prepared.torque.iter().map(|t| prepared.row_filter.torque_rows(t)).collect(),
@@ -155,8 +215,95 @@ impl Stretch {
             periodic: prepared.is_periodic() && plain,
             usable: (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect(),
             filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
+            coarse: None,
+        };
+        let coarse = coarse_filter.map(|(first, step, filter)| fine.thinned(first, step, filter));
+        Self { coarse, ..fine }.in_bins()
+    }
+
+    /// Rows that are means over neighbouring samples, where a period has many more samples than its course has turns: torque and columns
+    /// alike, so that nothing changes but the number of rows. The coarse form has the samples in the middle of the bins.
+    fn in_bins(self) -> Self {
+        let samples = self.motion.samples();
+        let step = (2..=samples / FEWEST_ROWS).rev().find(|d| samples.is_multiple_of(*d));
+        let Some(step) = step.filter(|_| self.filter.is_none() && !self.periods.is_empty()) else {
+            return self;
+        };
+        let mean = move |x: &[f64]| -> Vec<f64> {
+            x.chunks_exact(step)
+                .map(|bin| bin.iter().sum::<f64>() / step as f64)
+                .collect()
+        };
+        let all = |rows: &Vec<Vec<f64>>| rows.iter().map(|r| mean(r)).collect::<Vec<_>>();
+        let rows = samples / step;
+        let first = step / 2;
+        let middle = Self {
+            motion: Motion::from_fn(self.joints(), rows, |j, s| self.motion.get(j, first + s * step)),
+            torque: all(&self.torque),
+            periods: self.periods.iter().map(all).collect(),
+            usable: self
+                .usable
+                .iter()
+                .map(|u| u.chunks_exact(step).map(|bin| bin.iter().all(|v| *v)).collect())
+                .collect(),
+            interval: self.interval * step as f64,
+            ..self.clone()
+        };
+        Self {
+            torque: middle.torque.clone(),
+            periods: middle.periods.clone(),
+            usable: middle.usable.clone(),
+            filter: Some(Arc::new(mean)),
+            coarse: Some(Coarse {
+                first,
+                step,
+                stretch: Box::new(middle),
+            }),
+            ..self
         }
     }
+
+    fn thinned(&self, first: usize, step: usize, filter: RowFilter) -> Coarse {
+        let picked: Vec<usize> = (first..self.motion.samples()).step_by(step).collect();
+        let rows = self.rows();
+        // The last row may lie on a sample that thinning has cut off.
+        let column = move |x: &[f64]| {
+            let mut y = filter.column_rows(x);
+            y.resize(rows, y.last().copied().unwrap_or(0.0));
+            y
+        };
+        let stretch = Box::new(Self {
+            motion: Motion::from_fn(self.joints(), picked.len(), |j, s| self.motion.get(j, picked[s])),
+            interval: self.interval * step as f64,
+            filter: Some(Arc::new(column)),
+            periods: Vec::new(),
+            ..self.clone()
+        });
+        Coarse { first, step, stretch }
+    }
+}
+
+/// Rows that a period keeps at least: with turns of some tens of harmonics, a hundred to the fastest.
+const FEWEST_ROWS: usize = 4000;
+
+/// Samples per row that the coarse form keeps: with four rows to the period of the cut-off, twenty samples.
+const COARSE_SAMPLES: usize = 5;
+
+/// First sample, step, and the filter at the lower rate; `None` where hardly anything would be saved.
+fn coarse_filter(fine: &RowFilter) -> Option<(usize, usize, RowFilter)> {
+    let columns = fine.columns.as_ref()?;
+    let step = (2..=fine.decimation / COARSE_SAMPLES)
+        .rev()
+        .find(|step| fine.decimation.is_multiple_of(*step))?;
+    let filter = LowPass::butterworth(columns.order, columns.cutoff_hz, columns.rate_hz / step as f64).ok()?;
+    let rows = RowFilter {
+        torque: None,
+        columns: Some(filter),
+        padding: fine.padding,
+        edges: fine.edges / step,
+        decimation: fine.decimation / step,
+    };
+    Some((fine.edges % step, step, rows))
 }
 
 /// Rows whose samples are data as far as the filter reaches, and where the joint moves fast enough for its direction to be known.

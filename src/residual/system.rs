@@ -1,10 +1,12 @@
 //! Weighted least squares of an augmented model: normal equations at a model, Gauss-Newton, and what a further block of columns would gain.
 
-use super::model::Evaluated;
+use super::model::{Evaluated, ShapedRows};
 use super::{AugmentedModel, NoiseModel, NoiseSource, Stretch};
+use crate::dynamics::Motion;
 use crate::effects::Column;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
 
 /// What an earlier identification knows about the first parameters of a model (its base parameters, then its own effects).
 #[derive(Debug, Clone)]
@@ -20,6 +22,8 @@ pub(crate) struct Data<'a> {
     /// Per joint.
     pub noise: Vec<NoiseModel>,
     pub prior: Option<&'a Prior>,
+    /// Rows of the base parameters along the undistorted motion, per stretch: they are the same in every fit.
+    base: Arc<OnceLock<Vec<ShapedRows>>>,
 }
 
 /// The whitened rows of one joint over one stretch.
@@ -44,14 +48,49 @@ pub(crate) struct System {
     gradient: DVector<f64>,
     /// Whether the noise comes from the scatter of periods, and not from the residual itself.
     pub noise_is_measured: bool,
+    /// Motion and torques thinned out, per stretch: enough to find what is worth fitting.
+    coarse: OnceLock<Vec<Thinned>>,
+}
+
+/// Motion of a stretch and torques along it, on the samples of its coarse form.
+pub(crate) struct Thinned {
+    pub motion: Motion,
+    pub rigid: Vec<Vec<f64>>,
+    pub declared: Vec<Vec<f64>>,
 }
 
 /// A scaled normal matrix loses 16 digits at a condition number of 1e8 of the rows; eigenvalues below 1e-13 of the largest are rounding.
 const RANK: f64 = 1e-13;
 
 impl<'a> Data<'a> {
+    pub fn new(stretches: &'a [Stretch], noise: Vec<NoiseModel>, prior: Option<&'a Prior>) -> Self {
+        Self {
+            stretches,
+            noise,
+            prior,
+            base: Arc::default(),
+        }
+    }
+
+    /// The same data with other noise.
+    pub fn with_noise(&self, noise: Vec<NoiseModel>) -> Self {
+        Self {
+            noise,
+            base: self.base.clone(),
+            ..*self
+        }
+    }
+
     pub fn linearise(&self, model: AugmentedModel) -> System {
-        let evaluated: Vec<Evaluated> = self.stretches.par_iter().map(|s| model.evaluate(s, true)).collect();
+        let base = self
+            .base
+            .get_or_init(|| self.stretches.par_iter().map(|s| model.base_rows(s)).collect());
+        let evaluated: Vec<Evaluated> = self
+            .stretches
+            .par_iter()
+            .zip(base)
+            .map(|(s, rows)| model.evaluate(s, Some(rows)))
+            .collect();
         let p = model.parameters();
         let blocks: Vec<Vec<Block>> = self
             .stretches
@@ -92,7 +131,26 @@ impl<'a> Data<'a> {
             covariance,
             gradient,
             noise_is_measured,
+            coarse: OnceLock::new(),
         }
+    }
+
+    /// White noise of the size of what a fit leaves on every joint. How far the rows go together is weighed effect by effect, or slow
+    /// effects would pass for noise.
+    pub fn left_as_noise(&self, system: &System) -> Vec<NoiseModel> {
+        let of = |(j, noise): (usize, &NoiseModel)| {
+            let freedom = (system.rows(j) as f64 - system.spent(j)).max(1.0);
+            // A fit without residual is one of simulated data: rounding of the torque is all the noise there is.
+            let std_dev = (noise.innovation * (system.joint_chi_square(j) / freedom).sqrt()).max(f64::MIN_POSITIVE.sqrt());
+            NoiseModel {
+                source: NoiseSource::Residual,
+                std_dev,
+                autoregression: Vec::new(),
+                innovation: std_dev,
+                degrees_of_freedom: freedom,
+            }
+        };
+        self.noise.iter().enumerate().map(of).collect()
     }
 
     fn block(&self, stretch: &Stretch, e: &Evaluated, joint: usize, parameters: usize) -> Block {
@@ -145,14 +203,18 @@ impl<'a> Data<'a> {
         here
     }
 
-    /// Inverse covariance of the parameters: the normal matrix with the prior's part.
-    pub fn information(&self, system: &System) -> DMatrix<f64> {
+    /// What a fit knows of its parameters, as an inverse covariance: the normal matrix with the prior's part, the rows of a joint that keeps more
+    /// than noise counted for as much less as they leave and go together.
+    pub fn known(&self, system: &System) -> DMatrix<f64> {
         let p = system.covariance.nrows();
-        let mut normal = system
-            .blocks
-            .iter()
-            .flatten()
-            .map(Block::normal)
+        let doubt = |j: usize| match system.has_misfit(&[j]) {
+            true => system.mean_square(&[j]) * system.persistence(&[j]),
+            false => 1.0,
+        };
+        let doubts: Vec<f64> = (0..self.noise.len()).map(doubt).collect();
+        let blocks = system.blocks.iter().flat_map(|b| b.iter().zip(&doubts));
+        let mut normal = blocks
+            .map(|(block, doubt)| block.normal() / *doubt)
             .fold(DMatrix::zeros(p, p), |a, b| a + b);
         if let Some(prior) = self.prior {
             let k = prior.mean.len();
@@ -171,11 +233,33 @@ impl<'a> Data<'a> {
     /// Sum of squares of the whitened residuals, and of the distance to the prior.
     pub fn chi_square(&self, system: &System) -> f64 {
         let joints: f64 = (0..self.noise.len()).map(|j| system.joint_chi_square(j)).sum();
-        let prior = self.prior.map_or(0.0, |prior| {
+        joints + self.distance(system)
+    }
+
+    /// Squared distance to the prior.
+    fn distance(&self, system: &System) -> f64 {
+        self.prior.map_or(0.0, |prior| {
             let off = &prior.mean - system.model.vector().rows(0, prior.mean.len());
             (off.transpose() * &prior.information * off)[0]
-        });
-        joints + prior
+        })
+    }
+
+    /// How much less `after` leaves than `before`, on the rows that both have: a distortion moves reversals, and the rows left out
+    /// there are no gain.
+    pub fn gain(&self, before: &System, after: &System) -> f64 {
+        let pairs = before.blocks.iter().flatten().zip(after.blocks.iter().flatten());
+        let rows: f64 = pairs
+            .map(|(b, a)| {
+                let both = b.rows.iter().zip(&a.rows).map(|(x, y)| *x && *y);
+                let values = b.residual.iter().zip(&a.residual);
+                values
+                    .zip(both)
+                    .filter(|(_, both)| *both)
+                    .map(|((b, a), _)| b * b - a * a)
+                    .sum::<f64>()
+            })
+            .sum();
+        rows + self.distance(before) - self.distance(after)
     }
 }
 
@@ -200,19 +284,6 @@ impl System {
     /// Rows of one joint.
     pub fn rows(&self, joint: usize) -> usize {
         self.blocks.iter().map(|b| b[joint].rows.iter().filter(|r| **r).count()).sum()
-    }
-
-    /// Factor on the variance of estimates on these joints: 1 where the residual is the measured noise.
-    pub fn inflation(&self, joints: &[usize]) -> f64 {
-        let rows: usize = joints.iter().map(|&j| self.rows(j)).sum();
-        let left = joints.iter().map(|&j| self.joint_chi_square(j)).sum::<f64>() / rows.max(1) as f64;
-        // Without misfit χ² per row is one within four standard deviations.
-        let noise = 1.0 + 4.0 * (2.0 / rows.max(1) as f64).sqrt();
-        match (self.noise_is_measured, left > noise) {
-            (true, false) => 1.0,
-            (true, true) => 1.0 + (left - 1.0) * self.persistence(joints),
-            (false, _) => left * self.persistence(joints),
-        }
     }
 
     /// Rows over which the residual of these joints keeps its sign: mean square of sums over runs of rows, relative to white noise.
@@ -246,8 +317,10 @@ impl System {
 /// Pseudo-inverse of a positive semidefinite matrix, scaled to a unit diagonal first; eigenvalues below `relative` of the largest count as zero.
 pub(crate) fn pseudo_inverse(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
     let p = normal.nrows();
+    // A column that is zero but for rounding (gravity along an axis that is not quite a coordinate axis) is 1e-16 of the others.
+    let least = 1e-24 * normal.diagonal().amax();
     let scale = DVector::from_fn(p, |i, _| {
-        if normal[(i, i)] > 0.0 {
+        if normal[(i, i)] > least {
             normal[(i, i)].sqrt().recip()
         } else {
             0.0
@@ -283,9 +356,25 @@ const HIDDEN: f64 = 1e-6;
 pub(crate) type Whitened = Vec<Vec<(usize, DMatrix<f64>)>>;
 
 impl System {
-    /// Whitens columns over the motion (not shaped yet), one list per stretch.
-    pub fn whitened(&self, data: &Data, columns: &[Vec<Column>]) -> Whitened {
-        let per_stretch = data.stretches.iter().zip(&self.blocks).zip(&self.evaluated).zip(columns);
+    /// Motion and torques on the samples of the coarse forms of the stretches.
+    pub fn thinned(&self, data: &Data) -> &[Thinned] {
+        self.coarse.get_or_init(|| {
+            let thin = |(stretch, e): (&Stretch, &Evaluated)| {
+                let picked = stretch.coarse_samples();
+                let pick = |rows: &[Vec<f64>]| rows.iter().map(|r| picked.iter().map(|&s| r[s]).collect()).collect();
+                Thinned {
+                    motion: Motion::from_fn(stretch.joints(), picked.len(), |j, s| e.motion.get(j, picked[s])),
+                    rigid: pick(&e.rigid),
+                    declared: pick(&e.declared),
+                }
+            };
+            data.stretches.iter().zip(&self.evaluated).map(thin).collect()
+        })
+    }
+
+    /// Whitens columns over the motion of `stretches` (not shaped yet), one list per stretch.
+    pub fn whitened(&self, data: &Data, stretches: &[&Stretch], columns: &[Vec<Column>]) -> Whitened {
+        let per_stretch = stretches.iter().zip(&self.blocks).zip(&self.evaluated).zip(columns);
         per_stretch
             .map(|(((stretch, blocks), e), columns)| {
                 let mut joints: Vec<usize> = columns.iter().flat_map(|c| c.rows.iter().map(|r| r.0)).collect();
@@ -324,6 +413,18 @@ impl System {
         (own, rest, right)
     }
 
+    /// J'C.
+    pub fn cross(&self, columns: &Whitened) -> DMatrix<f64> {
+        let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+        let mut cross = DMatrix::zeros(self.covariance.nrows(), k);
+        for (blocks, parts) in self.blocks.iter().zip(columns) {
+            for (j, m) in parts {
+                cross += blocks[*j].jacobian.tr_mul(m);
+            }
+        }
+        cross
+    }
+
     /// What the columns would gain.
     pub fn reduced(&self, columns: &Whitened) -> Reduced {
         let (own, rest, right) = self.projected(columns);
@@ -332,22 +433,23 @@ impl System {
 }
 
 pub(crate) fn reduce(own: &DMatrix<f64>, rest: &DMatrix<f64>, right: &DVector<f64>) -> Reduced {
+    let base = directions(own, rest);
+    let along = base.tr_mul(right);
+    Reduced {
+        gain: along.norm_squared(),
+        rank: base.ncols(),
+        coefficients: base * along,
+    }
+}
+
+/// Combinations D of columns that the model does not hide, of unit information each: `Dᵀ rest D = 1`.
+pub(crate) fn directions(own: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64> {
     let k = own.nrows();
     let scale = DVector::from_fn(k, |i, _| if own[(i, i)] > 0.0 { own[(i, i)].sqrt().recip() } else { 0.0 });
     let scaled = DMatrix::from_fn(k, k, |r, c| 0.5 * (rest[(r, c)] + rest[(c, r)]) * scale[r] * scale[c]);
-    let target = right.component_mul(&scale);
     let eigen = scaled.symmetric_eigen();
-    let (mut gain, mut rank, mut solution) = (0.0, 0, DVector::zeros(k));
-    for i in (0..k).filter(|&i| eigen.eigenvalues[i] > HIDDEN) {
-        let direction = eigen.eigenvectors.column(i);
-        let along = direction.dot(&target) / eigen.eigenvalues[i];
-        gain += along * along * eigen.eigenvalues[i];
-        rank += 1;
-        solution += direction * along;
-    }
-    Reduced {
-        gain,
-        rank,
-        coefficients: solution.component_mul(&scale),
-    }
+    let seen: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > HIDDEN).collect();
+    DMatrix::from_fn(k, seen.len(), |r, c| {
+        scale[r] * eigen.eigenvectors[(r, seen[c])] / eigen.eigenvalues[seen[c]].sqrt()
+    })
 }

@@ -50,13 +50,13 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let (cleaned, between) = between::separate(robot, stretches, options.chance);
     let measured = stretches;
     let stretches = &cleaned[..];
-    let data = Data {
-        stretches,
-        noise: floor(robot, stretches, &start, prior),
-        prior,
-    };
-    let first = data.fit(start.clone());
-    let lack_of_fit = fits(&data, &first);
+    // What to add is found on the coarse forms, which have the same rows; values and errors are those of all samples.
+    let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
+    let mut data = Data::new(&coarse, Vec::new(), prior);
+    data.noise = floor(robot, &data, &start);
+    let fine = Data::new(stretches, data.noise.clone(), prior);
+    let first = fine.fit(start.clone());
+    let lack_of_fit = fits(&fine, &first);
     let threshold = Threshold {
         chance: options.chance,
         share: 0.05,
@@ -65,9 +65,12 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     };
     let list = candidates(&start, &spans(stretches), prior.is_some());
     let selected = select(&data, start.clone(), &list, &threshold);
-    let (selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
-    let after = fits(&data, &selected.system);
+    let data = data.with_noise(selected.noise.clone());
+    let (mut selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
     let contests = rivals(&data, &selected, start.terms.len(), &list);
+    let data = fine.with_noise(data.noise);
+    selected.system = data.fit(selected.system.model);
+    let after = fits(&data, &selected.system);
     let verdict = verdict(selected.accepted.len() + between.len(), rest.is_some());
     let before_rms = rms(&first.model, stretches, held_out);
     let findings = findings(&data, held_out, &start, &selected.system, &selected.accepted, &contests);
@@ -87,7 +90,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     };
     Outcome {
         report,
-        information: data.information(&selected.system),
+        information: data.known(&selected.system),
         model: selected.system.model,
         noise: data.noise,
     }
@@ -145,20 +148,15 @@ fn source(noise: &[NoiseModel]) -> String {
 }
 
 /// The noise of every joint: from the periods where there are at least two, otherwise from what the model leaves.
-pub(super) fn floor(robot: &Robot, stretches: &[Stretch], model: &AugmentedModel, prior: Option<&Prior>) -> Vec<NoiseModel> {
+pub(super) fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
     let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count())
-        .map(|j| NoiseModel::from_periods(stretches, j))
+        .map(|j| NoiseModel::from_periods(data.stretches, j))
         .collect();
-    from_periods.unwrap_or_else(|| residual_noise(robot, stretches, model, prior))
+    from_periods.unwrap_or_else(|| residual_noise(data, model))
 }
 
 /// Noise taken from the residual of an ordinary fit, weights refined once by the noise found.
-pub(super) fn residual_noise(
-    robot: &Robot,
-    stretches: &[Stretch],
-    model: &AugmentedModel,
-    prior: Option<&Prior>,
-) -> Vec<NoiseModel> {
+fn residual_noise(data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
     let unit = NoiseModel {
         source: NoiseSource::Residual,
         std_dev: 1.0,
@@ -166,36 +164,11 @@ pub(super) fn residual_noise(
         innovation: 1.0,
         degrees_of_freedom: 1.0,
     };
-    let mut noise = vec![unit; robot.joint_count()];
+    let mut noise = vec![unit; model.robot.joint_count()];
     for _ in 0..2 {
-        let white: Vec<NoiseModel> = noise
-            .iter()
-            .map(|n| NoiseModel {
-                autoregression: Vec::new(),
-                innovation: n.std_dev,
-                ..n.clone()
-            })
-            .collect();
-        let data = Data {
-            stretches,
-            noise: white,
-            prior,
-        };
-        let system = data.fit(model.clone());
-        noise = (0..robot.joint_count())
-            .map(|j| {
-                let scale = data.noise[j].innovation;
-                let rows = |b: &Vec<super::system::Block>| b[j].residual.iter().map(|r| r * scale).collect();
-                let residuals: Vec<Vec<f64>> = system.blocks.iter().map(rows).collect();
-                // White: how far the rows go together is weighed effect by effect, or slow effects would pass for noise.
-                let coloured = NoiseModel::from_residual(&residuals, system.rows(j), system.spent(j));
-                NoiseModel {
-                    autoregression: Vec::new(),
-                    innovation: coloured.std_dev,
-                    ..coloured
-                }
-            })
-            .collect();
+        let weighted = data.with_noise(noise);
+        let system = weighted.fit(model.clone());
+        noise = weighted.left_as_noise(&system);
     }
     noise
 }
@@ -248,7 +221,7 @@ pub(super) fn rms(model: &AugmentedModel, identification: &[Stretch], held_out: 
 fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); if stretches.is_empty() { 0 } else { stretches[0].joints() }];
     for stretch in stretches {
-        let e = model.evaluate(stretch, false);
+        let e = model.evaluate(stretch, None);
         for (j, total) in sums.iter_mut().enumerate() {
             let keep = stretch.kept(&e.motion, j);
             let single = [stretch.torque.clone()];
@@ -301,7 +274,11 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
     } else {
         term_joints.clone()
     };
-    let covariance = last.term_covariance(at) * last.inflation(&joints);
+    let covariance = if last.has_misfit(&joints) {
+        last.spread(at)
+    } else {
+        last.term_covariance(at)
+    };
     let mut term = last.model.terms[at].clone();
     let k = term.coefficients.len();
     if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
@@ -323,6 +300,7 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
         effect: accepted.effect.into(),
         joints: joint_names(robot, &term.joints),
         parameters,
+        note: note(contest, &joints, &rms_before, &rms_after),
         rms_before,
         rms_after,
         evidence: Evidence {
@@ -333,8 +311,15 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
             held_out_periods: accepted.held_out.periods,
         },
         rivals: contest.rivals.clone(),
-        note: contest.note.clone(),
     }
+}
+
+/// What should be known about a finding: that another explains more, or that it did not help on data that it was not fitted to.
+fn note(contest: &Contest, joints: &[usize], before: &RmsPair, after: &RmsPair) -> Option<String> {
+    let sum = |rms: &RmsPair| joints.iter().filter_map(|&j| rms.held_out.get(j)).map(|v| v * v).sum::<f64>();
+    let worse = (sum(after) > sum(before)).then(|| "the error on held-out data did not fall".to_string());
+    let said: Vec<String> = contest.note.clone().into_iter().chain(worse).collect();
+    (!said.is_empty()).then(|| said.join("; "))
 }
 
 /// Names of the joints; all of them for an effect of the whole robot.

@@ -1,5 +1,7 @@
 //! Finding what a model lacks, on virtual robots.
 
+mod augmented;
 mod bench;
 mod faults;
 mod findings;
+mod measured;

@@ -20,8 +20,10 @@ pub(super) struct FourierFit {
 
 /// Half the width, in lines, over which a line is judged together with its neighbours.
 const NEIGHBOURS: usize = 2;
-/// Mean power of five neighbouring lines of pure noise, relative to its expectation, is Gamma(5, 1/5): beyond 4.6 once in a million.
-const ABOVE_NOISE: f64 = 4.6;
+/// A line of pure noise has a power beyond 13.8 times its expectation once in a million. Its neighbours do not make that rarer: noise that
+/// comes and goes with the motion (time stamps that jitter move positions by speed times jitter) has lines that go together, and one false
+/// line near half the sampling rate, differentiated twice, is an acceleration of its own.
+const ABOVE_NOISE: f64 = 13.8;
 
 /// A spectrum whose last line that stands out is within 30 dB of the noise has faded into it; one that a trajectory ends by itself stops
 /// far above.

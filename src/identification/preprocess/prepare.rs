@@ -445,8 +445,9 @@ impl Chain<'_> {
             // Four samples per cycle of the cut-off: twice what the filtered signals need, so nothing is lost.
             (None, Some(filter)) if record.periods.is_none() => {
                 let d = (record.rate_hz / (4.0 * filter.cutoff_hz)).floor().max(1.0) as usize;
+                // A round number lets the rows be made of thinned-out samples too.
                 (
-                    d,
+                    if d >= 10 { d - d % 5 } else { d },
                     "rows closer together than a quarter of the filter's cut-off period say nothing new".to_string(),
                 )
             }

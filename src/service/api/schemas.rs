@@ -399,6 +399,9 @@ pub struct ValidateRequestSchema {
     preprocess: Option<PreprocessSchema>,
     #[schema(default = 0)]
     prediction_points: Option<u32>,
+    /// Trace what has changed since the model was made; needs a model with its `augmented` part.
+    #[schema(default = true)]
+    trace: Option<bool>,
 }
 
 /// The JSON model of an identification; a robot with parameters for every link does as well.
@@ -410,6 +413,40 @@ pub struct ModelSchema {
     offsets: Option<Vec<f64>>,
     #[schema(value_type = Option<Vec<Object>>)]
     base_parameters: Option<Vec<String>>,
+    /// What tracing has added; needed to tell what has changed since.
+    augmented: Option<AugmentedModelSchema>,
+    /// In words, what a URDF of this model does not hold.
+    not_in_urdf: Option<Vec<String>>,
+}
+
+/// Effects with the base parameters they were fitted with, and how well all are known.
+#[derive(Serialize, ToSchema)]
+#[schema(as = AugmentedModel)]
+pub struct AugmentedModelSchema {
+    effects: Vec<AddedEffectSchema>,
+    base_values: Vec<f64>,
+    /// Inverse covariance of the base values, then of coefficients and free shapes effect by effect.
+    information: Vec<Vec<f64>>,
+}
+
+/// An effect with its values.
+#[derive(Serialize, ToSchema)]
+#[schema(as = AddedEffect)]
+pub struct AddedEffectSchema {
+    #[schema(example = "torque_offset")]
+    effect: String,
+    joints: Vec<String>,
+    /// Variant of the effect, from 0.
+    form: u32,
+    coefficients: Vec<f64>,
+    shape: Vec<f64>,
+    /// How many of the shape parameters were estimated, from the first.
+    free_shapes: u32,
+    /// Least and largest value of every shape parameter; null is none.
+    bounds: Vec<Vec<Option<f64>>>,
+    /// The same values by name, with units.
+    #[schema(value_type = Option<Vec<Object>>)]
+    parameters: Option<Vec<String>>,
 }
 
 #[derive(Serialize, ToSchema)]

@@ -1,0 +1,147 @@
+//! An augmented model as JSON: the effects found, the base parameters they were fitted with, and how well all of them are known, so that a
+//! later log can be asked what has changed since.
+
+use super::cursor::Cursor;
+use crate::effects::by_code;
+use crate::model::Robot;
+use crate::residual::{AugmentedModel, Prior, Term};
+use nalgebra::{DMatrix, DVector};
+use serde_json::{Value, json};
+
+pub const AUGMENTED_FIELDS: &[&str] = &["effects", "base_values", "information"];
+pub const EFFECT_FIELDS: &[&str] = &[
+    "effect",
+    "joints",
+    "form",
+    "coefficients",
+    "shape",
+    "free_shapes",
+    "bounds",
+    "parameters",
+];
+
+/// `model` with its information matrix (inverse covariance of base values, then coefficients and free shapes effect by effect).
+pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Value {
+    let rows: Vec<Vec<f64>> = information.row_iter().map(|r| r.iter().copied().collect()).collect();
+    json!({
+        "effects": model.terms.iter().map(|t| effect_value(&model.robot, t)).collect::<Vec<_>>(),
+        "base_values": model.values.as_slice(),
+        "information": rows,
+    })
+}
+
+fn effect_value(robot: &Robot, term: &Term) -> Value {
+    let joints: Vec<&str> = term.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect();
+    // JSON has no infinity: null is no bound.
+    let bounds: Vec<[Option<f64>; 2]> = term.bounds.iter().map(|b| b.map(|v| v.is_finite().then_some(v))).collect();
+    let values = term.effect.reported(term.form, &term.coefficients, &term.shape);
+    let infos = term.effect.parameters(term.form, robot, &term.joints);
+    let parameters: Vec<Value> = infos
+        .into_iter()
+        .zip(values)
+        .map(|(info, value)| json!({"name": info.name, "value": value, "unit": info.unit}))
+        .collect();
+    json!({
+        "effect": term.effect.code(), "joints": joints, "form": term.form, "coefficients": term.coefficients,
+        "shape": term.shape, "free_shapes": term.free_shapes, "bounds": bounds, "parameters": parameters,
+    })
+}
+
+/// Reads what [`augmented_value`] writes; `None` when something is wrong with it, which is then among the findings.
+pub fn read_augmented(cursor: &Cursor, robot: &Robot) -> Option<(AugmentedModel, Prior)> {
+    let fields = cursor.fields(AUGMENTED_FIELDS)?;
+    let mut model = AugmentedModel::declared(robot);
+    let values = fields
+        .required("base_values")
+        .and_then(|c| c.numbers(Some(model.values.len())));
+    let terms: Vec<Option<Term>> = fields
+        .required("effects")
+        .and_then(|c| c.items())?
+        .iter()
+        .map(|c| read_effect(c, robot))
+        .collect();
+    model.terms = terms.into_iter().collect::<Option<Vec<_>>>()?;
+    model.values = DVector::from_vec(values?);
+    let information = fields
+        .required("information")
+        .and_then(|c| read_square(&c, model.parameters()))?;
+    let mean = model.vector();
+    Some((model, Prior { mean, information }))
+}
+
+fn read_square(cursor: &Cursor, size: usize) -> Option<DMatrix<f64>> {
+    let rows = cursor.items()?;
+    if rows.len() != size {
+        cursor.complain_with(
+            format!("has {} rows, expected {size}", rows.len()),
+            "one for every base value, coefficient and free shape, in this order",
+        );
+        return None;
+    }
+    let read: Vec<Option<Vec<f64>>> = rows.iter().map(|row| row.numbers(Some(size))).collect();
+    let rows = read.into_iter().collect::<Option<Vec<_>>>()?;
+    Some(DMatrix::from_fn(size, size, |r, c| rows[r][c]))
+}
+
+fn read_effect(cursor: &Cursor, robot: &Robot) -> Option<Term> {
+    let fields = cursor.fields(EFFECT_FIELDS)?;
+    let code = fields.required("effect")?;
+    let effect = by_code(code.string()?);
+    if effect.is_none() {
+        code.complain_with("is no effect known here", "see the table of effects in the documentation");
+    }
+    let joints = fields.required("joints").and_then(|c| read_joints(&c, robot));
+    let form = fields
+        .required("form")
+        .and_then(|c| c.whole(0, effect.map_or(u64::MAX, |e| e.forms() as u64 - 1)));
+    let coefficients = fields.required("coefficients").and_then(|c| c.numbers(None));
+    let shape = fields.required("shape").and_then(|c| c.numbers(None));
+    let bounds = fields.required("bounds").and_then(|c| read_bounds(&c));
+    let free = fields
+        .required("free_shapes")
+        .and_then(|c| c.whole(0, shape.as_ref().map_or(u64::MAX, |s| s.len() as u64)));
+    let term = Term {
+        effect: effect?,
+        form: form? as usize,
+        joints: joints?,
+        coefficients: coefficients?,
+        shape: shape?,
+        free_shapes: free? as usize,
+        bounds: bounds?,
+    };
+    if !term.is_complete(robot) {
+        cursor.complain_with(
+            "does not have the joints, coefficients and shapes of this effect",
+            "take the model as the identification wrote it",
+        );
+        return None;
+    }
+    Some(term)
+}
+
+fn read_joints(cursor: &Cursor, robot: &Robot) -> Option<Vec<usize>> {
+    let one = |c: &Cursor| {
+        let name = c.string()?;
+        let at = robot.joints().iter().position(|j| j.name == name);
+        if at.is_none() {
+            c.complain(format!("the robot has no joint `{name}`"));
+        }
+        at
+    };
+    let read: Vec<Option<usize>> = cursor.items()?.iter().map(one).collect();
+    read.into_iter().collect()
+}
+
+fn read_bounds(cursor: &Cursor) -> Option<Vec<[f64; 2]>> {
+    let end = |c: &Cursor, none: f64| if c.value().is_null() { Some(none) } else { c.number() };
+    let pair = |c: &Cursor| {
+        let items = c.items()?;
+        let [low, high] = &items[..] else {
+            c.complain(format!("has {} values, expected 2", items.len()));
+            return None;
+        };
+        Some([end(low, f64::NEG_INFINITY)?, end(high, f64::INFINITY)?])
+    };
+    let read: Vec<Option<[f64; 2]>> = cursor.items()?.iter().map(pair).collect();
+    read.into_iter().collect()
+}
