@@ -7,5 +7,7 @@ mod bad_input;
 mod identify;
 mod jobs;
 mod openapi;
+mod queue;
 mod readme;
 mod robots;
+mod tokens;

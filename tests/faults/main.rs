@@ -1,0 +1,10 @@
+//! What must survive when processes are killed, disks fill and databases go away.
+
+#[path = "../support/postgres.rs"]
+mod postgres;
+#[path = "../support/process.rs"]
+mod process;
+
+mod kill;
+mod storage;
+mod workers;
