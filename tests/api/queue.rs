@@ -120,7 +120,6 @@ fn one_robot_runs_no_more_than_it_may() {
     });
     let of = |robot: &str, seed: u64| {
         let mut request = long_request();
-        request["robot"]["name"] = json!(robot);
         request["robot"] = arm(robot);
         request["search"]["seed"] = json!(seed);
         request

@@ -159,10 +159,10 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
             checked += 1;
         } else if method == "POST" {
             let answer = send(&mine, &path, &content);
-            let nothing = send(&mine, &path, &content.replace("arm-b", "nothing"));
+            let nothing = send(&mine, &path, &content.replace("arm-b", "arm-z"));
             assert!([404, 422].contains(&answer.status), "{method} {path}: {}", answer.text);
             assert_eq!(
-                (answer.status, answer.text.replace("arm-b", "nothing")),
+                (answer.status, answer.text.replace("arm-b", "arm-z")),
                 (nothing.status, nothing.text),
                 "{method} {path}"
             );

@@ -60,6 +60,9 @@ impl Store {
             .replace('?', "%3f")
             .replace('#', "%23")
             .replace(' ', "%20");
+        // Two processes that make the same new database (the server and `dynident token`) take turns.
+        let lock = std::fs::File::create(folder.join("opening")).and_then(|lock| lock.lock().map(|()| lock));
+        let _lock = lock.map_err(|e| unavailable(sqlx::Error::Io(e)))?;
         Self::connect(&format!("sqlite://{escaped}?mode=rwc"), Dialect::Sqlite).await
     }
 
@@ -87,9 +90,9 @@ impl Store {
                     if dialect == Dialect::Sqlite {
                         // Readers and one writer side by side; a commit is on the disk before it is told of.
                         for pragma in [
+                            "PRAGMA busy_timeout = 30000",
                             "PRAGMA journal_mode = WAL",
                             "PRAGMA synchronous = FULL",
-                            "PRAGMA busy_timeout = 30000",
                         ] {
                             connection.execute(pragma).await?;
                         }
