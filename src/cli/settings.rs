@@ -70,13 +70,13 @@ pub struct Settings {
     /// Jobs of one robot that run at the same time, short and long each; no bound if left out.
     #[arg(long, env = "DYNIDENT_RUNNING_PER_ROBOT", value_name = "N")]
     pub running_per_robot: Option<usize>,
-    /// Jobs that may wait.
+    /// Jobs that may wait, short and long each.
     #[arg(long, env = "DYNIDENT_WAITING_JOBS", value_name = "N")]
     pub waiting_jobs: Option<usize>,
-    /// Jobs of one robot that may wait.
+    /// Jobs of one robot that may wait, short and long each.
     #[arg(long, env = "DYNIDENT_WAITING_PER_ROBOT", value_name = "N")]
     pub waiting_per_robot: Option<usize>,
-    /// Jobs of one token that may wait.
+    /// Jobs of one token that may wait, short and long each.
     #[arg(long, env = "DYNIDENT_WAITING_PER_TOKEN", value_name = "N")]
     pub waiting_per_token: Option<usize>,
     /// Ended jobs that are kept with their results; all if left out.

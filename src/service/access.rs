@@ -2,7 +2,7 @@
 
 use super::problem::Failure;
 use super::state::Service;
-use super::store::{Role, TokenRow, hex, now_us, sha256};
+use super::store::{AuditEntry, Role, TokenRow, hex, now_us, sha256};
 use super::telemetry::RequestId;
 use crate::app::{Code, Error};
 use axum::extract::{ConnectInfo, FromRequestParts, Request, State};
@@ -46,7 +46,7 @@ impl Access {
     }
 
     /// Name of the token, or the address of the client.
-    pub fn who(&self) -> String {
+    fn who(&self) -> String {
         match (&self.token, self.peer) {
             (Some(token), _) => token.name.clone(),
             (None, Some(peer)) => peer.ip().to_string(),
@@ -54,9 +54,18 @@ impl Access {
         }
     }
 
-    /// Id of the request.
-    pub fn request(&self) -> &str {
-        &self.request
+    /// What the audit log says of a deed of theirs.
+    pub fn entry(&self, action: &str, robot: &str, target: &str) -> AuditEntry {
+        tracing::info!(target: "dynident::audit", who = self.who(), token = self.token(), action, robot, subject = target, "did");
+        AuditEntry {
+            at_us: now_us(),
+            request: self.request.clone(),
+            token: self.token().to_string(),
+            who: self.who(),
+            action: action.to_string(),
+            robot: robot.to_string(),
+            target: target.to_string(),
+        }
     }
 
     /// # Errors

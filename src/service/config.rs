@@ -18,11 +18,11 @@ pub struct Config {
     pub shortest_long_s: f64,
     /// Jobs of one robot that run at the same time in each of the two classes; `None` for no bound.
     pub running_per_robot: Option<usize>,
-    /// Jobs that may wait; further ones are refused with `too_many_jobs`.
+    /// Jobs that may wait, short and long ones each; further ones are refused with `too_many_jobs`.
     pub waiting_jobs: usize,
-    /// Jobs of one robot that may wait.
+    /// Jobs of one robot that may wait, short and long ones each.
     pub waiting_per_robot: usize,
-    /// Jobs of one token that may wait.
+    /// Jobs of one token that may wait, short and long ones each.
     pub waiting_per_token: usize,
     /// Ended jobs whose results are kept; the oldest go first. `None` keeps all.
     pub kept_jobs: Option<usize>,

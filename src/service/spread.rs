@@ -7,7 +7,7 @@ use super::progress::News;
 use super::state::Service;
 use super::store::{Claimed, Share};
 use super::work::{Class, Input, Outcome, Request};
-use super::worker::{NEWS, on_a_thread};
+use super::worker::{NEWS, in_time, on_a_thread};
 use crate::app::{CancelFlag, Error};
 use crate::io::ExcitationRequest;
 use serde_json::{Value, json};
@@ -102,7 +102,8 @@ fn best_of(documents: Vec<Value>) -> Value {
 
 /// Looks for a search to share, and shares it until it is over or there is work of one's own; whether there was one.
 pub async fn help(service: &Service) -> bool {
-    let taken = service.store().take_share(service.worker(), service.config().lease).await;
+    let lease = service.config().lease;
+    let taken = in_time(lease, service.store().take_share(service.worker(), lease)).await;
     let Ok(Some(share)) = taken else { return false };
     tracing::info!(
         job = share.job,
@@ -117,11 +118,10 @@ pub async fn help(service: &Service) -> bool {
         tracing::warn!(job = share.job, %error, "a share failed");
         (None, 0)
     });
-    let handed_in = service
+    let end = service
         .store()
-        .end_share(&share, service.worker(), result.as_deref(), evaluations)
-        .await;
-    if let Err(error) = handed_in {
+        .end_share(&share, service.worker(), result.as_deref(), evaluations);
+    if let Err(error) = in_time(lease, end).await {
         tracing::warn!(job = share.job, %error, "a share could not be handed in");
     }
     true
@@ -186,10 +186,10 @@ async fn search(service: &Service, share: &Share, request: Request) -> Result<(O
 /// Whether the search wants this share still, and this worker has nothing else to do.
 async fn goes_on(service: &Service, share: &Share, (evaluations, best): (u64, Option<f64>)) -> bool {
     let store = service.store();
-    let wanted = store
-        .renew_share(share, service.worker(), service.config().lease, evaluations, best)
-        .await;
-    let other_work = store.may_claim(Class::Long).await.unwrap_or(false);
+    let time = service.config().lease;
+    let renew = store.renew_share(share, service.worker(), time, evaluations, best);
+    let wanted = in_time(time / 3, renew).await;
+    let other_work = in_time(time / 3, store.may_claim(Class::Long)).await.unwrap_or(false);
     // While the database is away the search goes on: it may be back before the time is over.
     wanted.unwrap_or(true) && !other_work && !service.is_closing()
 }

@@ -5,7 +5,7 @@ use super::config::Config;
 use super::folder::DataFolder;
 use super::known::{is_shipped, shipped, shipped_names};
 use super::metrics::Metrics;
-use super::store::{AuditEntry, Files, Store};
+use super::store::{Files, Store};
 use crate::app::{CancelFlag, Code, Error};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -137,23 +137,13 @@ impl Service {
 
     /// Writes the audit log.
     pub(super) async fn note(&self, access: &Access, action: &str, robot: &str, target: &str) -> Result<(), Error> {
-        let entry = AuditEntry {
-            at_us: 0,
-            request: access.request().to_string(),
-            token: access.token().to_string(),
-            who: access.who(),
-            action: action.to_string(),
-            robot: robot.to_string(),
-            target: target.to_string(),
-        };
-        tracing::info!(target: "dynident::audit", who = entry.who, token = entry.token, action, robot, subject = target, "did");
-        self.store().note(&entry).await
+        self.store().note(&access.entry(action, robot, target)).await
     }
 
     /// Names of all robots that `access` sees.
     pub(super) async fn robot_names(&self, access: &Access) -> Result<Vec<String>, Error> {
         let lab = self.store().robots().await?;
-        let seen = lab.into_iter().map(|(id, _)| id).filter(|id| access.sees(id));
+        let seen = lab.into_iter().filter(|id| access.sees(id));
         Ok(shipped_names().into_iter().chain(seen).collect())
     }
 

@@ -115,10 +115,9 @@ impl Service {
             per_robot: config.waiting_per_robot,
             per_token: config.waiting_per_token,
         };
-        let id = match self.store().submit(job, key, most).await? {
+        let entry = access.entry(&format!("run_{}", job.kind.name()), &job.robot, &job.id);
+        let id = match self.store().submit(job, key, most, &entry).await? {
             Submission::Queued => {
-                self.note(access, &format!("run_{}", job.kind.name()), &job.robot, &job.id)
-                    .await?;
                 self.work().notify_waiters();
                 job.id.clone()
             }

@@ -19,6 +19,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(500);
 pub(super) const NEWS: Duration = Duration::from_millis(200);
 /// Pause after the database failed.
 const PAUSE: Duration = Duration::from_secs(1);
+/// Time in which a result is written, shares gathered and all; a model of a megabyte takes a second on a slow line.
+const HANDING_IN: Duration = Duration::from_secs(60);
 /// A job whose worker died this often is what kills them.
 const MOST_ATTEMPTS: i64 = 25;
 /// Long searches step back behind everything else on the machine: what is asked for meanwhile gets the processor first.
@@ -47,10 +49,10 @@ async fn place(service: Service, class: Class) {
             return;
         }
         let config = service.config();
-        let claimed = service
+        let claim = service
             .store()
-            .claim(class, service.worker(), config.lease, config.running_per_robot)
-            .await;
+            .claim(class, service.worker(), config.lease, config.running_per_robot);
+        let claimed = in_time(config.lease, claim).await;
         let found = matches!(claimed, Ok(Some(_)));
         if let Ok(Some(job)) = claimed {
             service.changed(&job.id);
@@ -104,12 +106,18 @@ fn without_result(state: State, error: Option<&Error>) -> Ended {
     }
 }
 
+/// A database behind a cut cable does not even fail: what takes longer than this has.
+pub(super) async fn in_time<T>(time: Duration, work: impl Future<Output = Result<T, Error>>) -> Result<T, Error> {
+    let late = |_| Error::new(Code::StorageUnavailable, "the database does not answer");
+    timeout(time, work).await.map_err(late)?
+}
+
 /// What became of a claimed job.
 enum Done {
     /// To be handed in, with its documents.
     Ended(Ended, Option<Box<Outcome>>),
-    /// To be done by another, later.
-    PutBack,
+    /// To be done by another, later; with what was found so far, where that is of use to the other.
+    PutBack(Option<Box<Outcome>>),
     /// Another has it.
     Lost,
 }
@@ -117,10 +125,11 @@ enum Done {
 async fn run(service: &Service, job: &Claimed, class: Class, cancel: &CancelFlag) -> Done {
     let prepared = match prepare(service, job).await {
         Ok(prepared) => prepared,
-        Err(e) if e.code == Code::StorageUnavailable => return Done::PutBack,
+        Err(e) if e.code == Code::StorageUnavailable => return Done::PutBack(None),
         Err(e) => return Done::Ended(without_result(State::Failed, Some(&e)), None),
     };
-    if let Some(time) = spread::time_to_spread(&prepared.request, class) {
+    let spread = spread::time_to_spread(&prepared.request, class);
+    if let Some(time) = spread {
         // Without it the search is merely not shared.
         let _ = service.store().spread(&job.id, job.lease, time).await;
     }
@@ -142,8 +151,8 @@ async fn run(service: &Service, job: &Claimed, class: Class, cancel: &CancelFlag
     }
     let given_up = cancel.is_cancelled() && !lease.cancel_requested && !service.is_temporary();
     match outcome {
-        Ok(outcome) if given_up && outcome.status() == "Cancelled" => Done::PutBack,
-        Err(_) if given_up => Done::PutBack,
+        Ok(outcome) if given_up && outcome.status() == "Cancelled" => Done::PutBack(spread.map(|_| Box::new(outcome))),
+        Err(_) if given_up => Done::PutBack(None),
         Ok(outcome) => {
             let state = if outcome.status() == "Cancelled" {
                 State::Cancelled
@@ -212,10 +221,8 @@ impl<'a> Lease<'a> {
             }
             own => own,
         };
-        let renewed = store
-            .renew(&self.job.id, self.job.lease, time, progress.as_ref(), step.as_ref())
-            .await;
-        match renewed {
+        let renew = store.renew(&self.job.id, self.job.lease, time, progress.as_ref(), step.as_ref());
+        match in_time(time / 3, renew).await {
             Ok(Some(answer)) => {
                 self.renewed = Instant::now();
                 self.cancel_requested |= answer.cancel_requested;
@@ -295,17 +302,21 @@ async fn hand_in(service: &Service, job: &Claimed, done: Done) {
         }
         sleep(PAUSE).await;
         // A full disk does not keep the lease from being renewed.
-        let _ = service
-            .store()
-            .renew(&job.id, job.lease, service.config().lease, None, None)
-            .await;
+        let time = service.config().lease;
+        let _ = in_time(time / 3, service.store().renew(&job.id, job.lease, time, None, None)).await;
     }
 }
 
 async fn try_to_hand_in(service: &Service, job: &Claimed, done: &Done) -> Result<(), Error> {
     let (ended, outcome) = match done {
         Done::Lost => return Ok(()),
-        Done::PutBack => return service.store().release(&job.id, job.lease).await,
+        Done::PutBack(found) => {
+            if let Some(document) = found.as_ref().and_then(|f| spread::found(f)) {
+                let hash = service.files().put(&document).await?;
+                service.store().add_share(&job.id, job.lease, service.worker(), &hash).await?;
+            }
+            return service.store().release(&job.id, job.lease).await;
+        }
         Done::Ended(ended, outcome) => (ended, outcome),
     };
     let mut ended = ended.clone();

@@ -109,6 +109,10 @@ fn one_robot_cannot_fill_the_queue() {
     );
     assert!(refused.header("retry-after").is_some());
     assert_eq!(post("b", 1).status, 202);
+    // Its short jobs are not meant.
+    let mut short = quick_request();
+    short["robot"] = arm("a");
+    assert_eq!(server.excite(&short).status, 200);
 }
 
 #[test]

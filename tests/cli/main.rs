@@ -1,5 +1,7 @@
 //! The program from the command line, end to end.
 
+mod operate;
+
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};

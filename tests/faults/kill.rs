@@ -64,6 +64,7 @@ fn survives(place: &Place, jobs: usize) {
             acknowledged.len()
         );
     }
+    println!("{jobs} jobs, the server was killed {kills} times");
     assert!(kills >= jobs as u64 / 6, "the server was killed {kills} times only");
 }
 

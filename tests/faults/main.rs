@@ -6,5 +6,6 @@ mod postgres;
 mod process;
 
 mod kill;
+mod network;
 mod storage;
 mod workers;

@@ -166,6 +166,7 @@ fn a_backup_made_while_the_server_runs_restores_on_either_database() {
         let place = Place {
             folder: folder.path().join(name),
             database,
+            network: None,
         };
         let restore = || place.command("restore").arg(&archive).output().unwrap();
         let restored = restore();
@@ -186,6 +187,7 @@ fn a_backup_made_while_the_server_runs_restores_on_either_database() {
     let cut_off = Place {
         folder: folder.path().join("cut-off"),
         database: None,
+        network: None,
     };
     let output = cut_off.command("restore").arg(&archive).output().unwrap();
     assert!(!output.status.success());
@@ -200,7 +202,9 @@ fn a_stopped_server_puts_its_work_back() {
     let mut long = quick(1);
     long["search"] = json!({"seed": 1, "time_limit_s": 60});
     let id = server.post("/excitation", &long).1["id"].as_str().unwrap().to_string();
-    wait_until("the search runs", || server.state(&id) == "running");
+    let best = |server: &Process| server.get(&format!("/jobs/{id}")).1["progress"]["best"].as_f64();
+    wait_until("the search has found something", || best(&server).is_some());
+    let found = best(&server).unwrap();
     let mut server = server;
     server.signal("TERM");
     let status = server.child.wait().unwrap();
@@ -209,6 +213,12 @@ fn a_stopped_server_puts_its_work_back() {
     wait_until("it runs again", || server.state(&id) == "running");
     assert_eq!(server.send("DELETE", &format!("/jobs/{id}"), &[], "").0, 202);
     wait_until("it is cancelled", || server.state(&id) == "cancelled");
+    // What the first had found is not lost.
+    let result = server.get(&format!("/excitation/{id}")).1;
+    assert!(
+        result["condition_number"].as_f64().unwrap() <= found * (1.0 + 1e-9),
+        "{found} then {result}"
+    );
 }
 
 /// A connection that sends half a request does not keep the server from anything.

@@ -6,15 +6,15 @@ use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
 /// A lease short enough to be waited for.
-const LEASE: &[&str] = &["--lease-s", "1.5"];
+pub const LEASE: &[&str] = &["--lease-s", "1.5"];
 
-struct Lab {
+pub struct Lab {
     folder: Folder,
     database: String,
 }
 
 impl Lab {
-    fn new(name: &str) -> Self {
+    pub fn new(name: &str) -> Self {
         Self {
             folder: Folder::new(name),
             database: Postgres::shared().database(),
@@ -22,28 +22,29 @@ impl Lab {
     }
 
     /// A machine of the lab: each has a folder of its own.
-    fn machine(&self, name: &str) -> Place {
+    pub fn machine(&self, name: &str) -> Place {
         Place {
             folder: self.folder.path().join(name),
             database: Some(self.database.clone()),
+            network: None,
         }
     }
 
     /// A server that leaves all work to workers.
-    fn server(&self) -> Process {
+    pub fn server(&self) -> Process {
         let none = ["--concurrent-jobs", "0", "--short-jobs", "0"];
         Process::serve(&self.machine("server"), &[LEASE, &none].concat())
     }
 }
 
-fn search(seconds: f64) -> Value {
+pub fn search(seconds: f64) -> Value {
     json!({
         "robot": "iiwa14", "fourier": {"order": 5, "fundamental_hz": 0.1}, "sample_rate_hz": 50,
         "search": {"seed": 1, "time_limit_s": seconds}
     })
 }
 
-fn begun(server: &Process, seconds: f64) -> String {
+pub fn begun(server: &Process, seconds: f64) -> String {
     let (status, job) = server.post("/excitation", &search(seconds));
     assert_eq!(status, 202, "{job}");
     let id = job["id"].as_str().unwrap().to_string();
@@ -51,7 +52,7 @@ fn begun(server: &Process, seconds: f64) -> String {
     id
 }
 
-fn result(server: &Process, id: &str) -> Value {
+pub fn result(server: &Process, id: &str) -> Value {
     let (status, result) = server.send("GET", &format!("/excitation/{id}"), &[("prefer", "wait=60")], "");
     assert_eq!(status, 200, "{result}");
     result

@@ -10,13 +10,15 @@ use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Starts and stops the server on a word from standard input, and takes everything away at its end: when the tests are gone, even
-/// killed, their end of the pipe is closed. PostgreSQL refuses to run as root.
+/// killed, their end of the pipe is closed. PostgreSQL refuses to run as root. Besides this machine, it knows the network namespaces of the tests
+/// (198.18.0.0/15 is for tests of networks, and nobody's).
 const KEEPER: &str = r#"
 folder=$(mktemp -d /tmp/dynident-postgres.XXXXXX); bin=$1; port=$2; as=""
 if [ "$(id -u)" = 0 ]; then chown postgres "$folder"; as="setpriv --reuid=postgres --regid=postgres --init-groups"; fi
 cd "$folder"
 $as "$bin/initdb" -D "$folder/db" -U dynident -A trust --no-sync -E UTF8 > /dev/null 2> "$folder/log" || { cat "$folder/log" >&2; exit 1; }
-start() { $as "$bin/postgres" -D "$folder/db" -p "$port" -k "$folder" -c listen_addresses=127.0.0.1 -c fsync=off -c max_connections=200 2> /dev/null & pid=$!; }
+echo "host all all 198.18.0.0/15 trust" >> "$folder/db/pg_hba.conf"
+start() { $as "$bin/postgres" -D "$folder/db" -p "$port" -k "$folder" -c listen_addresses='*' -c fsync=off -c max_connections=200 2> /dev/null & pid=$!; }
 stop() { kill -INT $pid; wait $pid; }
 start
 while read -r word; do $word; done

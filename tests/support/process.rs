@@ -18,11 +18,22 @@ pub struct Process {
 pub struct Place {
     pub folder: PathBuf,
     pub database: Option<String>,
+    /// Network namespace that the program runs in.
+    pub network: Option<String>,
 }
 
 impl Place {
     pub fn command(&self, command: &str) -> Command {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_dynident"));
+        let binary = env!("CARGO_BIN_EXE_dynident");
+        let mut program = match &self.network {
+            Some(name) => {
+                let mut inside = Command::new("ip");
+                // Not a child of `ip`, but in its place: a signal to it is one to the program.
+                inside.args(["netns", "exec", name, binary]);
+                inside
+            }
+            None => Command::new(binary),
+        };
         program.arg(command).arg("--data").arg(&self.folder);
         program.env_remove("DATABASE_URL").env_remove("DYNIDENT_CONFIG");
         if let Some(url) = &self.database {
@@ -144,6 +155,7 @@ impl Folder {
         Place {
             folder: self.0.join("data"),
             database: None,
+            network: None,
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
-use super::schemas::ExcitationRequestSchema;
+use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
 use crate::app::Problem;
 use crate::app::{Code, Error};
 use crate::io::{DesignDocument, TableFormat, trajectory_csv, trajectory_json};
@@ -42,6 +42,8 @@ pub struct Excitation {
     params(
         ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
         ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
+        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
+        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
     ),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = Excitation),
@@ -105,9 +107,9 @@ pub async fn get(
     get, path = "/excitation/{id}/trajectory", tag = "excitation", operation_id = "get_trajectory",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = Option<String>, Query, description = "`csv` (default) or `json`"),
-        ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out"),
-        ("periods" = Option<usize>, Query, description = "Periods, 1 if left out"),
+        ("format" = Option<TrajectoryFormat>, Query, description = "`csv` (default) or `json`"),
+        ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out", maximum = 1e6),
+        ("periods" = Option<usize>, Query, description = "Periods, 1 if left out", minimum = 1),
     ),
     responses(
         (status = 200, description = "The samples", content((String = "text/csv"), (Object = "application/json"))),

@@ -3,7 +3,7 @@
 use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find, not_multipart};
-use super::schemas::{IdentifyUpload, ValidateUpload};
+use super::schemas::{IdentifyUpload, ModelFormat, ValidateUpload};
 use crate::app::{Code, Error, Problem};
 use crate::io::{IdentifyDocument, ValidateDocument};
 use crate::service::access::Access;
@@ -48,6 +48,8 @@ pub struct ValidationResult {
     params(
         ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
         ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
+        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
+        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
     ),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = IdentificationResult),
@@ -80,6 +82,8 @@ pub async fn post(
     params(
         ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
         ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
+        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
+        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
     ),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = ValidationResult),
@@ -179,13 +183,14 @@ pub async fn get_validation(
     get, path = "/identify/{id}/model", tag = "identification", operation_id = "get_model",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = Option<String>, Query, description = "`json` (default; taken by POST /validate) or `urdf`"),
+        ("format" = Option<ModelFormat>, Query, description = "`json` (default; taken by POST /validate) or `urdf`"),
     ),
     responses(
         (status = 200, description = "The model", content((Object = "application/json"), (String = "application/xml"))),
         (status = 400, description = "Unknown format", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "No result yet, or no model that is a physical robot", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn model(

@@ -1,6 +1,6 @@
 //! Who did what.
 
-use super::{Store, now_us, unavailable};
+use super::{Store, Transaction, now_us, unavailable};
 use crate::app::Error;
 use serde::Serialize;
 use sqlx::Row;
@@ -26,19 +26,9 @@ pub struct AuditEntry {
 
 impl Store {
     pub async fn note(&self, entry: &AuditEntry) -> Result<(), Error> {
-        let done = sqlx::query(
-            "INSERT INTO audit (at_us, request, token, who, action, robot, target) VALUES ($1, $2, $3, $4, $5, $6, $7)",
-        )
-        .bind(now_us())
-        .bind(&entry.request)
-        .bind(&entry.token)
-        .bind(&entry.who)
-        .bind(&entry.action)
-        .bind(&entry.robot)
-        .bind(&entry.target)
-        .execute(&self.pool)
-        .await;
-        done.map(drop).map_err(unavailable)
+        let mut transaction = self.begin().await?;
+        note(&mut transaction, entry).await?;
+        transaction.commit().await.map_err(unavailable)
     }
 
     /// The newest `most` entries, the newest last.
@@ -50,6 +40,22 @@ impl Store {
             .map_err(unavailable)?;
         rows.iter().rev().map(|row| read(row).map_err(unavailable)).collect()
     }
+}
+
+/// Notes what is done in the same transaction: both are there or neither.
+pub(super) async fn note(transaction: &mut Transaction, entry: &AuditEntry) -> Result<(), Error> {
+    let done =
+        sqlx::query("INSERT INTO audit (at_us, request, token, who, action, robot, target) VALUES ($1, $2, $3, $4, $5, $6, $7)")
+            .bind(now_us())
+            .bind(&entry.request)
+            .bind(&entry.token)
+            .bind(&entry.who)
+            .bind(&entry.action)
+            .bind(&entry.robot)
+            .bind(&entry.target)
+            .execute(&mut **transaction)
+            .await;
+    done.map(drop).map_err(unavailable)
 }
 
 fn read(row: &AnyRow) -> Result<AuditEntry, sqlx::Error> {

@@ -1,10 +1,10 @@
 //! Backup and restore: all tables as lines of JSON and all files, in one tar archive that fits either database.
 
-use super::{Dialect, Files, Store, unavailable};
+use super::{Dialect, Files, Store, Transaction, unavailable};
 use crate::app::{Code, Error};
 use serde_json::{Map, Value, json};
+use sqlx::Row;
 use sqlx::any::AnyRow;
-use sqlx::{Row, Transaction};
 use std::io::{Read, Seek, Write};
 use tokio_stream::StreamExt;
 
@@ -189,13 +189,7 @@ async fn take_file(files: &Files, hash: &str, content: &mut impl Read) -> Result
     }
 }
 
-async fn insert(
-    store: &Store,
-    transaction: &mut Transaction<'static, sqlx::Any>,
-    table: &str,
-    columns: &[&str],
-    line: &str,
-) -> Result<(), Error> {
+async fn insert(store: &Store, transaction: &mut Transaction, table: &str, columns: &[&str], line: &str) -> Result<(), Error> {
     let row: Value =
         serde_json::from_str(line).map_err(|e| not_ours(&format!("a line of the table {table} is not JSON: {e}")))?;
     let names: Vec<&str> = columns.iter().map(|c| name(c)).collect();

@@ -1,6 +1,7 @@
 //! Jobs: asking for them, looking at them, cancelling and forgetting them.
 
-use super::{Dialect, Store, now_us, unavailable};
+use super::audit::{AuditEntry, note};
+use super::{Dialect, Store, Transaction, now_us, unavailable};
 use crate::app::{Code, Error};
 use crate::service::work::{Class, Kind};
 use serde_json::Value;
@@ -86,7 +87,7 @@ pub struct Key {
     pub body: String,
 }
 
-/// How many may wait.
+/// How many of a class may wait: long searches that fill their queue do not keep short jobs out.
 #[derive(Debug, Clone, Copy)]
 pub struct Waiting {
     pub in_all: usize,
@@ -137,14 +138,12 @@ impl JobRow {
     }
 }
 
-type Transaction = sqlx::Transaction<'static, sqlx::Any>;
-
 impl Store {
     /// Puts a job into the queue. When this returns, the job is on the disk: it will be done whatever happens to this process.
     ///
     /// # Errors
     /// Too many wait already; the key came with another body before.
-    pub async fn submit(&self, job: &NewJob, key: Option<&Key>, most: Waiting) -> Result<Submission, Error> {
+    pub async fn submit(&self, job: &NewJob, key: Option<&Key>, most: Waiting, entry: &AuditEntry) -> Result<Submission, Error> {
         let mut transaction = self.begin().await?;
         if let Some(key) = key
             && let Some(id) = known(&mut transaction, &job.token, key).await?
@@ -172,6 +171,7 @@ impl Store {
                 return id.map(Submission::Known).ok_or_else(|| unavailable(sqlx::Error::RowNotFound));
             }
         }
+        note(&mut transaction, entry).await?;
         transaction.commit().await.map_err(unavailable)?;
         Ok(Submission::Queued)
     }
@@ -204,23 +204,36 @@ impl Store {
         }
         let row = sqlx::query(
             "SELECT COUNT(*) AS in_all, COUNT(CASE WHEN robot = $1 THEN 1 END) AS of_robot, \
-             COUNT(CASE WHEN token = $2 THEN 1 END) AS of_token FROM jobs WHERE state = 'queued'",
+             COUNT(CASE WHEN token = $2 THEN 1 END) AS of_token FROM jobs WHERE state = 'queued' AND class = $3",
         )
         .bind(&job.robot)
         .bind(&job.token)
+        .bind(job.class.name())
         .fetch_one(&mut **transaction)
         .await
         .map_err(unavailable)?;
         let count = |name: &str| row.try_get::<i64, _>(name).map(|n| n as usize).map_err(unavailable);
         if count("in_all")? >= most.in_all {
-            return Err(Error::new(Code::TooManyJobs, "too many jobs are waiting already"));
+            return Err(Error::new(
+                Code::TooManyJobs,
+                format!("too many {} jobs are waiting already", job.class.name()),
+            ));
         }
         if count("of_robot")? >= most.per_robot {
-            let detail = format!("{} jobs of the robot `{}` are waiting already", most.per_robot, job.robot);
+            let detail = format!(
+                "{} {} jobs of the robot `{}` are waiting already",
+                most.per_robot,
+                job.class.name(),
+                job.robot
+            );
             return Err(Error::new(Code::LimitReached, detail));
         }
         if !job.token.is_empty() && count("of_token")? >= most.per_token {
-            let detail = format!("{} jobs of this token are waiting already", most.per_token);
+            let detail = format!(
+                "{} {} jobs of this token are waiting already",
+                most.per_token,
+                job.class.name()
+            );
             return Err(Error::new(Code::LimitReached, detail));
         }
         Ok(())

@@ -23,12 +23,14 @@ pub use tokens::{Role, TokenRow};
 use crate::app::{Code, Error};
 use sqlx::any::{AnyConnectOptions, AnyPoolOptions, install_default_drivers};
 use sqlx::migrate::{Migration, MigrationType, Migrator};
-use sqlx::{AnyPool, AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr, Transaction};
+use sqlx::{AnyPool, AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr};
 use std::path::Path;
 use std::str::FromStr;
 use std::time::{Duration, SystemTime};
 
 const MIGRATIONS: &[(i64, &str, &str)] = &[(1, "first", include_str!("migrations/0001_first.sql"))];
+
+type Transaction = sqlx::Transaction<'static, sqlx::Any>;
 
 /// Which database this is; statements differ in four words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,7 +152,7 @@ impl Store {
     }
 
     /// A transaction that may write: on SQLite it takes the writer's place at once rather than fail when it first writes.
-    async fn begin(&self) -> Result<Transaction<'static, sqlx::Any>, Error> {
+    async fn begin(&self) -> Result<Transaction, Error> {
         match self.dialect {
             Dialect::Sqlite => self.pool.begin_with("BEGIN IMMEDIATE").await.map_err(unavailable),
             Dialect::Postgres => self.pool.begin().await.map_err(unavailable),

@@ -6,20 +6,11 @@ use serde_json::Value;
 use sqlx::Row;
 
 impl Store {
-    /// Every robot of the lab with its document, by name.
-    pub async fn robots(&self) -> Result<Vec<(String, Value)>, Error> {
-        let rows = sqlx::query("SELECT id, document FROM robots ORDER BY id")
-            .fetch_all(&self.pool)
-            .await
-            .map_err(unavailable)?;
-        rows.iter()
-            .map(|row| {
-                Ok((
-                    row.try_get("id").map_err(unavailable)?,
-                    document(row.try_get("document").map_err(unavailable)?)?,
-                ))
-            })
-            .collect()
+    /// Names of all robots of the lab.
+    pub async fn robots(&self) -> Result<Vec<String>, Error> {
+        let rows = sqlx::query("SELECT id FROM robots ORDER BY id").fetch_all(&self.pool).await;
+        let rows = rows.map_err(unavailable)?;
+        rows.iter().map(|row| row.try_get("id").map_err(unavailable)).collect()
     }
 
     pub async fn robot(&self, id: &str) -> Result<Option<Value>, Error> {

@@ -1,8 +1,9 @@
 //! Shares: searches that idle workers make for a design that another worker runs.
 //!
-//! A share has a lease like a job. It counts only under the lease of the job that it was taken for, and only if it is handed in while the
-//! job still gathers: a share that dies or hangs costs nothing but its own work.
+//! A share has a lease like a job, and counts if it is handed in while the job still gathers: a share that dies or hangs costs nothing but
+//! its own work. What was handed in stays with the job, also when another worker begins it again.
 
+use super::jobs::name_file;
 use super::{Dialect, Store, unavailable};
 use crate::app::Error;
 use sqlx::Row;
@@ -129,6 +130,7 @@ impl Store {
 
     /// Hands a share in, or gives it back where there is no result.
     pub async fn end_share(&self, share: &Share, worker: &str, result: Option<&str>, evaluations: u64) -> Result<(), Error> {
+        let mut transaction = self.begin().await?;
         let sql =
             "UPDATE shares SET result = $4, evaluations = $5, lease_until_us = 0 WHERE job = $1 AND number = $2 AND worker = $3";
         let done = sqlx::query(sql)
@@ -137,16 +139,40 @@ impl Store {
             .bind(worker)
             .bind(result)
             .bind(evaluations as i64)
-            .execute(&self.pool)
-            .await;
-        done.map(drop).map_err(unavailable)
+            .execute(&mut *transaction)
+            .await
+            .map_err(unavailable)?;
+        if let Some(hash) = result.filter(|_| done.rows_affected() == 1) {
+            name_file(&mut transaction, &share.job, hash).await?;
+        }
+        transaction.commit().await.map_err(unavailable)
     }
 
-    /// What the shares of a job have done under a lease.
+    /// Keeps what a search that is put back had found.
+    pub async fn add_share(&self, job: &str, lease: i64, worker: &str, result: &str) -> Result<(), Error> {
+        let mut transaction = self.begin().await?;
+        let sql = "INSERT INTO shares (job, number, lease, worker, lease_until_us, evaluations, result) \
+             SELECT j.id, (SELECT COALESCE(MAX(s.number), 0) + 1 FROM shares s WHERE s.job = j.id), j.lease, $3, 0, 0, $4 \
+             FROM jobs j WHERE j.id = $1 AND j.lease = $2 AND j.state = 'running'";
+        let done = sqlx::query(sql)
+            .bind(job)
+            .bind(lease)
+            .bind(worker)
+            .bind(result)
+            .execute(&mut *transaction)
+            .await
+            .map_err(unavailable)?;
+        if done.rows_affected() == 1 {
+            name_file(&mut transaction, job, result).await?;
+        }
+        transaction.commit().await.map_err(unavailable)
+    }
+
+    /// What the shares of a job have done: those that are in, and those that are out under this lease.
     pub async fn shares(&self, job: &str, lease: i64) -> Result<ShareResult, Error> {
         let sql = self.sql(
             "SELECT evaluations, best, result, CASE WHEN result IS NULL AND lease_until_us >= {now} THEN 1 ELSE 0 END AS out \
-             FROM shares WHERE job = $1 AND lease = $2 ORDER BY number",
+             FROM shares WHERE job = $1 AND (lease = $2 OR result IS NOT NULL) ORDER BY number",
         );
         let rows = sqlx::query(sql)
             .bind(job)
