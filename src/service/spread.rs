@@ -33,7 +33,8 @@ pub fn time_to_spread(request: &Request, class: Class) -> Option<Duration> {
 
 /// Adds what the shares have done to the progress of the search.
 pub async fn with_shares(service: &Service, job: &Claimed, progress: Value) -> Value {
-    let Ok(shares) = service.store().shares(&job.id, job.lease).await else {
+    let shares = service.store().shares(&job.id, job.lease);
+    let Ok(shares) = in_time(LOOK_AGAIN, shares).await else {
         return progress;
     };
     let mut progress = progress;
@@ -168,19 +169,23 @@ async fn search(service: &Service, share: &Share, request: Request) -> Result<(O
             }
         }
     };
-    let Outcome::Excited(excited) = &outcome else {
-        return Ok((None, 0));
+    let evaluations = match &outcome {
+        Outcome::Excited(excited) => excited.document.search.evaluations,
+        _ => so_far.0,
     };
-    let evaluations = excited.document.search.evaluations;
-    let found = excited.series.is_some();
-    Ok((
-        if found {
-            Some(service.files().put(&outcome.document()).await?)
-        } else {
-            None
-        },
-        evaluations,
-    ))
+    let result = match found(&outcome) {
+        Some(document) => Some(service.files().put(&document).await?),
+        None => None,
+    };
+    Ok((result, evaluations))
+}
+
+/// The document of a search that has found a trajectory.
+pub fn found(outcome: &Outcome) -> Option<Vec<u8>> {
+    match outcome {
+        Outcome::Excited(excited) if excited.series.is_some() => Some(outcome.document()),
+        _ => None,
+    }
 }
 
 /// Whether the search wants this share still, and this worker has nothing else to do.

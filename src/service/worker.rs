@@ -19,8 +19,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(500);
 pub(super) const NEWS: Duration = Duration::from_millis(200);
 /// Pause after the database failed.
 const PAUSE: Duration = Duration::from_secs(1);
-/// Time in which a result is written, shares gathered and all; a model of a megabyte takes a second on a slow line.
-const HANDING_IN: Duration = Duration::from_secs(60);
+/// Time in which logs are fetched or a result is written, shares gathered and all: a gigabyte comes over a line of 100 Mbit/s in 80 s.
+const HANDING_IN: Duration = Duration::from_secs(120);
 /// A job whose worker died this often is what kills them.
 const MOST_ATTEMPTS: i64 = 25;
 /// Long searches step back behind everything else on the machine: what is asked for meanwhile gets the processor first.
@@ -123,7 +123,10 @@ enum Done {
 }
 
 async fn run(service: &Service, job: &Claimed, class: Class, cancel: &CancelFlag) -> Done {
-    let prepared = match prepare(service, job).await {
+    let news = News::default();
+    let mut lease = Lease::new(service, job, cancel);
+    let preparing = in_time(HANDING_IN, prepare(service, job));
+    let prepared = match lease.kept_while(&news, preparing).await {
         Ok(prepared) => prepared,
         Err(e) if e.code == Code::StorageUnavailable => return Done::PutBack(None),
         Err(e) => return Done::Ended(without_result(State::Failed, Some(&e)), None),
@@ -131,25 +134,20 @@ async fn run(service: &Service, job: &Claimed, class: Class, cancel: &CancelFlag
     let spread = spread::time_to_spread(&prepared.request, class);
     if let Some(time) = spread {
         // Without it the search is merely not shared.
-        let _ = service.store().spread(&job.id, job.lease, time).await;
+        let _ = in_time(NEWS, service.store().spread(&job.id, job.lease, time)).await;
     }
-    let news = News::default();
     let (flag, told, most_rows) = (cancel.clone(), news.clone(), service.config().most_rows);
-    let mut result = on_a_thread(class, move || prepared.run(most_rows, &flag, &told));
-    let mut lease = Lease::new(service, job, cancel);
-    let mut ticks = interval(NEWS);
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-    let outcome = loop {
-        tokio::select! {
-            outcome = &mut result => break outcome.unwrap_or_else(|_| Err(internal_error())),
-            _ = ticks.tick() => lease.keep(&news).await,
-        }
-    };
+    let result = on_a_thread(class, move || prepared.run(most_rows, &flag, &told));
+    let outcome = lease
+        .kept_while(&news, result)
+        .await
+        .unwrap_or_else(|_| Err(internal_error()));
     lease.keep(&news).await;
     if lease.lost {
         return Done::Lost;
     }
-    let given_up = cancel.is_cancelled() && !lease.cancel_requested && !service.is_temporary();
+    // What was cancelled ends here; what only stopped because the process does goes back.
+    let given_up = service.is_closing() && !lease.cancel_requested && !service.is_temporary();
     match outcome {
         Ok(outcome) if given_up && outcome.status() == "Cancelled" => Done::PutBack(spread.map(|_| Box::new(outcome))),
         Err(_) if given_up => Done::PutBack(None),
@@ -203,6 +201,19 @@ impl<'a> Lease<'a> {
             renewed: Instant::now(),
             cancel_requested: false,
             lost: false,
+        }
+    }
+
+    /// Keeps the job until `work` is done.
+    async fn kept_while<T>(&mut self, news: &News, work: impl Future<Output = T>) -> T {
+        tokio::pin!(work);
+        let mut ticks = interval(NEWS);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            tokio::select! {
+                done = &mut work => return done,
+                _ = ticks.tick() => self.keep(news).await,
+            }
         }
     }
 
