@@ -96,14 +96,14 @@ pub struct PredictedDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct MarginDocument {
     pub joint: String,
-    /// `position`, `velocity`, `acceleration` or `jerk`.
+    /// `position`, `velocity`, `acceleration`, `jerk`, or with torque limits `torque`.
     pub quantity: &'static str,
     /// `lower` or `upper`.
     pub side: &'static str,
     pub limit: f64,
     /// Extreme value reached.
     pub peak: f64,
-    /// Proven bound on the extreme over all time.
+    /// Bound on the extreme over all time: proven for motions; for torques the extreme of a dense sampling and half its largest step.
     pub certified_peak: f64,
     /// Time of the extreme (s).
     pub at_s: f64,
@@ -137,6 +137,8 @@ pub struct SearchDocument {
     pub evaluations: u64,
     pub rounds: usize,
     pub elapsed_s: f64,
+    /// Searches that took part, one on every machine that had nothing else to do; the best of all is the result.
+    pub searches: usize,
 }
 
 impl DesignDocument {
@@ -171,6 +173,7 @@ impl DesignDocument {
                 evaluations: design.evaluations,
                 rounds: design.rounds,
                 elapsed_s,
+                searches: 1,
             },
             robot: problem.robot().name().to_string(),
             notes: request.notes.clone(),
@@ -233,9 +236,9 @@ fn margin_document(joint: &Joint, m: &Margin) -> MarginDocument {
 
 fn unit(joint: &Joint, quantity: Quantity) -> &'static str {
     let units = if joint.is_revolute() {
-        ["rad", "rad/s", "rad/s^2", "rad/s^3"]
+        ["rad", "rad/s", "rad/s^2", "rad/s^3", "N m"]
     } else {
-        ["m", "m/s", "m/s^2", "m/s^3"]
+        ["m", "m/s", "m/s^2", "m/s^3", "N"]
     };
     units[quantity as usize]
 }

@@ -3,6 +3,7 @@
 mod access;
 pub mod api;
 mod config;
+mod design;
 mod document;
 mod folder;
 mod known;

@@ -3,6 +3,7 @@
 //! The searches are independent, so that their evaluations add up without waiting for each other and a worker that is lost takes nothing
 //! with it but its own. A search that is limited by a number of evaluations is not spread: it gives the same answer everywhere.
 
+use super::design::Motion;
 use super::progress::News;
 use super::state::Service;
 use super::store::{Claimed, Share};
@@ -10,6 +11,7 @@ use super::work::{Class, Input, Outcome, Request};
 use super::worker::{NEWS, in_time, on_a_thread};
 use crate::app::{CancelFlag, Error};
 use crate::io::ExcitationRequest;
+use crate::trajectory::FourierSeries;
 use serde_json::{Value, json};
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
@@ -70,6 +72,16 @@ pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome) -> Resu
     Ok(best_of(documents).to_string().into_bytes())
 }
 
+/// Where an earlier life of the search, put back or on a worker that was lost, had come.
+pub async fn best_so_far(service: &Service, job: &Claimed) -> Result<Option<FourierSeries>, Error> {
+    let mut documents: Vec<Value> = Vec::new();
+    for hash in service.store().shares(&job.id, job.lease).await?.results {
+        documents.push(serde_json::from_slice(&service.files().read(&hash).await?).unwrap_or_default());
+    }
+    let motion = serde_json::from_value::<Motion>(best_of(documents)).ok();
+    Ok(motion.and_then(Motion::series))
+}
+
 /// The best of several documents of one design; how the search ended is told by the first.
 fn best_of(documents: Vec<Value>) -> Value {
     let reached = |d: &Value| {
@@ -78,7 +90,7 @@ fn best_of(documents: Vec<Value>) -> Value {
     };
     let value = |d: &Value| reached(d).unwrap_or(f64::INFINITY);
     let sum = |field: &str| documents.iter().filter_map(|d| d["search"][field].as_u64()).sum::<u64>();
-    let (evaluations, rounds) = (sum("evaluations"), sum("rounds"));
+    let (evaluations, rounds, searches) = (sum("evaluations"), sum("rounds"), documents.len());
     let starts: Vec<Value> = documents
         .iter()
         .filter_map(|d| d["starts"].as_array())
@@ -96,6 +108,7 @@ fn best_of(documents: Vec<Value>) -> Value {
     best["search"] = first["search"].clone();
     best["search"]["evaluations"] = json!(evaluations);
     best["search"]["rounds"] = json!(rounds);
+    best["search"]["searches"] = json!(searches);
     best["request"] = first["request"].clone();
     best["starts"] = json!(starts);
     best

@@ -125,7 +125,7 @@ enum Done {
 async fn run(service: &Service, job: &Claimed, class: Class, cancel: &CancelFlag) -> Done {
     let news = News::default();
     let mut lease = Lease::new(service, job, cancel);
-    let preparing = in_time(HANDING_IN, prepare(service, job));
+    let preparing = in_time(HANDING_IN, prepare(service, job, class));
     let prepared = match lease.kept_while(&news, preparing).await {
         Ok(prepared) => prepared,
         Err(e) if e.code == Code::StorageUnavailable => return Done::PutBack(None),
@@ -263,7 +263,7 @@ struct Prepared {
     validation: Vec<LogFile>,
 }
 
-async fn prepare(service: &Service, job: &Claimed) -> Result<Prepared, Error> {
+async fn prepare(service: &Service, job: &Claimed, class: Class) -> Result<Prepared, Error> {
     let content = service.files().read(&job.input).await?;
     let input: Input = serde_json::from_slice(&content)
         .map_err(|e| Error::new(Code::Internal, format!("a stored request cannot be read: {e}")))?;
@@ -271,8 +271,15 @@ async fn prepare(service: &Service, job: &Claimed) -> Result<Prepared, Error> {
     let validation = local(service, &input.validation).await?;
     let kind = job.kind;
     let request = tokio::task::spawn_blocking(move || Request::of(kind, &input)).await;
+    let mut request = request.map_err(|_| internal_error())??;
+    if spread::time_to_spread(&request, class).is_some()
+        && let Request::Excite(search) = &mut request
+        && let Some(series) = spread::best_so_far(service, job).await?
+    {
+        search.earlier = Some(series);
+    }
     Ok(Prepared {
-        request: request.map_err(|_| internal_error())??,
+        request,
         logs,
         validation,
     })

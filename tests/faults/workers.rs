@@ -120,13 +120,9 @@ fn idle_workers_share_a_search_and_the_best_of_all_is_the_result() {
     let started = Instant::now();
     let found = result(&server, &id);
     assert!(started.elapsed() < Duration::from_secs(12), "{:?}", started.elapsed());
-    // The starts of all are told, each with the evaluations it took: together no more than were made.
-    let told = found["starts"].as_array().unwrap();
-    let of_starts: u64 = told.iter().filter_map(|s| s["evaluations"].as_u64()).sum();
-    assert!(of_starts <= found["search"]["evaluations"].as_u64().unwrap());
+    // The killed one's share never came in.
+    assert_eq!(found["search"]["searches"], 2, "{}", found["search"]);
     assert_eq!(found["request"], search(8.0));
-    // Eight random starts a round and two such rounds open every search: with more than sixteen, more than one search came in.
-    assert!(told.len() > 16, "{} starts", told.len());
     drop((first, third));
 }
 

@@ -8,6 +8,7 @@ use crate::app::Problem;
 use crate::app::{Code, Error};
 use crate::io::{DesignDocument, TableFormat, trajectory_csv, trajectory_json};
 use crate::service::access::Access;
+use crate::service::design::Motion;
 use crate::service::document::JsonBody;
 use crate::service::prefer::PreferWait;
 use crate::service::problem::{Failure, internal_error};
@@ -20,8 +21,7 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
-use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// The result of a design, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
@@ -160,38 +160,6 @@ pub async fn trajectory(
         TableFormat::Json => Json(trajectory_json(&series, rate_hz, periods)).into_response(),
     });
     written.await.map_err(|_| Failure(internal_error()))
-}
-
-/// What of a design makes its motion.
-#[derive(Deserialize)]
-struct Motion {
-    coefficients: Option<Sides>,
-    offset: Option<Vec<f64>>,
-    fundamental_hz: f64,
-    sample_rate_hz: f64,
-}
-
-#[derive(Deserialize)]
-struct Sides {
-    a: Vec<Vec<f64>>,
-    b: Vec<Vec<f64>>,
-}
-
-impl Motion {
-    /// `None` where the search ended without a trajectory.
-    fn series(self) -> Option<FourierSeries> {
-        let matrix = |rows: Vec<Vec<f64>>| {
-            let columns = rows.first().map_or(0, Vec::len);
-            DMatrix::from_row_iterator(rows.len(), columns, rows.into_iter().flatten())
-        };
-        let Sides { a, b } = self.coefficients?;
-        Some(FourierSeries {
-            fundamental_hz: self.fundamental_hz,
-            a: matrix(a),
-            b: matrix(b),
-            offset: self.offset?,
-        })
-    }
 }
 
 async fn series_of(service: &Service, job: &JobRow) -> Result<(FourierSeries, f64), Failure> {
