@@ -107,8 +107,8 @@ pub async fn get(
     get, path = "/excitation/{id}/trajectory", tag = "excitation", operation_id = "get_trajectory",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = Option<TrajectoryFormat>, Query, description = "`csv` (default) or `json`"),
-        ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out", maximum = 1e6),
+        ("format" = inline(Option<TrajectoryFormat>), Query, description = "`csv` (default) or `json`"),
+        ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out", maximum = 1000000),
         ("periods" = Option<usize>, Query, description = "Periods, 1 if left out", minimum = 1),
     ),
     responses(

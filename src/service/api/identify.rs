@@ -183,7 +183,7 @@ pub async fn get_validation(
     get, path = "/identify/{id}/model", tag = "identification", operation_id = "get_model",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = Option<ModelFormat>, Query, description = "`json` (default; taken by POST /validate) or `urdf`"),
+        ("format" = inline(Option<ModelFormat>), Query, description = "`json` (default; taken by POST /validate) or `urdf`"),
     ),
     responses(
         (status = 200, description = "The model", content((Object = "application/json"), (String = "application/xml"))),
