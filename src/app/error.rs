@@ -25,7 +25,12 @@ pub enum Code {
     PayloadTooLarge,
     UnsupportedMediaType,
     TooManyJobs,
+    LimitReached,
+    RateLimited,
     ShuttingDown,
+    StorageUnavailable,
+    Unauthorized,
+    Forbidden,
     FileUnreadable,
     FileUnwritable,
     AddressUnavailable,
@@ -37,7 +42,7 @@ pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 
 impl Code {
-    pub const ALL: [Code; 24] = {
+    pub const ALL: [Code; 29] = {
         use Code::*;
         [
             MalformedDocument,
@@ -59,7 +64,12 @@ impl Code {
             PayloadTooLarge,
             UnsupportedMediaType,
             TooManyJobs,
+            LimitReached,
+            RateLimited,
             ShuttingDown,
+            StorageUnavailable,
+            Unauthorized,
+            Forbidden,
             FileUnreadable,
             FileUnwritable,
             AddressUnavailable,
@@ -119,6 +129,21 @@ impl Code {
                 "The document is of the wrong type",
             ),
             Code::TooManyJobs => ("too_many_jobs", 503, EXIT_INTERNAL, "Too many jobs are waiting"),
+            Code::LimitReached => (
+                "limit_reached",
+                429,
+                EXIT_INTERNAL,
+                "Too many jobs of this robot or token are waiting",
+            ),
+            Code::RateLimited => ("rate_limited", 429, EXIT_INTERNAL, "Too many requests"),
+            Code::StorageUnavailable => (
+                "storage_unavailable",
+                503,
+                EXIT_INTERNAL,
+                "Database or data folder cannot be used",
+            ),
+            Code::Unauthorized => ("unauthorized", 401, EXIT_BAD_INPUT, "A token is needed"),
+            Code::Forbidden => ("forbidden", 403, EXIT_BAD_INPUT, "The token does not allow this"),
             Code::ShuttingDown => ("shutting_down", 503, EXIT_INTERNAL, "The server is shutting down"),
             Code::FileUnreadable => ("file_unreadable", 500, EXIT_BAD_INPUT, "A file cannot be read"),
             Code::FileUnwritable => ("file_unwritable", 500, EXIT_BAD_INPUT, "A file cannot be written"),

@@ -12,7 +12,13 @@ mod openapi;
 mod render;
 #[cfg(feature = "service")]
 mod serve;
+#[cfg(feature = "service")]
+mod settings;
 mod simulate;
+#[cfg(feature = "service")]
+mod store;
+#[cfg(feature = "service")]
+mod token;
 mod validate;
 
 use crate::app::Error;
@@ -65,7 +71,25 @@ enum Command {
     BaseParameters(base_parameters::Arguments),
     /// Serve the HTTP interface.
     #[cfg(feature = "service")]
-    Serve(serve::Arguments),
+    Serve(Box<serve::Arguments>),
+    /// Do jobs of a server's PostgreSQL database on this machine.
+    #[cfg(feature = "service")]
+    Worker(Box<serve::Arguments>),
+    /// Print the settings of serve and worker, and where they come from.
+    #[cfg(feature = "service")]
+    Config(Box<serve::Arguments>),
+    /// Make, list and revoke bearer tokens.
+    #[cfg(feature = "service")]
+    Token(token::Arguments),
+    /// Print who did what.
+    #[cfg(feature = "service")]
+    Audit(store::AuditArguments),
+    /// Write all stored data to an archive; a server may go on meanwhile.
+    #[cfg(feature = "service")]
+    Backup(store::BackupArguments),
+    /// Fill an empty data folder or database from an archive.
+    #[cfg(feature = "service")]
+    Restore(store::BackupArguments),
     /// Print the OpenAPI document of the HTTP interface.
     #[cfg(feature = "service")]
     Openapi,
@@ -94,6 +118,18 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
         Command::BaseParameters(arguments) => base_parameters::run(&arguments, json),
         #[cfg(feature = "service")]
         Command::Serve(arguments) => serve::run(&arguments),
+        #[cfg(feature = "service")]
+        Command::Worker(arguments) => serve::run_worker(&arguments),
+        #[cfg(feature = "service")]
+        Command::Config(arguments) => serve::run_config(&arguments),
+        #[cfg(feature = "service")]
+        Command::Token(arguments) => token::run(&arguments, json),
+        #[cfg(feature = "service")]
+        Command::Audit(arguments) => store::run_audit(&arguments, json),
+        #[cfg(feature = "service")]
+        Command::Backup(arguments) => store::run_backup(&arguments),
+        #[cfg(feature = "service")]
+        Command::Restore(arguments) => store::run_restore(&arguments),
         #[cfg(feature = "service")]
         Command::Openapi => openapi::run(),
     }

@@ -157,6 +157,8 @@ pub struct SearchDocument {
     pub evaluations: u64,
     pub rounds: usize,
     pub elapsed_s: f64,
+    /// Searches that took part, one on every machine that had nothing else to do; the best of all is the result.
+    pub searches: usize,
 }
 
 impl DesignDocument {
@@ -203,6 +205,7 @@ impl DesignDocument {
                 evaluations: design.evaluations,
                 rounds: design.rounds,
                 elapsed_s,
+                searches: 1,
             },
             robot: problem.robot().name().to_string(),
             notes: request.notes.clone(),

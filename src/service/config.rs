@@ -1,33 +1,83 @@
 //! What an operator may choose.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
-/// Bounds of the service.
+/// Bounds and places of the service.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// Searches that run at the same time. A search uses all cores, so more than one shares them.
+    /// Folder of the database, logs and results. Without one a temporary folder is used that goes with the server.
+    pub data: Option<PathBuf>,
+    /// Address of a PostgreSQL database; SQLite in the data folder without one.
+    pub database_url: Option<String>,
+    /// Long searches that run at the same time. Each uses all cores, so more than one shares them. 0 leaves the work to workers.
     pub concurrent_jobs: usize,
-    /// Jobs that may wait; further ones are refused with `too_many_jobs`.
+    /// Short jobs that run at the same time, beside the long ones. 0 leaves the work to workers.
+    pub short_jobs: usize,
+    /// A search that may take longer than this is long (s).
+    pub shortest_long_s: f64,
+    /// Jobs of one robot that run at the same time in each of the two classes; `None` for no bound.
+    pub running_per_robot: Option<usize>,
+    /// Jobs that may wait, short and long ones each; further ones are refused with `too_many_jobs`.
     pub waiting_jobs: usize,
-    /// Finished jobs whose results are kept; the oldest go first.
-    pub kept_jobs: usize,
+    /// Jobs of one robot that may wait, short and long ones each.
+    pub waiting_per_robot: usize,
+    /// Jobs of one token that may wait, short and long ones each.
+    pub waiting_per_token: usize,
+    /// Ended jobs whose results are kept; the oldest go first. `None` keeps all.
+    pub kept_jobs: Option<usize>,
+    /// Time after which a job is given to another worker when its own is not heard of.
+    pub lease: Duration,
     /// Longest time that `Prefer: wait` holds an answer back.
     pub longest_wait: Duration,
+    /// Longest search that may be asked for (s).
+    pub longest_search_s: f64,
+    /// Most joints of a robot.
+    pub most_joints: usize,
+    /// Highest order of a Fourier series.
+    pub highest_order: usize,
+    /// Most rows of a log.
+    pub most_rows: usize,
     /// Largest document accepted (bytes). URDF files with many links reach a few hundred kilobytes.
     pub largest_document: usize,
     /// Largest multipart body accepted, all its logs together (bytes). Two hours of seven joints at 1 kHz are 1.3 GB of text.
     pub largest_upload: usize,
+    /// Requests that one client (a token, or an address) may make per second over a longer time; `None` for no bound.
+    pub requests_per_second: Option<u64>,
+    /// Requests that it may make at once.
+    pub request_burst: u32,
+    /// Whether every request needs a bearer token.
+    pub tokens_required: bool,
+    /// Whether requests that came through a proxy are refused: right for a server that is open because it serves its own machine only.
+    pub refuse_forwarded: bool,
 }
 
 impl Default for Config {
     fn default() -> Self {
         Self {
+            data: None,
+            database_url: None,
             concurrent_jobs: 1,
-            waiting_jobs: 100,
-            kept_jobs: 1000,
+            short_jobs: 2,
+            shortest_long_s: 5.0,
+            running_per_robot: None,
+            waiting_jobs: 1000,
+            waiting_per_robot: 200,
+            waiting_per_token: 500,
+            kept_jobs: None,
+            lease: Duration::from_secs(15),
             longest_wait: Duration::from_secs(600),
+            longest_search_s: 86_400.0,
+            most_joints: 32,
+            highest_order: 50,
+            // Two hours at 1 kHz, as for the largest upload.
+            most_rows: 7_200_000,
             largest_document: 8 << 20,
             largest_upload: 2 << 30,
+            requests_per_second: Some(100),
+            request_burst: 1000,
+            tokens_required: false,
+            refuse_forwarded: true,
         }
     }
 }

@@ -1,45 +1,78 @@
 //! The HTTP service: routes with their documentation, jobs, and errors as problem documents.
 
+mod access;
 pub mod api;
 mod config;
+mod design;
 mod document;
-mod jobs;
+mod folder;
+mod known;
+mod metrics;
 mod prefer;
 mod problem;
+mod progress;
+mod rate;
 mod router;
+mod rows;
+mod spread;
 mod state;
+pub mod store;
+mod submit;
 mod telemetry;
+mod upkeep;
 mod upload;
 mod work;
+mod worker;
 
+pub use access::new_token;
 pub use config::Config;
 pub use router::{openapi_json, router};
 pub use state::Service;
 pub use telemetry::log_to_stderr;
 
+use crate::app::{Code, Error};
 use std::future::Future;
+use std::net::SocketAddr;
 use tokio::net::TcpListener;
 
-/// Serves on `listener` until `shutdown` resolves; then jobs are cancelled, their results handed to those who wait, open answers
-/// finished, and the function returns.
+/// Serves on `listener` until `shutdown` resolves; then running jobs go back into the queue, or, where the data does not outlive the
+/// process, end with the best they have, open answers are finished, and the function returns.
 ///
 /// # Errors
-/// The listener fails.
+/// Data folder or database cannot be used; the listener fails.
 pub async fn serve(
     listener: TcpListener,
     config: Config,
     shutdown: impl Future<Output = ()> + Send + 'static,
-) -> std::io::Result<()> {
-    let service = Service::start(config);
+) -> Result<(), Error> {
+    let service = Service::open(config).await?;
+    worker::start(&service);
+    upkeep::start(&service);
     let closing = service.clone();
     let graceful = async move {
         shutdown.await;
         tracing::info!("shutting down");
-        closing.jobs().close();
+        closing.close();
     };
-    axum::serve(listener, router(service.clone()))
-        .with_graceful_shutdown(graceful)
-        .await?;
-    service.jobs().drained().await;
+    let router = router(service.clone()).into_make_service_with_connect_info::<SocketAddr>();
+    let served = axum::serve(listener, router).with_graceful_shutdown(graceful).await;
+    service.close();
+    service.drained().await;
+    service.store().close().await;
+    served.map_err(|e| Error::new(Code::Internal, format!("the server failed: {e}")))
+}
+
+/// Does jobs of a shared database until `shutdown` resolves; then running jobs go back into the queue, and the function returns.
+///
+/// # Errors
+/// Data folder or database cannot be used.
+pub async fn work(config: Config, shutdown: impl Future<Output = ()> + Send + 'static) -> Result<(), Error> {
+    let service = Service::open(config).await?;
+    worker::start(&service);
+    shutdown.await;
+    tracing::info!("shutting down");
+    service.close();
+    service.drained().await;
+    service.store().close().await;
     Ok(())
 }

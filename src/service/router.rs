@@ -1,20 +1,24 @@
 //! All routes. A route and its documentation are registered together.
 
+use super::access::authenticate;
 use super::api;
 use super::config::Config;
 use super::problem::{Failure, internal_error};
+use super::rate;
 use super::state::Service;
 use super::telemetry::identify_and_log;
 use crate::app::{Code, Error};
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::Uri;
+use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
+use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityScheme};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use utoipa_swagger_ui::SwaggerUi;
@@ -37,13 +41,18 @@ use utoipa_swagger_ui::SwaggerUi;
 )]
 struct ApiDocument;
 
-fn documented(largest_upload: usize) -> (Router<Service>, Document) {
+/// Routes with their document: those that need to know who asks, and those that do not.
+fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Document) {
     let uploads = OpenApiRouter::new()
         .routes(routes!(api::identify::post))
         .routes(routes!(api::identify::post_validation))
         // Logs are streamed to disk: their bound is not that of documents, which are held in memory.
         .layer(DefaultBodyLimit::max(largest_upload));
-    OpenApiRouter::with_openapi(ApiDocument::openapi())
+    let open = OpenApiRouter::new()
+        .routes(routes!(api::health::live))
+        .routes(routes!(api::health::ready));
+    let (open, open_document) = open.split_for_parts();
+    let (routes, mut document) = OpenApiRouter::with_openapi(ApiDocument::openapi())
         .routes(routes!(api::excitation::post))
         .routes(routes!(api::excitation::get))
         .routes(routes!(api::excitation::trajectory))
@@ -57,15 +66,51 @@ fn documented(largest_upload: usize) -> (Router<Service>, Document) {
         .routes(routes!(api::robots::list, api::robots::post))
         .routes(routes!(api::robots::get, api::robots::put, api::robots::delete))
         .routes(routes!(api::robots::base_parameters))
-        .routes(routes!(api::health::live))
-        .routes(routes!(api::health::ready))
-        .split_for_parts()
+        .routes(routes!(api::health::metrics))
+        .split_for_parts();
+    say_what_any_may_answer(&mut document);
+    document.merge(open_document);
+    (routes, open, document)
+}
+
+/// Every address that asks for tokens may refuse.
+fn say_what_any_may_answer(document: &mut Document) {
+    use utoipa::openapi::{ContentBuilder, Ref, ResponseBuilder, security::SecurityRequirement};
+    let scheme = HttpBuilder::new().scheme(HttpAuthScheme::Bearer).build();
+    let components = document.components.get_or_insert_with(Default::default);
+    components
+        .security_schemes
+        .insert("token".to_string(), SecurityScheme::Http(scheme).into());
+    let problem = |text: &str| {
+        let content = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem"))).build();
+        ResponseBuilder::new()
+            .description(text)
+            .content("application/problem+json", content)
+            .build()
+    };
+    let all = [
+        ("401", "No bearer token, or one that is not known, where tokens are needed"),
+        ("403", "The token's role or robots do not allow it"),
+        ("429", "Too many requests, or too many waiting jobs; see `Retry-After`"),
+        ("503", "Database or disk fail, or too many jobs wait; see `Retry-After`"),
+    ];
+    for item in document.paths.paths.values_mut() {
+        let operations = [&mut item.get, &mut item.put, &mut item.post, &mut item.delete];
+        for operation in operations.into_iter().flatten() {
+            for (status, text) in all {
+                let answers = &mut operation.responses.responses;
+                answers.entry(status.to_string()).or_insert_with(|| problem(text).into());
+            }
+            let token = SecurityRequirement::new("token", Vec::<String>::new());
+            operation.security = Some(vec![SecurityRequirement::default(), token]);
+        }
+    }
 }
 
 /// The interface as an OpenAPI document, as it is checked in under `openapi/`.
 pub fn openapi_json() -> String {
     let mut text = documented(Config::default().largest_upload)
-        .1
+        .2
         .to_pretty_json()
         .expect("an OpenAPI document is plain data");
     text.push('\n');
@@ -74,9 +119,15 @@ pub fn openapi_json() -> String {
 
 /// The service as a tower of routes and layers.
 pub fn router(service: Service) -> Router {
-    let (routes, document) = documented(service.config().largest_upload);
+    let (routes, open, document) = documented(service.config().largest_upload);
     let largest = service.config().largest_document;
+    let routes = routes.layer(from_fn_with_state(service.clone(), authenticate));
+    let routes = match rate::limit(service.config()) {
+        Some(layer) => routes.layer(layer),
+        None => routes,
+    };
     routes
+        .merge(open)
         .route("/", get(api::pages::landing))
         .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
         .fallback(nothing_here)
@@ -85,7 +136,7 @@ pub fn router(service: Service) -> Router {
         // Events must go out as they happen: the compressor leaves text/event-stream alone.
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(panicked))
-        .layer(axum::middleware::from_fn(identify_and_log))
+        .layer(from_fn_with_state(service.clone(), identify_and_log))
         .with_state(service)
 }
 

@@ -1,108 +1,183 @@
 //! What the handlers share.
 
+use super::access::Access;
 use super::config::Config;
-use super::jobs::Jobs;
-use crate::app::{Code, Error};
-use crate::io::shipped::{ROBOTS, Shipped};
-use crate::io::{NamedRobots, RobotDocument};
+use super::folder::DataFolder;
+use super::known::{is_shipped, shipped, shipped_names};
+use super::metrics::Metrics;
+use super::store::{Files, Store};
+use crate::app::{CancelFlag, Code, Error};
 use serde_json::Value;
-use std::collections::BTreeMap;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::{Notify, Semaphore, broadcast};
 
-/// The service: configuration, robots, jobs. Clones share.
+/// The service: configuration, database, files, and what this process does just now. Clones share.
 #[derive(Clone)]
 pub struct Service(Arc<Inner>);
 
 struct Inner {
     config: Config,
-    robots: RwLock<BTreeMap<String, LabRobot>>,
-    jobs: Jobs,
+    folder: DataFolder,
+    store: Store,
+    files: Files,
+    metrics: Metrics,
+    /// Ids of jobs that changed in this process. Those that changed elsewhere are found by looking.
+    changes: broadcast::Sender<Arc<str>>,
+    /// Told when there is work.
+    work: Notify,
+    /// Jobs that run here.
+    running: Mutex<HashMap<String, CancelFlag>>,
+    closing: AtomicBool,
+    /// One permit for every job that runs here; closing takes them all.
+    idle: Semaphore,
 }
 
-/// A robot of the lab, as it was given and as it was read.
-#[derive(Debug, Clone)]
-pub struct LabRobot {
-    pub document: Value,
-    pub read: RobotDocument,
-}
-
-/// A robot in the list.
-#[derive(Debug, Clone)]
-pub struct ListedRobot {
-    pub id: String,
-    pub shipped: bool,
-    pub read: RobotDocument,
-}
+/// Changes that a slow listener may fall behind before it looks at the database instead.
+const CHANGES_KEPT: usize = 1024;
+/// More jobs than any machine runs at the same time.
+const PLACES: usize = 10_000;
 
 impl Service {
-    /// Starts the workers; needs a running tokio runtime.
-    pub fn start(config: Config) -> Self {
-        let jobs = Jobs::start(&config);
-        Self(Arc::new(Inner {
+    /// Opens data folder and database.
+    ///
+    /// # Errors
+    /// Either cannot be used.
+    pub async fn open(config: Config) -> Result<Self, Error> {
+        let folder = DataFolder::take(config.data.as_deref())?;
+        let store = match &config.database_url {
+            Some(url) => Store::at(url).await?,
+            None => Store::in_folder(folder.path()).await?,
+        };
+        let files = Files::in_folder(folder.path(), &store)?;
+        files.clear_incoming()?;
+        let again = store.release_all_of(&folder.worker).await?;
+        if again > 0 {
+            tracing::warn!(jobs = again, "jobs that the last process left unfinished are done again");
+        }
+        Ok(Self(Arc::new(Inner {
             config,
-            robots: RwLock::default(),
-            jobs,
-        }))
+            folder,
+            store,
+            files,
+            metrics: Metrics::default(),
+            changes: broadcast::channel(CHANGES_KEPT).0,
+            work: Notify::new(),
+            running: Mutex::default(),
+            closing: AtomicBool::new(false),
+            idle: Semaphore::new(PLACES),
+        })))
     }
 
     pub fn config(&self) -> &Config {
         &self.0.config
     }
 
-    pub(super) fn jobs(&self) -> &Jobs {
-        &self.0.jobs
+    pub fn store(&self) -> &Store {
+        &self.0.store
     }
 
-    pub(super) fn list_robots(&self) -> Vec<ListedRobot> {
-        let shipped = ROBOTS.iter().filter_map(|(id, _)| {
-            Some(ListedRobot {
-                id: id.to_string(),
-                shipped: true,
-                read: Shipped.named(id)?,
-            })
-        });
-        let robots = self.read_robots();
-        let lab = robots.iter().map(|(id, robot)| ListedRobot {
-            id: id.clone(),
-            shipped: false,
-            read: robot.read.clone(),
-        });
-        shipped.chain(lab).collect()
+    pub fn files(&self) -> &Files {
+        &self.0.files
     }
 
-    fn read_robots(&self) -> std::sync::RwLockReadGuard<'_, BTreeMap<String, LabRobot>> {
-        // The map is whole at every moment: a panic elsewhere while it was locked does not spoil it.
-        self.0.robots.read().unwrap_or_else(PoisonError::into_inner)
+    pub(super) fn metrics(&self) -> &Metrics {
+        &self.0.metrics
     }
 
-    fn write_robots(&self) -> std::sync::RwLockWriteGuard<'_, BTreeMap<String, LabRobot>> {
-        self.0.robots.write().unwrap_or_else(PoisonError::into_inner)
+    /// Name of this process among workers.
+    pub(super) fn worker(&self) -> &str {
+        &self.0.folder.worker
     }
 
-    pub(super) fn robot(&self, id: &str) -> Result<LabRobot, Error> {
-        if let Some((_, text)) = ROBOTS.iter().find(|(known, _)| *known == id) {
-            let document = serde_json::from_str(text).expect("shipped documents are JSON");
-            return Ok(LabRobot {
-                document,
-                read: Shipped.named(id).expect("listed"),
-            });
+    /// Whether nothing outlives the process.
+    pub(super) fn is_temporary(&self) -> bool {
+        self.0.folder.is_temporary()
+    }
+
+    pub(super) fn changes(&self) -> &broadcast::Sender<Arc<str>> {
+        &self.0.changes
+    }
+
+    /// Tells whoever follows the job.
+    pub(super) fn changed(&self, id: &str) {
+        // Nobody follows: then nobody has to be told.
+        let _ = self.0.changes.send(id.into());
+    }
+
+    pub(super) fn work(&self) -> &Notify {
+        &self.0.work
+    }
+
+    pub(super) fn idle(&self) -> &Semaphore {
+        &self.0.idle
+    }
+
+    pub(super) fn running(&self) -> MutexGuard<'_, HashMap<String, CancelFlag>> {
+        // The map is whole at every moment.
+        self.0.running.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes no further jobs; those that run here end, or go back into the queue where that outlives the process.
+    pub fn close(&self) {
+        self.0.closing.store(true, Ordering::SeqCst);
+        self.running().values().for_each(CancelFlag::cancel);
+        self.0.work.notify_waiters();
+    }
+
+    pub fn is_closing(&self) -> bool {
+        self.0.closing.load(Ordering::SeqCst)
+    }
+
+    /// Resolves when no job runs here any more.
+    pub async fn drained(&self) {
+        let _ = self.0.idle.acquire_many(PLACES as u32).await;
+    }
+
+    /// Writes the audit log.
+    pub(super) async fn note(&self, access: &Access, action: &str, robot: &str, target: &str) -> Result<(), Error> {
+        self.store().note(&access.entry(action, robot, target)).await
+    }
+
+    /// Names of all robots that `access` sees.
+    pub(super) async fn robot_names(&self, access: &Access) -> Result<Vec<String>, Error> {
+        let lab = self.store().robots().await?;
+        let seen = lab.into_iter().filter(|id| access.sees(id));
+        Ok(shipped_names().into_iter().chain(seen).collect())
+    }
+
+    /// Document of a robot, if `access` sees it; those that come with the program are everybody's.
+    pub(super) async fn robot(&self, id: &str, access: &Access) -> Result<Value, Error> {
+        if let Some(document) = shipped(id) {
+            return Ok(document);
         }
-        self.read_robots().get(id).cloned().ok_or_else(|| unknown_robot(id))
+        let kept = match access.sees(id) {
+            true => self.store().robot(id).await?,
+            false => None,
+        };
+        kept.ok_or_else(|| unknown_robot(id))
     }
 
     /// Keeps a robot under `id`; `true` if it is new.
-    pub(super) fn put_robot(&self, id: &str, robot: LabRobot, replace: bool) -> Result<bool, Error> {
+    pub(super) async fn put_robot(&self, id: &str, robot: &Value, replace: bool, access: &Access) -> Result<bool, Error> {
         refuse_shipped(id)?;
-        let mut robots = self.write_robots();
-        if !replace && robots.contains_key(id) {
-            return Err(Error::new(Code::RobotExists, format!("the robot `{id}` exists")).with_hint("PUT replaces it"));
+        if !access.sees(id) {
+            return Err(unknown_robot(id));
         }
-        Ok(robots.insert(id.to_string(), robot).is_none())
+        let kept = self.store().put_robot(id, robot, replace).await?;
+        let exists = || Error::new(Code::RobotExists, format!("the robot `{id}` exists")).with_hint("PUT replaces it");
+        let new = kept.ok_or_else(exists)?;
+        self.note(access, "put_robot", id, id).await?;
+        Ok(new)
     }
 
-    pub(super) fn remove_robot(&self, id: &str) -> Result<(), Error> {
+    pub(super) async fn remove_robot(&self, id: &str, access: &Access) -> Result<(), Error> {
         refuse_shipped(id)?;
-        self.write_robots().remove(id).map(drop).ok_or_else(|| unknown_robot(id))
+        if !access.sees(id) || !self.store().remove_robot(id).await? {
+            return Err(unknown_robot(id));
+        }
+        self.note(access, "delete_robot", id, id).await
     }
 }
 
@@ -111,18 +186,8 @@ fn unknown_robot(id: &str) -> Error {
 }
 
 fn refuse_shipped(id: &str) -> Result<(), Error> {
-    match ROBOTS.iter().any(|(known, _)| *known == id) {
+    match is_shipped(id) {
         true => Err(Error::new(Code::RobotReadOnly, format!("`{id}` comes with the program")).with_hint("use another name")),
         false => Ok(()),
-    }
-}
-
-impl NamedRobots for Service {
-    fn named(&self, name: &str) -> Option<RobotDocument> {
-        self.robot(name).ok().map(|r| r.read)
-    }
-
-    fn names(&self) -> Vec<String> {
-        self.list_robots().into_iter().map(|r| r.id).collect()
     }
 }

@@ -1,21 +1,21 @@
 //! Multipart bodies: one JSON part, any number of files, streamed to disk.
 
 use super::problem::Failure;
-use super::work::Uploads;
-use crate::app::{Code, Error, LogFile};
+use super::store::{Files, hex};
+use super::work::StoredLog;
+use crate::app::{Code, Error};
 use crate::io::{Parsed, parse};
 use axum::extract::Multipart;
 use axum::extract::multipart::{Field, MultipartError};
-use std::hash::{DefaultHasher, Hasher};
-use std::path::PathBuf;
-use tokio::io::AsyncWriteExt;
+use sha2::{Digest, Sha256};
 
-/// A multipart request, its files on disk.
+/// A multipart request, its files on disk. Those of a request that is not finished, or not accepted, are swept later.
 pub struct Upload {
     pub request: Parsed,
-    pub files: Uploads,
-    /// Stands for all that was sent: the same bytes, the same print.
-    pub fingerprint: Vec<u8>,
+    pub logs: Vec<StoredLog>,
+    pub validation: Vec<StoredLog>,
+    /// Stands for all that was sent: the same parts, the same hash.
+    pub body: String,
 }
 
 /// The JSON part is small; a log is not.
@@ -23,22 +23,18 @@ const LARGEST_REQUEST: usize = 8 << 20;
 
 impl Upload {
     /// Reads the parts `request` (JSON), `log` and, where `validation` says so, `validation` (files).
-    pub async fn read(mut body: Multipart, validation: bool) -> Result<Self, Failure> {
-        let folder = tempfile::Builder::new().prefix("dynident-").tempdir().map_err(no_space)?;
-        let mut files = Uploads {
-            logs: Vec::new(),
-            validation: Vec::new(),
-            folder,
-        };
-        let mut hasher = DefaultHasher::new();
-        let mut request = None;
+    pub async fn read(mut body: Multipart, validation: bool, files: &Files) -> Result<Self, Failure> {
+        let (mut request, mut logs, mut held_out) = (None, Vec::new(), Vec::new());
+        let mut hasher = Sha256::new();
         while let Some(field) = body.next_field().await.map_err(broken)? {
             let name = field.name().unwrap_or_default().to_string();
-            hasher.write(name.as_bytes());
+            hasher.update([name.as_bytes(), b"\0"].concat());
             match name.as_str() {
                 "request" => request = Some(json_part(field, &mut hasher).await?),
-                "log" => files.logs.push(file_part(field, &files, &mut hasher).await?),
-                "validation" if validation => files.validation.push(file_part(field, &files, &mut hasher).await?),
+                "log" => logs.push(file_part(field, files, logs.len() + held_out.len(), &mut hasher).await?),
+                "validation" if validation => {
+                    held_out.push(file_part(field, files, logs.len() + held_out.len(), &mut hasher).await?);
+                }
                 other => return Err(unknown_part(other, validation)),
             }
         }
@@ -46,11 +42,11 @@ impl Upload {
             Error::new(Code::MalformedDocument, "there is no part called `request`")
                 .with_hint("send the request as JSON in a part called `request`")
         };
-        let request = request.ok_or_else(missing)?;
         Ok(Self {
-            request,
-            files,
-            fingerprint: hasher.finish().to_le_bytes().to_vec(),
+            request: request.ok_or_else(missing)?,
+            logs,
+            validation: held_out,
+            body: hex(&hasher.finalize()),
         })
     }
 }
@@ -68,10 +64,10 @@ fn unknown_part(name: &str, validation: bool) -> Failure {
     )
 }
 
-async fn json_part(mut field: Field<'_>, hasher: &mut DefaultHasher) -> Result<Parsed, Failure> {
+async fn json_part(mut field: Field<'_>, hasher: &mut Sha256) -> Result<Parsed, Failure> {
     let mut bytes = Vec::new();
     while let Some(chunk) = field.chunk().await.map_err(broken)? {
-        hasher.write(&chunk);
+        hasher.update(&chunk);
         bytes.extend_from_slice(&chunk);
         if bytes.len() > LARGEST_REQUEST {
             return Err(Failure(
@@ -83,23 +79,20 @@ async fn json_part(mut field: Field<'_>, hasher: &mut DefaultHasher) -> Result<P
     Ok(parse(&bytes).map_err(Error::from)?)
 }
 
-/// Streams a part into a file called by number: names of clients do not reach the file system.
-async fn file_part(mut field: Field<'_>, files: &Uploads, hasher: &mut DefaultHasher) -> Result<LogFile, Failure> {
-    let number = files.logs.len() + files.validation.len() + 1;
+/// Streams a part into a file called by its content: names of clients do not reach the file system.
+async fn file_part(mut field: Field<'_>, files: &Files, before: usize, hasher: &mut Sha256) -> Result<StoredLog, Failure> {
     let sent = field
         .file_name()
         .filter(|n| !n.is_empty())
         .map(|n| n.chars().take(200).collect());
-    let name: String = sent.unwrap_or_else(|| format!("log {number}"));
-    hasher.write(name.as_bytes());
-    let path: PathBuf = files.folder.path().join(number.to_string());
-    let mut file = tokio::fs::File::create(&path).await.map_err(no_space)?;
+    let name: String = sent.unwrap_or_else(|| format!("log {}", before + 1));
+    let mut file = files.create().await?;
     while let Some(chunk) = field.chunk().await.map_err(broken)? {
-        hasher.write(&chunk);
-        file.write_all(&chunk).await.map_err(no_space)?;
+        file.write(&chunk).await?;
     }
-    file.flush().await.map_err(no_space)?;
-    Ok(LogFile { name, path })
+    let hash = files.keep(file).await?;
+    hasher.update([name.as_bytes(), b"\0", hash.as_bytes()].concat());
+    Ok(StoredLog { name, hash })
 }
 
 fn broken(e: MultipartError) -> Failure {
@@ -110,12 +103,5 @@ fn broken(e: MultipartError) -> Failure {
     Failure(Error::new(
         Code::MalformedDocument,
         format!("the multipart body could not be read: {}", e.body_text()),
-    ))
-}
-
-fn no_space(e: std::io::Error) -> Failure {
-    Failure(Error::new(
-        Code::FileUnwritable,
-        format!("an uploaded log could not be kept: {e}"),
     ))
 }

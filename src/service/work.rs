@@ -1,29 +1,161 @@
-//! What jobs do.
+//! What jobs do: from the files of a job to its result.
 
-use crate::app::{CancelFlag, Error, Excited, Identified, LogFile, Step, excite, identify, validate};
+use super::known::Known;
+use crate::app::{CancelFlag, Code, Error, Excited, Identified, LogFile, Step, excite, identify, validate};
 use crate::excitation::Progress;
-use crate::io::{ExcitationRequest, IdentifyRequest, ValidateDocument, ValidateRequest};
-use tempfile::TempDir;
+use crate::io::{
+    ExcitationRequest, IdentifyRequest, Parsed, ValidateDocument, ValidateRequest, parse, read_excitation_request,
+    read_identify_request, read_validate_request,
+};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
-/// Uploaded logs; the files live as long as this.
-pub struct Uploads {
-    pub logs: Vec<LogFile>,
-    pub validation: Vec<LogFile>,
-    pub folder: TempDir,
+/// The three things that jobs do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    Excitation,
+    Identification,
+    Validation,
 }
 
-/// A checked request with all it needs.
-pub enum Work {
+impl Kind {
+    pub const ALL: [Kind; 3] = [Kind::Excitation, Kind::Identification, Kind::Validation];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Excitation => "excitation",
+            Kind::Identification => "identification",
+            Kind::Validation => "validation",
+        }
+    }
+
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|k| k.name() == name)
+    }
+
+    /// Where the result of a job is.
+    pub fn result_address(self, id: &str) -> String {
+        match self {
+            Kind::Excitation => format!("/excitation/{id}"),
+            Kind::Identification => format!("/identify/{id}"),
+            Kind::Validation => format!("/validate/{id}"),
+        }
+    }
+
+    /// What is said of an id that is none.
+    pub fn unknown(self) -> Code {
+        match self {
+            Kind::Excitation => Code::UnknownExcitation,
+            Kind::Identification | Kind::Validation => Code::UnknownIdentification,
+        }
+    }
+}
+
+/// Short jobs have places of their own, so that they are not stuck behind long ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Class {
+    Short,
+    Long,
+}
+
+impl Class {
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Short => "short",
+            Class::Long => "long",
+        }
+    }
+}
+
+/// A file that came with a request.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoredLog {
+    /// As the client calls it.
+    pub name: String,
+    pub hash: String,
+}
+
+/// All that a job needs: kept as a file, so that any worker can do it, at any time, whatever becomes of what it names.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Input {
+    /// The request, as it was made.
+    pub request: Value,
+    /// What it calls by name, as it was then.
+    pub known: Known,
+    pub logs: Vec<StoredLog>,
+    pub validation: Vec<StoredLog>,
+}
+
+/// A request that has been read.
+#[derive(Debug, Clone)]
+pub enum Request {
     Excite(Box<ExcitationRequest>),
-    Identify(Box<IdentifyRequest>, Uploads),
-    Validate(Box<ValidateRequest>, Uploads),
+    Identify(Box<IdentifyRequest>),
+    Validate(Box<ValidateRequest>),
 }
 
-/// What came out.
-pub enum Outcome {
-    Excited(Box<Excited>),
-    Identified(Box<Identified>),
-    Validated(Box<ValidateDocument>),
+impl Request {
+    /// Reads a request of a kind.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn read(kind: Kind, parsed: &Parsed, known: &Known) -> Result<Self, Error> {
+        let invalid = |errors| Error::invalid(&format!("the {} request", kind.name()), errors);
+        match kind {
+            Kind::Excitation => read_excitation_request(parsed, known)
+                .map(|r| Self::Excite(Box::new(r)))
+                .map_err(invalid),
+            Kind::Identification => read_identify_request(parsed, known, known)
+                .map(|r| Self::Identify(Box::new(r)))
+                .map_err(invalid),
+            Kind::Validation => read_validate_request(parsed, known, known)
+                .map(|r| Self::Validate(Box::new(r)))
+                .map_err(invalid),
+        }
+    }
+
+    /// Reads the request of a stored job: it was found good before.
+    pub fn of(kind: Kind, input: &Input) -> Result<Self, Error> {
+        let parsed = parse(input.request.to_string().as_bytes()).map_err(Error::from)?;
+        Self::read(kind, &parsed, &input.known)
+    }
+
+    /// A search that may take longer than `shortest_long_s` is long; identifications take seconds.
+    pub fn class(&self, shortest_long_s: f64) -> Class {
+        match self {
+            Self::Excite(request) if request.search.time_limit_s > shortest_long_s => Class::Long,
+            _ => Class::Short,
+        }
+    }
+
+    pub fn joints(&self) -> usize {
+        match self {
+            Self::Excite(request) => request.problem.robot().joint_count(),
+            Self::Identify(request) => request.robot.joint_count(),
+            Self::Validate(request) => request.robot.joint_count(),
+        }
+    }
+
+    /// Does it on the calling thread.
+    pub fn run(
+        &self,
+        logs: &[LogFile],
+        validation: &[LogFile],
+        cancel: &CancelFlag,
+        tell: &(dyn Fn(Told) + Sync),
+    ) -> Result<Outcome, Error> {
+        match self {
+            Self::Excite(request) => {
+                let excited = excite(request, cancel, &|p| tell(Told::Search(*p)));
+                Ok(Outcome::Excited(Box::new(excited)))
+            }
+            Self::Identify(request) => {
+                let found = identify(request, logs, validation, cancel, &|s| tell(Told::Step(s.clone())))?;
+                Ok(Outcome::Identified(Box::new(found)))
+            }
+            Self::Validate(request) => Ok(Outcome::Validated(Box::new(validate(request, logs, cancel)?))),
+        }
+    }
 }
 
 /// What is told while it goes on.
@@ -33,41 +165,11 @@ pub enum Told {
     Step(Step),
 }
 
-impl Work {
-    /// `excitation`, `identification` or `validation`.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Work::Excite(_) => "excitation",
-            Work::Identify(..) => "identification",
-            Work::Validate(..) => "validation",
-        }
-    }
-
-    /// Where the result of a job is.
-    pub fn result_address(&self, id: &str) -> String {
-        match self {
-            Work::Excite(_) => format!("/excitation/{id}"),
-            Work::Identify(..) => format!("/identify/{id}"),
-            Work::Validate(..) => format!("/validate/{id}"),
-        }
-    }
-
-    /// Does it on the calling thread.
-    pub fn run(&self, cancel: &CancelFlag, tell: &(dyn Fn(Told) + Sync)) -> Result<Outcome, Error> {
-        match self {
-            Work::Excite(request) => {
-                let excited = excite(request, cancel, &|p| tell(Told::Search(*p)));
-                Ok(Outcome::Excited(Box::new(excited)))
-            }
-            Work::Identify(request, files) => {
-                let found = identify(request, &files.logs, &files.validation, cancel, &|s| {
-                    tell(Told::Step(s.clone()))
-                })?;
-                Ok(Outcome::Identified(Box::new(found)))
-            }
-            Work::Validate(request, files) => Ok(Outcome::Validated(Box::new(validate(request, &files.logs, cancel)?))),
-        }
-    }
+/// What came out.
+pub enum Outcome {
+    Excited(Box<Excited>),
+    Identified(Box<Identified>),
+    Validated(Box<ValidateDocument>),
 }
 
 impl Outcome {
@@ -78,10 +180,21 @@ impl Outcome {
             _ => "Converged",
         }
     }
-}
 
-impl From<ExcitationRequest> for Work {
-    fn from(request: ExcitationRequest) -> Self {
-        Work::Excite(Box::new(request))
+    /// The document, as it is handed out.
+    pub fn document(&self) -> Vec<u8> {
+        let written = match self {
+            Outcome::Excited(excited) => serde_json::to_vec(&excited.document),
+            Outcome::Identified(found) => serde_json::to_vec(&found.document),
+            Outcome::Validated(found) => serde_json::to_vec(found),
+        };
+        written.expect("documents are plain data")
+    }
+
+    /// The identified model in all its forms, where there is one.
+    pub fn model(&self) -> Option<Vec<u8>> {
+        let Outcome::Identified(found) = self else { return None };
+        let model = found.model.as_ref()?;
+        Some(json!({"json": model.json, "urdf": model.urdf}).to_string().into_bytes())
     }
 }

@@ -8,5 +8,7 @@ mod identify;
 mod identify_faults;
 mod jobs;
 mod openapi;
+mod queue;
 mod readme;
 mod robots;
+mod tokens;

@@ -1,6 +1,7 @@
 //! The program from the command line, end to end.
 
 mod identify;
+mod operate;
 
 use serde_json::{Value, json};
 use std::path::PathBuf;

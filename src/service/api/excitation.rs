@@ -2,22 +2,26 @@
 
 use super::jobs::JobDocument;
 use super::query::QueryFields;
-use super::schemas::ExcitationRequestSchema;
+use super::results::{answer, begin, document, find};
+use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
 use crate::app::Problem;
 use crate::app::{Code, Error};
-use crate::io::{DesignDocument, TableFormat, read_excitation_request, trajectory_csv, trajectory_json};
+use crate::io::{DesignDocument, TableFormat, trajectory_csv, trajectory_json};
+use crate::service::access::Access;
+use crate::service::design::Motion;
 use crate::service::document::JsonBody;
-use crate::service::jobs::Job;
 use crate::service::prefer::PreferWait;
-use crate::service::problem::Failure;
+use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
+use crate::service::store::{JobRow, sha256};
+use crate::service::submit::Asked;
+use crate::service::work::Kind;
 use crate::trajectory::{FourierSeries, Trajectory};
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use std::sync::Arc;
 
 /// The result of a design, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
@@ -38,6 +42,8 @@ pub struct Excitation {
     params(
         ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
         ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
+        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
+        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
     ),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = Excitation),
@@ -52,71 +58,19 @@ pub struct Excitation {
 )]
 pub async fn post(
     State(service): State<Service>,
+    access: Access,
     wait: PreferWait,
     headers: HeaderMap,
     body: JsonBody,
 ) -> Result<Response, Failure> {
-    let JsonBody { parsed, bytes } = body;
-    let reader = service.clone();
-    // Base parameters of a long arm take a while: not on the threads that serve.
-    let read = tokio::task::spawn_blocking(move || read_excitation_request(&parsed, &reader)).await;
-    let request = read
-        .map_err(|_| crate::service::problem::internal_error())?
-        .map_err(|errors| Error::invalid("the excitation request", errors))?;
-    let key = headers
-        .get("idempotency-key")
-        .and_then(|v| v.to_str().ok())
-        .map(|k| (k.to_string(), bytes.as_ref()));
-    let job = service.jobs().submit(request, key)?;
-    Ok(answer(&service, &job, wait).await)
-}
-
-/// The result if it is there or comes in the time the client would wait, else the job.
-async fn answer(service: &Service, job: &Arc<Job>, wait: PreferWait) -> Response {
-    if let Some(limit) = wait.0 {
-        let _ = tokio::time::timeout(limit.min(service.config().longest_wait), job.ended()).await;
-    }
-    let applied = wait.applied().map(|v| [("preference-applied", v)]);
-    match finished(job) {
-        Some(Ok(result)) => {
-            let place = [(header::CONTENT_LOCATION, format!("/excitation/{}", job.id))];
-            (StatusCode::OK, applied, place, Json(result)).into_response()
-        }
-        Some(Err(failure)) => failure.into_response(),
-        None => {
-            let place = [
-                (header::LOCATION, format!("/jobs/{}", job.id)),
-                (header::RETRY_AFTER, "1".to_string()),
-            ];
-            (StatusCode::ACCEPTED, applied, place, Json(JobDocument::of(job))).into_response()
-        }
-    }
-}
-
-/// `None` while the job goes on.
-fn finished(job: &Job) -> Option<Result<Excitation, Failure>> {
-    let status = job.status();
-    if !status.state.is_final() {
-        return None;
-    }
-    Some(match (job.excited(), status.error) {
-        (Some(excited), _) => Ok(Excitation {
-            id: job.id.clone(),
-            result: excited.document.clone(),
-        }),
-        (None, Some(error)) => Err(Failure(error)),
-        (None, None) => Err(Failure(Error::new(Code::NoResult, "the job was cancelled before it began"))),
-    })
-}
-
-fn find(service: &Service, id: &str) -> Result<Arc<Job>, Failure> {
-    let unknown =
-        || Error::new(Code::UnknownExcitation, format!("there is no excitation `{id}`")).with_hint("GET /jobs lists them");
-    Ok(service
-        .jobs()
-        .get(id)
-        .filter(|job| job.kind() == "excitation")
-        .ok_or_else(unknown)?)
+    let asked = Asked {
+        kind: Kind::Excitation,
+        body: sha256(&body.bytes),
+        parsed: body.parsed,
+        logs: Vec::new(),
+        validation: Vec::new(),
+    };
+    begin(&service, &access, &headers, wait, asked).await
 }
 
 /// The result of a design.
@@ -135,9 +89,14 @@ fn find(service: &Service, id: &str) -> Result<Arc<Job>, Failure> {
         (status = 409, description = "Cancelled before it began", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get(State(service): State<Service>, Path(id): Path<String>, wait: PreferWait) -> Result<Response, Failure> {
-    let job = find(&service, &id)?;
-    Ok(answer(&service, &job, wait).await)
+pub async fn get(
+    State(service): State<Service>,
+    access: Access,
+    Path(id): Path<String>,
+    wait: PreferWait,
+) -> Result<Response, Failure> {
+    let job = find(&service, &access, &id, Kind::Excitation).await?;
+    answer(&service, job, wait).await
 }
 
 /// The trajectory, sampled.
@@ -148,9 +107,9 @@ pub async fn get(State(service): State<Service>, Path(id): Path<String>, wait: P
     get, path = "/excitation/{id}/trajectory", tag = "excitation", operation_id = "get_trajectory",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = Option<String>, Query, description = "`csv` (default) or `json`"),
-        ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out"),
-        ("periods" = Option<usize>, Query, description = "Periods, 1 if left out"),
+        ("format" = inline(Option<TrajectoryFormat>), Query, description = "`csv` (default) or `json`"),
+        ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out", maximum = 1000000),
+        ("periods" = Option<usize>, Query, description = "Periods, 1 if left out", minimum = 1),
     ),
     responses(
         (status = 200, description = "The samples", content((String = "text/csv"), (Object = "application/json"))),
@@ -162,11 +121,12 @@ pub async fn get(State(service): State<Service>, Path(id): Path<String>, wait: P
 )]
 pub async fn trajectory(
     State(service): State<Service>,
+    access: Access,
     Path(id): Path<String>,
     mut query: QueryFields,
 ) -> Result<Response, Failure> {
-    let job = find(&service, &id)?;
-    let (series, rate_hz) = series_of(&job)?;
+    let job = find(&service, &access, &id, Kind::Excitation).await?;
+    let (series, rate_hz) = series_of(&service, &job).await?;
     let formats = [("csv", TableFormat::Csv), ("json", TableFormat::Json)];
     let format = query.take("format", TableFormat::Csv, "csv or json", |text| {
         formats.iter().find(|(name, _)| *name == text).map(|(_, f)| *f)
@@ -199,26 +159,22 @@ pub async fn trajectory(
         }
         TableFormat::Json => Json(trajectory_json(&series, rate_hz, periods)).into_response(),
     });
-    written.await.map_err(|_| Failure(crate::service::problem::internal_error()))
+    written.await.map_err(|_| Failure(internal_error()))
 }
 
-fn series_of(job: &Job) -> Result<(FourierSeries, f64), Failure> {
-    match finished(job) {
-        None => {
-            let error = Error::new(Code::NoTrajectory, "the search goes on")
-                .with_hint("follow /jobs/{id}/events, or DELETE /jobs/{id} to keep the best found");
-            Err(Failure(error))
-        }
-        Some(Err(failure)) => Err(failure),
-        Some(Ok(excitation)) => {
-            let series = job.excited().and_then(|r| r.series.clone());
-            let none = || {
-                Error::new(
-                    Code::NoTrajectory,
-                    "the search ended without a trajectory; its result says why",
-                )
-            };
-            Ok((series.ok_or_else(none)?, excitation.result.sample_rate_hz))
-        }
+async fn series_of(service: &Service, job: &JobRow) -> Result<(FourierSeries, f64), Failure> {
+    if !job.state.is_final() {
+        let error = Error::new(Code::NoTrajectory, "the search goes on")
+            .with_hint("follow /jobs/{id}/events, or DELETE /jobs/{id} to keep the best found");
+        return Err(Failure(error));
     }
+    let motion: Motion = serde_json::from_slice(&document(service, job).await?).map_err(|_| internal_error())?;
+    let rate_hz = motion.sample_rate_hz;
+    let none = || {
+        Error::new(
+            Code::NoTrajectory,
+            "the search ended without a trajectory; its result says why",
+        )
+    };
+    Ok((motion.series().ok_or_else(none)?, rate_hz))
 }

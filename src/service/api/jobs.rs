@@ -1,18 +1,23 @@
 //! `/jobs`: where work stands, progress as it happens, cancelling.
 
+use super::query::QueryFields;
 use crate::app::Problem;
 use crate::app::{Code, Error};
-use crate::service::jobs::{Job, State as JobState, Status};
+use crate::service::access::Access;
 use crate::service::problem::Failure;
+use crate::service::progress::{ProgressDocument, StepDocument};
 use crate::service::state::Service;
+use crate::service::store::{JobRow, Role};
+use crate::service::submit::error_of;
+use crate::service::work::Kind;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
+use serde_json::Value;
 use std::convert::Infallible;
-use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
@@ -25,45 +30,26 @@ pub struct JobDocument {
     /// `excitation`, `identification` or `validation`.
     #[schema(example = "excitation")]
     pub kind: &'static str,
+    /// The robot that it is for, and whose tokens see it.
+    #[schema(example = "iiwa14")]
+    pub robot: String,
     /// `queued`, `running`, `finished`, `cancelled` or `failed`.
     #[schema(example = "running")]
     pub state: &'static str,
     /// How the search ended, where there is a result: `Converged`, `BudgetExhausted`, `Stalled`, `Infeasible`, `Cancelled`.
-    pub outcome: Option<&'static str>,
+    pub outcome: Option<String>,
     pub cancel_requested: bool,
     /// RFC 3339, UTC.
     pub created_at: String,
     pub started_at: Option<String>,
     pub finished_at: Option<String>,
-    pub progress: Option<ProgressDocument>,
+    #[schema(value_type = Option<ProgressDocument>)]
+    pub progress: Option<Value>,
     /// Of an identification.
-    pub step: Option<StepDocument>,
+    #[schema(value_type = Option<StepDocument>)]
+    pub step: Option<Value>,
     pub error: Option<Problem>,
     pub links: Links,
-}
-
-/// State of a running search.
-#[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
-#[schema(as = Progress)]
-pub struct ProgressDocument {
-    /// Value of the criterion at the best trajectory so far; null before the first.
-    #[schema(example = 63.1)]
-    pub best: Option<f64>,
-    pub starts_finished: usize,
-    pub starts: usize,
-    pub evaluations: u64,
-    pub rounds_finished: usize,
-    pub elapsed_s: f64,
-}
-
-/// Where an identification stands.
-#[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
-#[schema(as = Step)]
-pub struct StepDocument {
-    #[schema(example = "reading logs")]
-    pub what: &'static str,
-    pub done: usize,
-    pub of: usize,
 }
 
 /// Addresses around a job.
@@ -85,71 +71,78 @@ pub struct Links {
 #[derive(Serialize, utoipa::ToSchema)]
 pub struct JobList {
     pub jobs: Vec<JobDocument>,
+    /// Address of the older ones, where there may be any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next: Option<String>,
 }
 
 impl JobDocument {
-    pub fn of(job: &Job) -> Self {
-        Self::at(job, &job.status())
-    }
-
-    fn at(job: &Job, status: &Status) -> Self {
+    pub fn of(job: &JobRow) -> Self {
         let id = &job.id;
-        let elapsed = |since: SystemTime| {
-            status
-                .finished
-                .unwrap_or_else(SystemTime::now)
-                .duration_since(since)
-                .unwrap_or_default()
-        };
         Self {
             id: id.clone(),
-            kind: job.kind(),
-            state: status.state.name(),
-            outcome: job.outcome().map(|o| o.status()),
-            cancel_requested: job.cancel_requested(),
-            created_at: rfc3339(job.created),
-            started_at: status.started.map(rfc3339),
-            finished_at: status.finished.map(rfc3339),
-            progress: status.progress.as_ref().map(|p| ProgressDocument {
-                best: p.best.is_finite().then_some(p.best),
-                starts_finished: p.starts_finished,
-                starts: p.starts,
-                evaluations: p.evaluations,
-                rounds_finished: p.rounds_finished,
-                elapsed_s: status.started.map_or(0.0, |s| elapsed(s).as_secs_f64()),
-            }),
-            step: status.step.as_ref().map(|s| StepDocument {
-                what: s.what,
-                done: s.done,
-                of: s.of,
-            }),
-            error: status.error.as_ref().map(Problem::from),
+            kind: job.kind.name(),
+            robot: job.robot.clone(),
+            state: job.state.name(),
+            outcome: job.outcome.clone(),
+            cancel_requested: job.cancel_requested,
+            created_at: rfc3339(job.created_us),
+            started_at: job.started_us.map(rfc3339),
+            finished_at: job.finished_us.map(rfc3339),
+            progress: job.progress.clone(),
+            step: job.step.clone(),
+            error: error_of(job).as_ref().map(Problem::from),
             links: Links {
                 this: format!("/jobs/{id}"),
                 events: format!("/jobs/{id}/events"),
-                result: job.result_address(),
-                trajectory: (job.kind() == "excitation").then(|| format!("/excitation/{id}/trajectory")),
-                model: (job.kind() == "identification").then(|| format!("/identify/{id}/model")),
+                result: job.kind.result_address(id),
+                trajectory: (job.kind == Kind::Excitation).then(|| format!("/excitation/{id}/trajectory")),
+                model: (job.kind == Kind::Identification).then(|| format!("/identify/{id}/model")),
             },
         }
     }
 }
 
-fn rfc3339(time: SystemTime) -> String {
+/// Microseconds since 1970 as people read them.
+fn rfc3339(us: i64) -> String {
+    let time = SystemTime::UNIX_EPOCH + Duration::from_micros(us.max(0) as u64);
     humantime::format_rfc3339_millis(time).to_string()
 }
 
-fn find(service: &Service, id: &str) -> Result<Arc<Job>, Failure> {
+async fn find(service: &Service, access: &Access, id: &str) -> Result<JobRow, Failure> {
     let unknown = || Error::new(Code::UnknownJob, format!("there is no job `{id}`")).with_hint("GET /jobs lists them");
-    Ok(service.jobs().get(id).ok_or_else(unknown)?)
+    Ok(service.find_job(id, access).await?.ok_or_else(unknown)?)
 }
 
+/// Jobs in one answer, unless the request says otherwise.
+const LISTED: usize = 200;
+
 /// All jobs that are kept, the newest first.
-#[utoipa::path(get, path = "/jobs", tag = "jobs", operation_id = "list_jobs", responses((status = 200, body = JobList)))]
-pub async fn list(State(service): State<Service>) -> Json<JobList> {
-    Json(JobList {
-        jobs: service.jobs().list().iter().map(|job| JobDocument::of(job)).collect(),
-    })
+#[utoipa::path(
+    get, path = "/jobs", tag = "jobs", operation_id = "list_jobs",
+    params(
+        ("limit" = Option<u32>, Query, description = "At most so many, 200 if left out", minimum = 1, maximum = 1000),
+        ("before" = Option<i64>, Query, description = "As in `next` of the answer before", minimum = 0),
+    ),
+    responses(
+        (status = 200, body = JobList),
+        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn list(State(service): State<Service>, access: Access, mut query: QueryFields) -> Result<Json<JobList>, Failure> {
+    let most = query.take("limit", LISTED, "a whole number from 1 to 1000", |t| {
+        t.parse().ok().filter(|n| (1..=1000).contains(n))
+    });
+    let before = query.take("before", None, "a whole number not below zero", |t| {
+        t.parse::<i64>().ok().filter(|t| *t >= 0).map(Some)
+    });
+    query.finish()?;
+    let jobs = service.store().jobs(access.robots(), before, most).await?;
+    let last = jobs.last().filter(|_| jobs.len() == most);
+    Ok(Json(JobList {
+        next: last.map(|job| format!("/jobs?limit={most}&before={}", job.created_us)),
+        jobs: jobs.iter().map(JobDocument::of).collect(),
+    }))
 }
 
 /// Where a job stands.
@@ -161,8 +154,8 @@ pub async fn list(State(service): State<Service>) -> Json<JobList> {
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get(State(service): State<Service>, Path(id): Path<String>) -> Result<Json<JobDocument>, Failure> {
-    Ok(Json(JobDocument::of(&*find(&service, &id)?)))
+pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Json<JobDocument>, Failure> {
+    Ok(Json(JobDocument::of(&find(&service, &access, &id).await?)))
 }
 
 /// Cancel a job.
@@ -178,20 +171,22 @@ pub async fn get(State(service): State<Service>, Path(id): Path<String>) -> Resu
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn cancel(State(service): State<Service>, Path(id): Path<String>) -> Result<Response, Failure> {
-    let job = find(&service, &id)?;
-    if !job.status().state.is_final() {
-        job.cancel();
-    }
-    let ended = job.status().state.is_final();
-    let status = if ended { StatusCode::OK } else { StatusCode::ACCEPTED };
+pub async fn cancel(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Response, Failure> {
+    let job = find(&service, &access, &id).await?;
+    access.require(Role::Run)?;
+    let job = service.cancel_job(&job, &access).await?;
+    let status = match job.state.is_final() {
+        true => StatusCode::OK,
+        false => StatusCode::ACCEPTED,
+    };
     Ok((status, Json(JobDocument::of(&job))).into_response())
 }
 
 /// Progress as server-sent events.
 ///
 /// `progress` events while the job waits and runs, one `end` event with the final state, then the stream ends; the data of each is the
-/// job. After a break, `Last-Event-ID` goes on from there; 204 when there is nothing more to come.
+/// job. After a break, `Last-Event-ID` goes on from there, also with another server of the same database; 204 when there is nothing
+/// more to come.
 #[utoipa::path(
     get, path = "/jobs/{id}/events", tag = "jobs", operation_id = "follow_job",
     params(
@@ -204,41 +199,48 @@ pub async fn cancel(State(service): State<Service>, Path(id): Path<String>) -> R
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn events(State(service): State<Service>, Path(id): Path<String>, headers: HeaderMap) -> Result<Response, Failure> {
-    let job = find(&service, &id)?;
+pub async fn events(
+    State(service): State<Service>,
+    access: Access,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Failure> {
+    let job = find(&service, &access, &id).await?;
     let seen = headers
         .get("last-event-id")
         .and_then(|v| v.to_str().ok())
         .and_then(|v| v.trim().parse().ok())
         .unwrap_or(0);
-    let status = job.status();
-    if status.state.is_final() && status.sequence <= seen {
+    if job.state.is_final() && job.sequence <= seen {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
     let (sender, receiver) = mpsc::channel(1);
-    tokio::spawn(tell(job, seen, sender));
+    tokio::spawn(tell(service, job.id, seen, sender));
     let keep_alive = KeepAlive::new().interval(Duration::from_secs(15));
     Ok(Sse::new(ReceiverStream::new(receiver)).keep_alive(keep_alive).into_response())
 }
 
 /// Sends every change that the client has time for: a slow client misses states in between, never the last one.
-async fn tell(job: Arc<Job>, mut seen: u64, client: mpsc::Sender<Result<Event, Infallible>>) {
-    let mut status = job.watch();
+async fn tell(service: Service, id: String, mut seen: i64, client: mpsc::Sender<Result<Event, Infallible>>) {
     loop {
-        let now = match status.wait_for(|s| s.sequence > seen).await {
-            Ok(now) => now.clone(),
-            Err(_) => return,
+        let job = tokio::select! {
+            job = service.next_change(&id, seen, None) => job,
+            () = client.closed() => return,
         };
-        seen = now.sequence;
-        if client.send(Ok(event(&job, &now))).await.is_err() || now.state.is_final() {
+        // The client comes back by itself, with the last event it saw, when the database or another server does.
+        let Ok(Some(job)) = job else { return };
+        if job.sequence > seen && client.send(Ok(event(&job))).await.is_err() {
             return;
         }
+        if job.sequence <= seen || job.state.is_final() {
+            return;
+        }
+        seen = job.sequence;
     }
 }
 
-fn event(job: &Job, status: &Status) -> Event {
-    let name = if status.state.is_final() { "end" } else { "progress" };
-    debug_assert!(status.state != JobState::Finished || job.outcome().is_some());
-    let data = serde_json::to_string(&JobDocument::at(job, status)).unwrap_or_default();
-    Event::default().event(name).id(status.sequence.to_string()).data(data)
+fn event(job: &JobRow) -> Event {
+    let name = if job.state.is_final() { "end" } else { "progress" };
+    let data = serde_json::to_string(&JobDocument::of(job)).unwrap_or_default();
+    Event::default().event(name).id(job.sequence.to_string()).data(data)
 }

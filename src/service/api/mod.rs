@@ -6,5 +6,6 @@ pub mod identify;
 pub mod jobs;
 pub mod pages;
 pub mod query;
+pub mod results;
 pub mod robots;
 pub mod schemas;

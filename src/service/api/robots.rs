@@ -5,9 +5,12 @@ use crate::app::Error;
 use crate::app::Problem;
 use crate::io::{BaseParametersDocument, Parsed, RobotDocument, robot_document};
 use crate::model::FieldProblem;
+use crate::service::access::{Access, slug};
 use crate::service::document::RobotBody;
+use crate::service::known::is_shipped;
 use crate::service::problem::{Failure, internal_error};
-use crate::service::state::{LabRobot, ListedRobot, Service};
+use crate::service::state::Service;
+use crate::service::store::Role;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
@@ -35,24 +38,43 @@ pub struct RobotList {
 }
 
 impl RobotSummary {
-    fn of(robot: &ListedRobot) -> Self {
-        let joints = robot.read.robot.joints();
+    fn of(id: &str, read: &RobotDocument) -> Self {
         Self {
-            id: robot.id.clone(),
-            name: robot.read.robot.name().to_string(),
-            joints: joints.iter().map(|j| j.name.clone()).collect(),
-            shipped: robot.shipped,
-            notes: robot.read.notes.clone(),
+            id: id.to_string(),
+            name: read.robot.name().to_string(),
+            joints: read.robot.joints().iter().map(|j| j.name.clone()).collect(),
+            shipped: is_shipped(id),
+            notes: read.notes.clone(),
         }
     }
 }
 
+/// Reads a document on a thread that may take its time.
+async fn read(parsed: Parsed) -> Result<RobotDocument, Failure> {
+    let read = tokio::task::spawn_blocking(move || robot_document(&parsed)).await;
+    let read = read.map_err(|_| internal_error())?;
+    Ok(read.map_err(|errors| Error::invalid("the robot", errors))?)
+}
+
+async fn read_stored(document: Value) -> Result<RobotDocument, Failure> {
+    read(Parsed {
+        value: document,
+        problems: Vec::new(),
+    })
+    .await
+}
+
 /// All robots.
 #[utoipa::path(get, path = "/robots", tag = "robots", operation_id = "list_robots", responses((status = 200, body = RobotList)))]
-pub async fn list(State(service): State<Service>) -> Json<RobotList> {
-    Json(RobotList {
-        robots: service.list_robots().iter().map(RobotSummary::of).collect(),
-    })
+pub async fn list(State(service): State<Service>, access: Access) -> Result<Json<RobotList>, Failure> {
+    let mut robots = Vec::new();
+    for id in service.robot_names(&access).await? {
+        // A robot that was removed meanwhile is not listed.
+        if let Ok(document) = service.robot(&id, &access).await {
+            robots.push(RobotSummary::of(&id, &read_stored(document).await?));
+        }
+    }
+    Ok(Json(RobotList { robots }))
 }
 
 /// The document of a robot, as it was given.
@@ -64,8 +86,8 @@ pub async fn list(State(service): State<Service>) -> Json<RobotList> {
         (status = 404, description = "Unknown robot", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get(State(service): State<Service>, Path(id): Path<String>) -> Result<Json<Value>, Failure> {
-    Ok(Json(service.robot(&id)?.document))
+pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Json<Value>, Failure> {
+    Ok(Json(service.robot(&id, &access).await?))
 }
 
 /// Names, expressions and numeric map of the base parameters.
@@ -79,20 +101,12 @@ pub async fn get(State(service): State<Service>, Path(id): Path<String>) -> Resu
 )]
 pub async fn base_parameters(
     State(service): State<Service>,
+    access: Access,
     Path(id): Path<String>,
 ) -> Result<Json<BaseParametersDocument>, Failure> {
-    let robot = service.robot(&id)?.read.robot;
+    let robot = read_stored(service.robot(&id, &access).await?).await?.robot;
     let computed = tokio::task::spawn_blocking(move || BaseParametersDocument::of(&robot)).await;
     Ok(Json(computed.map_err(|_| internal_error())?))
-}
-
-async fn read(parsed: Parsed) -> Result<LabRobot, Failure> {
-    let document = parsed.value.clone();
-    let read = tokio::task::spawn_blocking(move || robot_document(&parsed))
-        .await
-        .map_err(|_| internal_error())?;
-    let read = read.map_err(|errors| Error::invalid("the robot", errors))?;
-    Ok(LabRobot { document, read })
 }
 
 /// Keep a robot of the lab; its id is made from its name.
@@ -108,10 +122,12 @@ async fn read(parsed: Parsed) -> Result<LabRobot, Failure> {
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn post(State(service): State<Service>, RobotBody(parsed): RobotBody) -> Result<Response, Failure> {
+pub async fn post(State(service): State<Service>, access: Access, RobotBody(parsed): RobotBody) -> Result<Response, Failure> {
+    access.require(Role::Admin)?;
+    let document = parsed.value.clone();
     let robot = read(parsed).await?;
-    let id = slug(robot.read.robot.name());
-    keep(&service, &id, robot, false)
+    let id = slug(robot.robot.name());
+    keep(&service, &access, &id, (document, robot), false).await
 }
 
 /// Keep a robot of the lab under a name of your choice, in the place of the one that had it.
@@ -130,26 +146,30 @@ pub async fn post(State(service): State<Service>, RobotBody(parsed): RobotBody) 
 )]
 pub async fn put(
     State(service): State<Service>,
+    access: Access,
     Path(id): Path<String>,
     RobotBody(parsed): RobotBody,
 ) -> Result<Response, Failure> {
+    access.require(Role::Admin)?;
     if id != slug(&id) {
         let problem = FieldProblem::new("/path/id", "is not a name").with_hint(format!("names are like `{}`", slug(&id)));
         return Err(Failure(Error::invalid("the address", vec![problem])));
     }
+    let document = parsed.value.clone();
     let robot = read(parsed).await?;
-    keep(&service, &id, robot, true)
+    keep(&service, &access, &id, (document, robot), true).await
 }
 
-fn keep(service: &Service, id: &str, robot: LabRobot, replace: bool) -> Result<Response, Failure> {
-    let RobotDocument { robot: read, notes } = robot.read.clone();
-    let new = service.put_robot(id, robot, replace)?;
-    let summary = RobotSummary::of(&ListedRobot {
-        id: id.into(),
-        shipped: false,
-        read: RobotDocument { robot: read, notes },
-    });
+async fn keep(
+    service: &Service,
+    access: &Access,
+    id: &str,
+    (document, read): (Value, RobotDocument),
+    replace: bool,
+) -> Result<Response, Failure> {
+    let new = service.put_robot(id, &document, replace, access).await?;
     let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+    let summary = RobotSummary::of(id, &read);
     Ok((status, [(header::LOCATION, format!("/robots/{id}"))], Json(summary)).into_response())
 }
 
@@ -163,23 +183,8 @@ fn keep(service: &Service, id: &str, robot: LabRobot, replace: bool) -> Result<R
         (status = 409, description = "Comes with the program", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn delete(State(service): State<Service>, Path(id): Path<String>) -> Result<StatusCode, Failure> {
-    service.remove_robot(&id)?;
+pub async fn delete(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<StatusCode, Failure> {
+    access.require(Role::Admin)?;
+    service.remove_robot(&id, &access).await?;
     Ok(StatusCode::NO_CONTENT)
-}
-
-/// A name as a path segment: letters and digits in lower case, everything else a hyphen; 64 characters at most.
-fn slug(name: &str) -> String {
-    let mapped: String = name
-        .to_lowercase()
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' })
-        .take(64)
-        .collect();
-    let parts: Vec<&str> = mapped.split('-').filter(|p| !p.is_empty()).collect();
-    if parts.is_empty() {
-        "robot".to_string()
-    } else {
-        parts.join("-")
-    }
 }

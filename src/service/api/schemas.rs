@@ -14,6 +14,7 @@ use utoipa::ToSchema;
     "constraints": {"form": "paper", "start": "zero"},
     "search": {"seed": 1, "starts": 64, "time_limit_s": 10}
 }))]
+#[serde(deny_unknown_fields)]
 pub struct ExcitationRequestSchema {
     robot: RobotOrName,
     fourier: FourierSchema,
@@ -35,6 +36,7 @@ pub struct ExcitationRequestSchema {
 /// An earlier trajectory.
 #[derive(Serialize, ToSchema)]
 #[schema(as = WarmStart)]
+#[serde(deny_unknown_fields)]
 pub struct WarmStartSchema {
     coefficients: crate::io::Coefficients,
     /// Position of every joint around which it moves [rad or m].
@@ -45,6 +47,7 @@ pub struct WarmStartSchema {
 /// The finite Fourier series of every joint.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Fourier)]
+#[serde(deny_unknown_fields)]
 pub struct FourierSchema {
     /// Harmonics L, 2 to 50.
     order: u32,
@@ -65,6 +68,7 @@ pub enum CriterionSchema {
 
 #[derive(Serialize, ToSchema)]
 #[schema(as = Constraints)]
+#[serde(deny_unknown_fields)]
 pub struct ConstraintsSchema {
     /// `paper`: triangle-inequality bounds on the coefficients, (14d) to (14g). `exact`: the true extremes over time.
     #[schema(required = false, default = "paper")]
@@ -126,6 +130,7 @@ pub struct SelfCollisionSchema {
 /// Torque limits along the trajectory.
 #[derive(Serialize, ToSchema)]
 #[schema(as = TorqueLimits)]
+#[serde(deny_unknown_fields)]
 pub struct TorqueLimitsSchema {
     /// Largest torque of every joint [N·m or N]; the robot's `effort` limits if left out.
     limits: Option<Vec<f64>>,
@@ -151,6 +156,7 @@ pub enum StartSchema {
 /// How long and how widely to search.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Search)]
+#[serde(deny_unknown_fields)]
 pub struct SearchSchema {
     /// The same seed and number of evaluations give the same answer.
     #[schema(default = 1)]
@@ -189,6 +195,7 @@ pub enum RobotSchema {
 /// A serial arm. Every object in it may carry a `source`: where its numbers come from.
 #[derive(Serialize, ToSchema)]
 #[schema(as = JointRobot)]
+#[serde(deny_unknown_fields)]
 pub struct JointRobotSchema {
     name: String,
     /// Acceleration of gravity in the base frame [m/s²]; `[0, 0, -9.81]` if left out.
@@ -205,6 +212,7 @@ pub struct JointRobotSchema {
 /// A serial arm as a URDF document.
 #[derive(Serialize, ToSchema)]
 #[schema(as = UrdfRobot)]
+#[serde(deny_unknown_fields)]
 pub struct UrdfRobotSchema {
     /// The XML document.
     urdf: String,
@@ -228,6 +236,7 @@ pub enum FrictionSchema {
 /// A joint and the link it carries; placed by `mdh` or by `placement`.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Joint)]
+#[serde(deny_unknown_fields)]
 pub struct JointSchema {
     name: String,
     kind: KindSchema,
@@ -270,6 +279,7 @@ pub enum KindSchema {
 /// Modified DH parameters of Khalil: `Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)` [rad, m].
 #[derive(Serialize, ToSchema)]
 #[schema(as = Mdh)]
+#[serde(deny_unknown_fields)]
 pub struct MdhSchema {
     alpha: f64,
     d: f64,
@@ -282,6 +292,7 @@ pub struct MdhSchema {
 /// A joint frame in the link frame before it, as in URDF.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Placement)]
+#[serde(deny_unknown_fields)]
 pub struct PlacementSchema {
     /// (m)
     #[schema(required = false)]
@@ -299,6 +310,7 @@ pub struct PlacementSchema {
 /// Limits of a joint (rad, m and per second; N·m, N); what is left out or null is not limited.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Limits)]
+#[serde(deny_unknown_fields)]
 pub struct LimitsSchema {
     position: Option<[f64; 2]>,
     velocity: Option<f64>,
@@ -312,6 +324,7 @@ pub struct LimitsSchema {
 /// What is known of a link beforehand, in its own frame.
 #[derive(Serialize, ToSchema)]
 #[schema(as = LinkPrior)]
+#[serde(deny_unknown_fields)]
 pub struct PriorSchema {
     /// (kg)
     mass: f64,
@@ -331,6 +344,7 @@ pub struct PriorSchema {
 /// Inertia tensor about the centre of mass [kg m²].
 #[derive(Serialize, ToSchema)]
 #[schema(as = Inertia)]
+#[serde(deny_unknown_fields)]
 pub struct InertiaSchema {
     xx: f64,
     xy: f64,
@@ -342,6 +356,7 @@ pub struct InertiaSchema {
 
 /// A log upload: the request and the files.
 #[derive(Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 pub struct IdentifyUpload {
     request: IdentifyRequestSchema,
     /// Logs to identify from: CSV, plain or gzip.
@@ -354,6 +369,7 @@ pub struct IdentifyUpload {
 
 /// A model, and logs to hold against it.
 #[derive(Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
 pub struct ValidateUpload {
     request: ValidateRequestSchema,
     /// Logs to predict: CSV, plain or gzip.
@@ -364,6 +380,7 @@ pub struct ValidateUpload {
 /// What to make of the logs. A log is a table with a header: `time, q1 … qn, tau1 … taun` (optional `qd1 …`), or as `columns` says.
 #[derive(Serialize, ToSchema)]
 #[schema(as = IdentifyRequest, example = json!({"robot": "iiwa14", "period_s": 10, "estimator": "wls"}))]
+#[serde(deny_unknown_fields)]
 pub struct IdentifyRequestSchema {
     robot: RobotOrName,
     /// Id of the excitation that was executed, or its document: gives the period and the highest harmonic.
@@ -390,6 +407,7 @@ pub struct IdentifyRequestSchema {
 /// The model, and how to read the logs.
 #[derive(Serialize, ToSchema)]
 #[schema(as = ValidateRequest)]
+#[serde(deny_unknown_fields)]
 pub struct ValidateRequestSchema {
     model: ModelSchema,
     columns: Option<ColumnsSchema>,
@@ -407,6 +425,7 @@ pub struct ValidateRequestSchema {
 /// The JSON model of an identification; a robot with parameters for every link does as well.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Model)]
+#[serde(deny_unknown_fields)]
 pub struct ModelSchema {
     robot: RobotOrName,
     /// Constant torque of every joint (N·m or N).
@@ -460,6 +479,7 @@ pub enum EstimatorSchema {
 /// Which column is what. Values become `matrix · (unit · scale · sign · value) + offset`.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Columns)]
+#[serde(deny_unknown_fields)]
 pub struct ColumnsSchema {
     /// Header of the time column.
     time: Option<String>,
@@ -477,6 +497,7 @@ pub struct ColumnsSchema {
 /// The columns of one quantity. What is per joint may be one value for all.
 #[derive(Serialize, ToSchema)]
 #[schema(as = ColumnQuantity)]
+#[serde(deny_unknown_fields)]
 pub struct ColumnQuantitySchema {
     headers: Option<Vec<String>>,
     /// Name of another of the logs that has these columns, row for row beside it (velocity and torque).
@@ -499,6 +520,7 @@ pub struct ColumnQuantitySchema {
 /// How logs are prepared. The answer says what was chosen where nothing is given, and why.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Preprocess)]
+#[serde(deny_unknown_fields)]
 pub struct PreprocessSchema {
     #[schema(required = false, default = "automatic")]
     method: MethodSchema,
@@ -527,6 +549,7 @@ pub enum MethodSchema {
 /// Butterworth low-pass, run forwards and backwards.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Filter)]
+#[serde(deny_unknown_fields)]
 pub struct FilterSchema {
     order: u32,
     cutoff_hz: f64,
@@ -536,6 +559,7 @@ pub struct FilterSchema {
 /// nonlinear problem (10a-d) from many starts, and its gap to a lower bound. `both`: the first is the model, the second is told beside it.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Feasible)]
+#[serde(deny_unknown_fields)]
 pub struct FeasibleSchema {
     #[schema(required = false, default = "consistent")]
     method: FeasibleMethodSchema,
@@ -596,6 +620,7 @@ pub enum TriangleSchema {
 /// Bounds on one link, `[lower, upper]`, in its frame.
 #[derive(Serialize, ToSchema)]
 #[schema(as = LinkBounds)]
+#[serde(deny_unknown_fields)]
 pub struct LinkBoundsSchema {
     /// From 1.
     link: u32,
@@ -639,4 +664,20 @@ pub struct InertiaBoundsSchema {
     yy: Option<[f64; 2]>,
     yz: Option<[f64; 2]>,
     zz: Option<[f64; 2]>,
+}
+
+/// How a trajectory is handed out.
+#[derive(Serialize, ToSchema)]
+#[schema(rename_all = "lowercase")]
+pub enum TrajectoryFormat {
+    Csv,
+    Json,
+}
+
+/// How an identified model is handed out.
+#[derive(Serialize, ToSchema)]
+#[schema(rename_all = "lowercase")]
+pub enum ModelFormat {
+    Json,
+    Urdf,
 }

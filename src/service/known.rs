@@ -1,0 +1,110 @@
+//! What a request calls by name, looked up before it is read and kept with the job: what becomes of the robot later does not matter to
+//! a job that has been accepted.
+
+use super::access::Access;
+use super::state::Service;
+use crate::app::Error;
+use crate::io::shipped::{ROBOTS, Shipped};
+use crate::io::{NamedExcitations, NamedRobots, Parsed, RobotDocument, robot_document};
+use crate::service::store::State;
+use crate::service::work::Kind;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Robots and excitations by name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Known {
+    /// Documents of the robots that the request names.
+    robots: BTreeMap<String, Value>,
+    /// `(period_s, order)`.
+    excitations: BTreeMap<String, (f64, usize)>,
+    /// All robots that the request might have named, for proposals.
+    #[serde(skip)]
+    names: Vec<String>,
+}
+
+/// The robot that a request names.
+pub fn robot_named(request: &Value) -> Option<&str> {
+    let places = [&request["robot"], &request["model"]["robot"], &request["model"]];
+    places.into_iter().find_map(Value::as_str)
+}
+
+/// The robot that stands in a request, by its own name.
+pub fn robot_inside(request: &Value) -> Option<&str> {
+    let places = [&request["robot"], &request["model"]["robot"], &request["model"]];
+    places.into_iter().find_map(|robot| robot["name"].as_str())
+}
+
+impl Known {
+    /// Looks up what `request` names, as far as `access` sees it.
+    pub async fn of(request: &Value, service: &Service, access: &Access) -> Result<Self, Error> {
+        let mut known = Self {
+            names: service.robot_names(access).await?,
+            ..Self::default()
+        };
+        if let Some(name) = robot_named(request)
+            && let Ok(document) = service.robot(name, access).await
+        {
+            known.robots.insert(name.to_string(), document);
+        }
+        if let Some(id) = request["excitation"].as_str()
+            && let Some(found) = excitation(id, service, access).await?
+        {
+            known.excitations.insert(id.to_string(), found);
+        }
+        Ok(known)
+    }
+}
+
+async fn excitation(id: &str, service: &Service, access: &Access) -> Result<Option<(f64, usize)>, Error> {
+    let Some(job) = service.find_job(id, access).await? else {
+        return Ok(None);
+    };
+    let Some(hash) = job
+        .result
+        .filter(|_| job.kind == Kind::Excitation && job.state != State::Failed)
+    else {
+        return Ok(None);
+    };
+    let design: Value = serde_json::from_slice(&service.files().read(&hash).await?).unwrap_or_default();
+    let order = design["coefficients"]["a"][0].as_array().map(Vec::len);
+    Ok(design["period_s"].as_f64().zip(order))
+}
+
+impl NamedRobots for Known {
+    fn named(&self, name: &str) -> Option<RobotDocument> {
+        let document = self.robots.get(name)?;
+        let parsed = Parsed {
+            value: document.clone(),
+            problems: Vec::new(),
+        };
+        robot_document(&parsed).ok()
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.names.clone()
+    }
+}
+
+impl NamedExcitations for Known {
+    fn excitation(&self, id: &str) -> Option<(f64, usize)> {
+        self.excitations.get(id).copied()
+    }
+}
+
+/// Whether a robot comes with the program.
+pub fn is_shipped(id: &str) -> bool {
+    ROBOTS.iter().any(|(known, _)| *known == id)
+}
+
+/// The document of a robot that comes with the program.
+pub fn shipped(id: &str) -> Option<Value> {
+    let (_, text) = ROBOTS.iter().find(|(known, _)| *known == id)?;
+    serde_json::from_str(text).ok()
+}
+
+/// Names of the robots that come with the program.
+pub fn shipped_names() -> Vec<String> {
+    Shipped.names()
+}

@@ -1,0 +1,67 @@
+//! News of a running job, from the threads that do it to the one that writes it down.
+
+use super::work::Told;
+use crate::app::Step;
+use crate::excitation::Progress;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// State of a running search.
+#[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
+#[schema(as = Progress)]
+pub struct ProgressDocument {
+    /// Value of the criterion at the best trajectory so far; null before the first.
+    #[schema(example = 63.1)]
+    pub best: Option<f64>,
+    pub starts_finished: usize,
+    pub starts: usize,
+    pub evaluations: u64,
+    pub rounds_finished: usize,
+    pub elapsed_s: f64,
+}
+
+/// Where an identification stands.
+#[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
+#[schema(as = Step)]
+pub struct StepDocument {
+    #[schema(example = "reading logs")]
+    pub what: &'static str,
+    pub done: usize,
+    pub of: usize,
+}
+
+impl ProgressDocument {
+    fn of(p: &Progress, elapsed: Duration) -> Self {
+        Self {
+            best: p.best.is_finite().then_some(p.best),
+            starts_finished: p.starts_finished,
+            starts: p.starts,
+            evaluations: p.evaluations,
+            rounds_finished: p.rounds_finished,
+            elapsed_s: elapsed.as_secs_f64(),
+        }
+    }
+}
+
+/// The last that was told of a search and of an identification.
+type Latest = (Option<Value>, Option<Value>);
+
+/// What was told since it was last asked for. Clones share.
+#[derive(Clone, Default)]
+pub struct News(Arc<Mutex<Latest>>);
+
+impl News {
+    pub fn tell(&self, told: Told, elapsed: Duration) {
+        let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match told {
+            Told::Search(p) => latest.0 = Some(json!(ProgressDocument::of(&p, elapsed))),
+            Told::Step(Step { what, done, of }) => latest.1 = Some(json!(StepDocument { what, done, of })),
+        }
+    }
+
+    pub fn take(&self) -> Latest {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}

@@ -1,0 +1,246 @@
+//! One design on many workers: idle ones search for it with other random numbers, and the best of all is the result.
+//!
+//! The searches are independent, so that their evaluations add up without waiting for each other and a worker that is lost takes nothing
+//! with it but its own. A search that is limited by a number of evaluations is not spread: it gives the same answer everywhere.
+
+use super::design::Motion;
+use super::progress::News;
+use super::state::Service;
+use super::store::{Claimed, Share};
+use super::work::{Class, Input, Outcome, Request};
+use super::worker::{NEWS, in_time, on_a_thread};
+use crate::app::{CancelFlag, Error};
+use crate::io::ExcitationRequest;
+use crate::trajectory::FourierSeries;
+use serde_json::{Value, json};
+use std::time::Duration;
+use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
+
+/// Time that a share keeps for handing in before the search is over.
+const HANDING_IN: Duration = Duration::from_secs(1);
+/// How long the search waits for shares that are about to come in: their handing in, and the time until they hear that it is over.
+const GATHERING: Duration = Duration::from_secs(3);
+/// How often a share is written down, and asked whether there is other work.
+const LOOK_AGAIN: Duration = Duration::from_millis(500);
+
+/// Time in which other workers may search for this request; `None` where they may not.
+pub fn time_to_spread(request: &Request, class: Class) -> Option<Duration> {
+    match request {
+        Request::Excite(r) if class == Class::Long && r.search.options.max_evaluations.is_none() => {
+            Some(Duration::from_secs_f64(r.search.time_limit_s))
+        }
+        _ => None,
+    }
+}
+
+/// Adds what the shares have done to the progress of the search.
+pub async fn with_shares(service: &Service, job: &Claimed, progress: Value) -> Value {
+    let shares = service.store().shares(&job.id, job.lease);
+    let Ok(shares) = in_time(LOOK_AGAIN, shares).await else {
+        return progress;
+    };
+    let mut progress = progress;
+    if let Some(own) = progress["evaluations"].as_i64() {
+        progress["evaluations"] = json!(own + shares.evaluations);
+    }
+    let best = [progress["best"].as_f64(), shares.best]
+        .into_iter()
+        .flatten()
+        .reduce(f64::min);
+    progress["best"] = json!(best);
+    progress
+}
+
+/// Ends the shares of a search and takes in what they found: the document of the best, with the work of all.
+pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome) -> Result<Vec<u8>, Error> {
+    let own = outcome.document();
+    let store = service.store();
+    let mut shares = store.shares(&job.id, job.lease).await?;
+    if shares.results.is_empty() && shares.outstanding == 0 {
+        return Ok(own);
+    }
+    store.spread(&job.id, job.lease, Duration::ZERO).await?;
+    let until = Instant::now() + GATHERING;
+    while shares.outstanding > 0 && Instant::now() < until {
+        sleep(NEWS).await;
+        shares = store.shares(&job.id, job.lease).await?;
+    }
+    let mut documents = vec![serde_json::from_slice(&own).unwrap_or_default()];
+    for hash in &shares.results {
+        documents.push(serde_json::from_slice(&service.files().read(hash).await?).unwrap_or_default());
+    }
+    Ok(best_of(documents).to_string().into_bytes())
+}
+
+/// Where an earlier life of the search, put back or on a worker that was lost, had come.
+pub async fn best_so_far(service: &Service, job: &Claimed) -> Result<Option<FourierSeries>, Error> {
+    let mut documents: Vec<Value> = Vec::new();
+    for hash in service.store().shares(&job.id, job.lease).await?.results {
+        documents.push(serde_json::from_slice(&service.files().read(&hash).await?).unwrap_or_default());
+    }
+    let motion = serde_json::from_value::<Motion>(best_of(documents)).ok();
+    Ok(motion.and_then(Motion::series))
+}
+
+/// The best of several documents of one design; how the search ended is told by the first.
+fn best_of(documents: Vec<Value>) -> Value {
+    let reached = |d: &Value| {
+        let minimised = d["criteria"]["minimised"].as_str()?;
+        d["criteria"][minimised].as_f64()
+    };
+    let value = |d: &Value| reached(d).unwrap_or(f64::INFINITY);
+    let sum = |field: &str| documents.iter().filter_map(|d| d["search"][field].as_u64()).sum::<u64>();
+    let (evaluations, rounds, searches) = (sum("evaluations"), sum("rounds"), documents.len());
+    let starts: Vec<Value> = documents
+        .iter()
+        .filter_map(|d| d["starts"].as_array())
+        .flatten()
+        .cloned()
+        .collect();
+    let first = documents.first().cloned().unwrap_or_default();
+    let mut best = documents
+        .into_iter()
+        .reduce(|a, b| if value(&b) < value(&a) { b } else { a })
+        .unwrap_or_default();
+    if value(&first).is_finite() {
+        best["status"] = first["status"].clone();
+    }
+    best["search"] = first["search"].clone();
+    best["search"]["evaluations"] = json!(evaluations);
+    best["search"]["rounds"] = json!(rounds);
+    best["search"]["searches"] = json!(searches);
+    best["request"] = first["request"].clone();
+    best["starts"] = json!(starts);
+    best
+}
+
+/// Looks for a search to share, and shares it until it is over or there is work of one's own; whether there was one.
+pub async fn help(service: &Service) -> bool {
+    let lease = service.config().lease;
+    let taken = in_time(lease, service.store().take_share(service.worker(), lease)).await;
+    let Ok(Some(share)) = taken else { return false };
+    tracing::info!(
+        job = share.job,
+        number = share.number,
+        "searching for another worker's design"
+    );
+    let ended = match request_of(service, &share).await {
+        Ok(request) => search(service, &share, request).await,
+        Err(error) => Err(error),
+    };
+    let (result, evaluations) = ended.unwrap_or_else(|error| {
+        tracing::warn!(job = share.job, %error, "a share failed");
+        (None, 0)
+    });
+    let end = service
+        .store()
+        .end_share(&share, service.worker(), result.as_deref(), evaluations);
+    if let Err(error) = in_time(lease, end).await {
+        tracing::warn!(job = share.job, %error, "a share could not be handed in");
+    }
+    true
+}
+
+async fn request_of(service: &Service, share: &Share) -> Result<Request, Error> {
+    let input: Input =
+        serde_json::from_slice(&service.files().read(&share.input).await?).map_err(|_| super::problem::internal_error())?;
+    let mut request = Request::of(super::work::Kind::Excitation, &input)?;
+    if let Request::Excite(search) = &mut request {
+        set_apart(search, share);
+    }
+    Ok(request)
+}
+
+/// Other random numbers, and all the time that is left.
+fn set_apart(request: &mut ExcitationRequest, share: &Share) {
+    let options = &mut request.search.options;
+    // An odd constant (that of the golden ratio, as in SplitMix64) takes every number of a share to another seed.
+    options.seed ^= (share.number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    options.until_halted = true;
+    request.search.time_limit_s = share.left.saturating_sub(HANDING_IN).as_secs_f64();
+}
+
+async fn search(service: &Service, share: &Share, request: Request) -> Result<(Option<String>, u64), Error> {
+    let (cancel, news) = (CancelFlag::default(), News::default());
+    let (flag, told, started) = (cancel.clone(), news.clone(), std::time::Instant::now());
+    let mut result = on_a_thread(Class::Long, move || {
+        request.run(&[], &[], &flag, &|t| told.tell(t, started.elapsed()))
+    });
+    let mut ticks = interval(LOOK_AGAIN);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut so_far = (0, None);
+    let outcome = loop {
+        tokio::select! {
+            outcome = &mut result => break outcome.unwrap_or_else(|_| Err(super::problem::internal_error()))?,
+            _ = ticks.tick() => {
+                if let Some(progress) = news.take().0 {
+                    so_far = (progress["evaluations"].as_u64().unwrap_or(0), progress["best"].as_f64());
+                }
+                if !goes_on(service, share, so_far).await {
+                    cancel.cancel();
+                }
+            }
+        }
+    };
+    let evaluations = match &outcome {
+        Outcome::Excited(excited) => excited.document.search.evaluations,
+        _ => so_far.0,
+    };
+    let result = match found(&outcome) {
+        Some(document) => Some(service.files().put(&document).await?),
+        None => None,
+    };
+    Ok((result, evaluations))
+}
+
+/// The document of a search that has found a trajectory.
+pub fn found(outcome: &Outcome) -> Option<Vec<u8>> {
+    match outcome {
+        Outcome::Excited(excited) if excited.series.is_some() => Some(outcome.document()),
+        _ => None,
+    }
+}
+
+/// Whether the search wants this share still, and this worker has nothing else to do.
+async fn goes_on(service: &Service, share: &Share, (evaluations, best): (u64, Option<f64>)) -> bool {
+    let store = service.store();
+    let time = service.config().lease;
+    let renew = store.renew_share(share, service.worker(), time, evaluations, best);
+    let wanted = in_time(time / 3, renew).await;
+    let other_work = in_time(time / 3, store.may_claim(Class::Long)).await.unwrap_or(false);
+    // While the database is away the search goes on: it may be back before the time is over.
+    wanted.unwrap_or(true) && !other_work && !service.is_closing()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_document_wins_and_the_work_adds_up() {
+        let document = |value: f64, status: &str| {
+            json!({"status": status, "criteria": {"minimised": "condition_number", "condition_number": value},
+                "search": {"seed": 1, "evaluations": 10, "rounds": 2}, "starts": [1], "request": {"seed": status}})
+        };
+        let none = json!({"status": "Infeasible", "criteria": null, "search": {"evaluations": 5, "rounds": 1}, "starts": []});
+        let best = best_of(vec![
+            document(70.0, "BudgetExhausted"),
+            document(60.0, "Cancelled"),
+            none.clone(),
+        ]);
+        assert_eq!(best["criteria"]["condition_number"], 60.0);
+        assert_eq!(
+            (&best["status"], &best["search"]["evaluations"]),
+            (&json!("BudgetExhausted"), &json!(25))
+        );
+        assert_eq!(
+            (&best["starts"], &best["request"]["seed"]),
+            (&json!([1, 1]), &json!("BudgetExhausted"))
+        );
+        // Only a share found a trajectory: then its word counts.
+        assert_eq!(
+            best_of(vec![none, document(60.0, "BudgetExhausted")])["status"],
+            "BudgetExhausted"
+        );
+    }
+}

@@ -1,0 +1,208 @@
+//! The queue: claiming, keeping and ending jobs under leases.
+//!
+//! A worker claims a job by raising its lease number and must renew the lease before it runs out; a job whose lease has run out is
+//! claimed again by whoever comes first. Everything a worker writes names the number it was given: a worker that was presumed dead and
+//! comes back finds its number outdated and changes nothing, so that every job has exactly one result.
+
+use super::{Dialect, Store, jobs::name_file, now_us, unavailable};
+use crate::app::Error;
+use crate::service::store::jobs::State;
+use crate::service::work::{Class, Kind};
+use serde_json::Value;
+use sqlx::Row;
+use sqlx::any::AnyRow;
+use std::time::Duration;
+
+/// A job in the hands of this worker.
+#[derive(Debug, Clone)]
+pub struct Claimed {
+    pub id: String,
+    pub kind: Kind,
+    pub robot: String,
+    pub input: String,
+    pub lease: i64,
+    /// With this one.
+    pub attempts: i64,
+    pub cancel_requested: bool,
+    pub created_us: i64,
+}
+
+/// What a worker is told when it renews its lease.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Renewed {
+    pub cancel_requested: bool,
+}
+
+/// How a job ended.
+#[derive(Debug, Clone)]
+pub struct Ended {
+    pub state: State,
+    pub outcome: Option<String>,
+    pub result: Option<String>,
+    pub model: Option<String>,
+    pub error: Option<Value>,
+}
+
+/// One step of urgency is worth this much waiting (µs): urgent jobs go first, and nothing waits for ever behind them.
+const STEP_OF_URGENCY: i64 = 60_000_000;
+
+impl Store {
+    /// Takes the next job of a class, if there is one.
+    ///
+    /// Robots take turns: the key of a job is the time since which it, and its robot, have been waiting, later by a minute for every
+    /// step of urgency. A robot that was just served counts as if its jobs had come just now.
+    pub async fn claim(
+        &self,
+        class: Class,
+        worker: &str,
+        lease: Duration,
+        most_of_robot: Option<usize>,
+    ) -> Result<Option<Claimed>, Error> {
+        if !self.may_claim(class).await? {
+            return Ok(None);
+        }
+        let mut transaction = self.begin().await?;
+        if self.dialect == Dialect::Postgres {
+            // Two who count a robot's running jobs at the same time would both find room for one.
+            sqlx::query("SELECT pg_advisory_xact_lock(4711002)")
+                .execute(&mut *transaction)
+                .await
+                .map_err(unavailable)?;
+        }
+        let sql = format!(
+            "UPDATE jobs SET state = 'running', lease = lease + 1, lease_until_us = {{now}} + $3, worker = $2, spread_until_us = NULL, \
+             attempts = attempts + 1, started_us = COALESCE(started_us, $4), sequence = sequence + 1 \
+             WHERE id = (SELECT j.id FROM jobs j WHERE j.class = $1 \
+               AND (j.state = 'queued' OR (j.state = 'running' AND j.lease_until_us < {{now}})) \
+               AND (SELECT COUNT(*) FROM jobs r WHERE r.robot = j.robot AND r.class = j.class AND r.state = 'running' \
+                    AND r.lease_until_us >= {{now}}) < $5 \
+               ORDER BY j.urgency * {STEP_OF_URGENCY} + (SELECT MAX(t.at) FROM (SELECT j.created_us AS at UNION ALL \
+                    SELECT MAX(r.started_us) FROM jobs r WHERE r.robot = j.robot AND r.class = j.class) t), \
+                 j.urgency * {STEP_OF_URGENCY} + j.created_us, j.id \
+               LIMIT 1 {{skip}}) \
+             RETURNING id, kind, robot, input, lease, attempts, cancel_requested, created_us"
+        );
+        let rows = sqlx::query(self.sql(&sql))
+            .bind(class.name())
+            .bind(worker)
+            .bind(lease.as_micros() as i64)
+            .bind(now_us())
+            .bind(most_of_robot.map_or(i64::MAX, |n| n as i64))
+            .fetch_all(&mut *transaction)
+            .await
+            .map_err(unavailable)?;
+        transaction.commit().await.map_err(unavailable)?;
+        rows.first().map(|row| claimed(row).map_err(unavailable)).transpose()
+    }
+
+    /// Looks without taking the writer's place.
+    pub async fn may_claim(&self, class: Class) -> Result<bool, Error> {
+        let sql = self.sql(
+            "SELECT 1 AS one FROM jobs WHERE class = $1 AND (state = 'queued' OR (state = 'running' AND lease_until_us < {now})) LIMIT 1",
+        );
+        let row = sqlx::query(sql).bind(class.name()).fetch_optional(&self.pool).await;
+        row.map(|r| r.is_some()).map_err(unavailable)
+    }
+
+    /// Keeps a job and tells where it stands; `None` if it is no longer this worker's.
+    pub async fn renew(
+        &self,
+        id: &str,
+        lease: i64,
+        time: Duration,
+        progress: Option<&Value>,
+        step: Option<&Value>,
+    ) -> Result<Option<Renewed>, Error> {
+        let sql = self.sql(
+            "UPDATE jobs SET lease_until_us = {now} + $3, progress = COALESCE($4, progress), step = COALESCE($5, step), \
+             sequence = sequence + CASE WHEN COALESCE($4, $5) IS NULL THEN 0 ELSE 1 END \
+             WHERE id = $1 AND lease = $2 AND state = 'running' RETURNING cancel_requested",
+        );
+        let rows = sqlx::query(sql)
+            .bind(id)
+            .bind(lease)
+            .bind(time.as_micros() as i64)
+            .bind(progress.map(Value::to_string))
+            .bind(step.map(Value::to_string))
+            .fetch_all(&self.pool)
+            .await
+            .map_err(unavailable)?;
+        let read = |row: &AnyRow| row.try_get::<i64, _>("cancel_requested").map_err(unavailable);
+        let cancel_requested = rows.first().map(read).transpose()?;
+        Ok(cancel_requested.map(|c| Renewed {
+            cancel_requested: c != 0,
+        }))
+    }
+
+    /// Ends a job; `false` if it is no longer this worker's, and then nothing has changed.
+    pub async fn finish(&self, id: &str, lease: i64, ended: &Ended) -> Result<bool, Error> {
+        let mut transaction = self.begin().await?;
+        let done = sqlx::query(
+            "UPDATE jobs SET state = $3, outcome = $4, result = $5, model = $6, error = $7, finished_us = $8, \
+             lease_until_us = NULL, sequence = sequence + 1 WHERE id = $1 AND lease = $2 AND state = 'running'",
+        )
+        .bind(id)
+        .bind(lease)
+        .bind(ended.state.name())
+        .bind(ended.outcome.clone())
+        .bind(ended.result.clone())
+        .bind(ended.model.clone())
+        .bind(ended.error.as_ref().map(Value::to_string))
+        .bind(now_us())
+        .execute(&mut *transaction)
+        .await
+        .map_err(unavailable)?;
+        if done.rows_affected() == 0 {
+            return Ok(false);
+        }
+        for hash in [&ended.result, &ended.model].into_iter().flatten() {
+            name_file(&mut transaction, id, hash).await?;
+        }
+        sqlx::query("DELETE FROM shares WHERE job = $1")
+            .bind(id)
+            .execute(&mut *transaction)
+            .await
+            .map_err(unavailable)?;
+        transaction.commit().await.map_err(unavailable)?;
+        Ok(true)
+    }
+
+    /// Puts a job back into the queue, to be done by another.
+    pub async fn release(&self, id: &str, lease: i64) -> Result<(), Error> {
+        let done = sqlx::query(
+            "UPDATE jobs SET state = 'queued', lease_until_us = NULL, worker = NULL, sequence = sequence + 1, attempts = attempts - 1 \
+             WHERE id = $1 AND lease = $2 AND state = 'running'",
+        )
+        .bind(id)
+        .bind(lease)
+        .execute(&self.pool)
+        .await;
+        done.map(drop).map_err(unavailable)
+    }
+
+    /// Puts back what a worker of this name held: for its next life, when the last one is known to be over.
+    pub async fn release_all_of(&self, worker: &str) -> Result<u64, Error> {
+        let done = sqlx::query(
+            "UPDATE jobs SET state = 'queued', lease_until_us = NULL, worker = NULL, sequence = sequence + 1 \
+             WHERE worker = $1 AND state = 'running'",
+        )
+        .bind(worker)
+        .execute(&self.pool)
+        .await;
+        done.map(|d| d.rows_affected()).map_err(unavailable)
+    }
+}
+
+fn claimed(row: &AnyRow) -> Result<Claimed, sqlx::Error> {
+    let kind: String = row.try_get("kind")?;
+    Ok(Claimed {
+        id: row.try_get("id")?,
+        kind: Kind::named(&kind).ok_or_else(|| sqlx::Error::Decode(format!("`{kind}` is not known to this version").into()))?,
+        robot: row.try_get("robot")?,
+        input: row.try_get("input")?,
+        lease: row.try_get("lease")?,
+        attempts: row.try_get("attempts")?,
+        cancel_requested: row.try_get::<i64, _>("cancel_requested")? != 0,
+        created_us: row.try_get("created_us")?,
+    })
+}

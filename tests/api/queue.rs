@@ -1,0 +1,234 @@
+//! Whose turn it is: fairness between robots, urgency, limits; and what is answered from the store.
+
+use crate::server::{Server, long_request, quick_request};
+use dynident::service::Config;
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+
+fn arm(name: &str) -> Value {
+    json!({"name": name, "joints": [{"name": "J1", "kind": "revolute", "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0},
+        "limits": {"position": [-2, 2], "velocity": 1, "acceleration": 5}}]})
+}
+
+/// A long job (it may take that long by its document) that takes a moment.
+fn moment(robot: &str, seed: u64) -> Value {
+    let mut request = quick_request();
+    request["robot"] = arm(robot);
+    request["search"] = json!({"seed": seed, "starts": 1, "max_evaluations": 10});
+    request
+}
+
+fn begin(server: &Server, request: &Value, headers: &[(&str, &str)]) -> String {
+    let headers = [headers, &[("content-type", "application/json")]].concat();
+    let answer = server.send("POST", "/excitation", &headers, &request.to_string());
+    assert_eq!(answer.status, 202, "{}", answer.text);
+    answer.json()["id"].as_str().unwrap().to_string()
+}
+
+fn wait_until(condition: impl Fn() -> bool) {
+    let started = Instant::now();
+    while !condition() {
+        assert!(started.elapsed() < Duration::from_secs(60), "waited in vain");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Keeps the one long place busy until it is cancelled.
+fn blocked(server: &Server) -> String {
+    let id = begin(server, &long_request(), &[]);
+    wait_until(|| server.get(&format!("/jobs/{id}")).json()["state"] == "running");
+    id
+}
+
+/// Ids of the jobs in the order in which they began.
+fn order(server: &Server, ids: &[String]) -> Vec<usize> {
+    let job = |id: &String| server.get(&format!("/jobs/{id}")).json();
+    wait_until(|| ids.iter().all(|id| job(id)["state"] == "finished"));
+    let mut begun: Vec<(String, usize)> = ids
+        .iter()
+        .enumerate()
+        .map(|(k, id)| (job(id)["started_at"].as_str().unwrap().to_string(), k))
+        .collect();
+    begun.sort();
+    begun.into_iter().map(|(_, k)| k).collect()
+}
+
+#[test]
+fn robots_take_turns() {
+    let server = Server::start();
+    let block = blocked(&server);
+    // Five of one robot, then one each of two others.
+    let mut ids: Vec<String> = (0..5).map(|k| begin(&server, &moment("busy", k), &[])).collect();
+    ids.push(begin(&server, &moment("second", 1), &[]));
+    ids.push(begin(&server, &moment("third", 1), &[]));
+    server.delete(&format!("/jobs/{block}"));
+    let order = order(&server, &ids);
+    assert_eq!(order[0], 0, "who came first begins: {order:?}");
+    let place = |k: usize| order.iter().position(|&other| other == k).unwrap();
+    assert!(place(5) <= 2 && place(6) <= 3, "{order:?}");
+    let of_busy: Vec<usize> = order.iter().copied().filter(|k| *k < 5).collect();
+    assert_eq!(of_busy, [0, 1, 2, 3, 4]);
+}
+
+#[test]
+fn urgent_jobs_go_first() {
+    let server = Server::start();
+    let block = blocked(&server);
+    let urgencies = ["u=7", "u=3", "u=0, i", "u=9"];
+    let ids: Vec<String> = (0..4)
+        .map(|k| begin(&server, &moment("arm", k as u64), &[("priority", urgencies[k])]))
+        .collect();
+    server.delete(&format!("/jobs/{block}"));
+    // What is no urgency counts as the usual one.
+    assert_eq!(order(&server, &ids), [2, 1, 3, 0]);
+}
+
+#[test]
+fn short_jobs_are_not_stuck_behind_long_ones() {
+    let server = Server::start();
+    blocked(&server);
+    begin(&server, &long_request(), &[]);
+    let asked = Instant::now();
+    assert_eq!(server.excite(&quick_request()).status, 200);
+    assert!(asked.elapsed() < Duration::from_secs(5), "{:?}", asked.elapsed());
+}
+
+#[test]
+fn one_robot_cannot_fill_the_queue() {
+    let server = Server::with(Config {
+        waiting_per_robot: 2,
+        ..Config::default()
+    });
+    blocked(&server);
+    let post = |robot: &str, seed| server.post_json("/excitation", &moment(robot, seed).to_string());
+    assert_eq!((post("a", 1).status, post("a", 2).status), (202, 202));
+    let refused = post("a", 3);
+    assert_eq!(
+        (refused.status, refused.problem()["code"].as_str()),
+        (429, Some("limit_reached"))
+    );
+    assert!(refused.header("retry-after").is_some());
+    assert_eq!(post("b", 1).status, 202);
+    // Its short jobs are not meant.
+    let mut short = quick_request();
+    short["robot"] = arm("a");
+    assert_eq!(server.excite(&short).status, 200);
+}
+
+#[test]
+fn one_robot_runs_no_more_than_it_may() {
+    let server = Server::with(Config {
+        concurrent_jobs: 2,
+        running_per_robot: Some(1),
+        ..Config::default()
+    });
+    let of = |robot: &str, seed: u64| {
+        let mut request = long_request();
+        request["robot"] = arm(robot);
+        request["search"]["seed"] = json!(seed);
+        request
+    };
+    let ids = [of("a", 1), of("a", 2), of("b", 1)].map(|request| begin(&server, &request, &[]));
+    let state = |id: &String| server.get(&format!("/jobs/{id}")).json()["state"].clone();
+    wait_until(|| state(&ids[0]) == "running" && state(&ids[2]) == "running");
+    assert_eq!(state(&ids[1]), "queued");
+    server.delete(&format!("/jobs/{}", ids[0]));
+    wait_until(|| state(&ids[1]) == "running");
+}
+
+#[test]
+fn the_same_design_is_answered_from_the_store() {
+    let server = Server::start();
+    let first = server.excite(&quick_request()).json();
+    let again = server.excite(&quick_request());
+    assert_eq!((again.status, again.json()), (200, first.clone()));
+    // Another request, or one that says so, is done.
+    let mut other = quick_request();
+    other["search"]["seed"] = json!(2);
+    assert_ne!(server.excite(&other).json()["id"], first["id"]);
+    let headers = [
+        ("content-type", "application/json"),
+        ("prefer", "wait=60"),
+        ("cache-control", "no-cache"),
+    ];
+    let afresh = server
+        .send("POST", "/excitation", &headers, &quick_request().to_string())
+        .json();
+    assert_ne!(afresh["id"], first["id"]);
+}
+
+#[test]
+fn a_job_keeps_the_robot_it_was_asked_with() {
+    let server = Server::start();
+    let put = |document: &Value| {
+        server.send(
+            "PUT",
+            "/robots/arm",
+            &[("content-type", "application/json")],
+            &document.to_string(),
+        )
+    };
+    assert_eq!(put(&arm("as it was")).status, 201);
+    let block = blocked(&server);
+    let mut request = moment("x", 1);
+    request["robot"] = json!("arm");
+    let id = begin(&server, &request, &[]);
+    assert_eq!(put(&arm("as it is")).status, 200);
+    server.delete(&format!("/jobs/{block}"));
+    let result = server
+        .send("GET", &format!("/excitation/{id}"), &[("prefer", "wait=60")], "")
+        .json();
+    assert_eq!((&result["robot"], &result["request"]), (&json!("as it was"), &request));
+}
+
+#[test]
+fn jobs_are_listed_page_by_page() {
+    let server = Server::start();
+    let ids: Vec<Value> = (0..3)
+        .map(|seed| {
+            let mut request = quick_request();
+            request["search"]["seed"] = json!(seed);
+            server.excite(&request).json()["id"].clone()
+        })
+        .collect();
+    let page = server.get("/jobs?limit=2").json();
+    assert_eq!(page["jobs"].as_array().unwrap().len(), 2);
+    assert_eq!(page["jobs"][0]["id"], ids[2]);
+    let next = server.get(page["next"].as_str().unwrap()).json();
+    assert_eq!((&next["jobs"][0]["id"], &next["next"]), (&ids[0], &Value::Null));
+    assert_eq!(server.get("/jobs?limit=0&befor=1").errors().len(), 2);
+}
+
+#[test]
+fn what_is_beyond_the_limits_of_the_server_is_named() {
+    let server = Server::with(Config {
+        most_joints: 6,
+        highest_order: 4,
+        longest_search_s: 60.0,
+        ..Config::default()
+    });
+    let errors = server.post_json("/excitation", &long_request().to_string()).errors();
+    for start in [
+        "/robot/joints: is 7;",
+        "/search/time_limit_s: is 600;",
+        "/fourier/order: is 5;",
+    ] {
+        assert!(errors.iter().any(|e| e.starts_with(start)), "{start} not in {errors:?}");
+    }
+}
+
+#[test]
+fn metrics_count_requests_and_jobs() {
+    let server = Server::start();
+    server.excite(&quick_request());
+    server.get("/robots/nothing");
+    let text = server.get("/metrics").text;
+    for line in [
+        "dynident_http_requests_total{method=\"GET\",route=\"/robots/{id}\",status=\"404\"} 1",
+        "dynident_jobs{state=\"finished\",class=\"short\"} 1",
+        "dynident_job_work_seconds_count{kind=\"excitation\"} 1",
+        "# EOF",
+    ] {
+        assert!(text.lines().any(|l| l == line), "{line} not in\n{text}");
+    }
+}

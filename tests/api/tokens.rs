@@ -1,0 +1,282 @@
+//! Who may do what: a token of one robot, held against every address of the OpenAPI document.
+
+use crate::server::{Answer, Server, quick_request};
+use dynident::service::store::{Role, Store};
+use dynident::service::{Config, new_token};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// A server that asks for tokens, and its data folder.
+struct Guarded {
+    server: Server,
+    folder: PathBuf,
+}
+
+impl Guarded {
+    fn start(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("dynident-tokens-{name}-{}", std::process::id()));
+        let config = Config {
+            data: Some(folder.clone()),
+            tokens_required: true,
+            ..Config::default()
+        };
+        Self {
+            server: Server::with(config),
+            folder,
+        }
+    }
+
+    fn in_store<T>(&self, work: impl AsyncFnOnce(Store) -> T) -> T {
+        let runtime = tokio::runtime::Runtime::new().unwrap();
+        runtime.block_on(async { work(Store::in_folder(&self.folder).await.unwrap()).await })
+    }
+
+    /// Id and secret.
+    fn token(&self, role: Role, robots: &[&str]) -> (String, String) {
+        let (row, secret, hash) = new_token("test", role, robots.iter().map(|r| r.to_string()).collect());
+        self.in_store(async |store| store.add_token(&row, &hash).await).unwrap();
+        (row.id, secret)
+    }
+
+    fn send(&self, token: &str, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Answer {
+        let bearer = format!("Bearer {token}");
+        let headers = [headers, &[("authorization", bearer.as_str())]].concat();
+        self.server.send(method, path, &headers, body)
+    }
+
+    fn post(&self, token: &str, path: &str, body: &Value) -> Answer {
+        let headers = [("content-type", "application/json"), ("prefer", "wait=60")];
+        self.send(token, "POST", path, &headers, &body.to_string())
+    }
+
+    fn get(&self, token: &str, path: &str) -> Answer {
+        self.send(token, "GET", path, &[], "")
+    }
+
+    /// Identifies or validates with a log that cannot be read: the job is there all the same.
+    fn failed_job(&self, token: &str, path: &str, request: &Value) -> String {
+        let answer = self.send(
+            token,
+            "POST",
+            path,
+            &[("content-type", "multipart/form-data; boundary=b")],
+            &multipart(request),
+        );
+        assert_eq!(answer.status, 202, "{}", answer.text);
+        answer.json()["id"].as_str().unwrap().to_string()
+    }
+}
+
+impl Drop for Guarded {
+    fn drop(&mut self) {
+        self.server.stop();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn multipart(request: &Value) -> String {
+    format!(
+        "--b\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{request}\r\n\
+         --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\nx\r\n--b--\r\n"
+    )
+}
+
+fn arm(name: &str) -> Value {
+    json!({"name": name, "joints": [{"name": "J1", "kind": "revolute", "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0},
+        "limits": {"position": [-2, 2], "velocity": 1, "acceleration": 5},
+        "prior": {"mass": 1, "center_of_mass": [0.1, 0, 0], "inertia": {"xx": 0.1, "xy": 0, "xz": 0, "yy": 0.1, "yz": 0, "zz": 0.1}}}]})
+}
+
+/// Method and path of every operation, but those that ask nobody who they are.
+fn operations() -> Vec<(String, String)> {
+    let document: Value = serde_json::from_str(&dynident::service::openapi_json()).unwrap();
+    let paths = document["paths"].as_object().unwrap();
+    let of_path = |(path, item): (&String, &Value)| {
+        let methods = item.as_object().unwrap().keys();
+        methods.map(|m| (m.to_uppercase(), path.clone())).collect::<Vec<_>>()
+    };
+    let all = paths.iter().flat_map(of_path);
+    all.filter(|(_, path)| !path.starts_with("/health/")).collect()
+}
+
+/// A body that the operation would take.
+fn body(path: &str, robot: &str) -> (&'static str, String) {
+    let mut excitation = quick_request();
+    excitation["robot"] = json!(robot);
+    match path {
+        "/identify" => ("multipart/form-data; boundary=b", multipart(&json!({"robot": robot}))),
+        "/validate" => ("multipart/form-data; boundary=b", multipart(&json!({"model": robot}))),
+        "/excitation" => ("application/json", excitation.to_string()),
+        "/robots" | "/robots/{id}" => ("application/json", arm(robot).to_string()),
+        _ => ("application/json", json!({"robot": robot}).to_string()),
+    }
+}
+
+#[test]
+fn nothing_of_another_robot_is_seen_at_any_address() {
+    let guarded = Guarded::start("addresses");
+    let (_, everywhere) = guarded.token(Role::Admin, &["*"]);
+    for name in ["arm-a", "arm-b"] {
+        assert_eq!(guarded.post(&everywhere, "/robots", &arm(name)).status, 201);
+    }
+    let (_, mine) = guarded.token(Role::Admin, &["arm-a"]);
+    let (_, theirs) = guarded.token(Role::Run, &["arm-b"]);
+    let mut request = quick_request();
+    request["robot"] = json!("arm-b");
+    let design = guarded.post(&theirs, "/excitation", &request);
+    assert_eq!(design.status, 200, "{}", design.text);
+    let excitation = design.json()["id"].as_str().unwrap().to_string();
+    let identification = guarded.failed_job(&theirs, "/identify", &json!({"robot": "arm-b"}));
+    let validation = guarded.failed_job(&theirs, "/validate", &json!({"model": "arm-b"}));
+    let ids = [
+        ("/excitation/", excitation.as_str()),
+        ("/identify/", &identification),
+        ("/validate/", &validation),
+        ("/jobs/", &excitation),
+        ("/robots/", "arm-b"),
+    ];
+    let mut checked = 0;
+    for (method, path) in operations() {
+        let (kind, content) = body(&path, "arm-b");
+        let content = if method == "POST" || method == "PUT" {
+            content
+        } else {
+            String::new()
+        };
+        let send =
+            |token: &str, path: &str, content: &str| guarded.send(token, &method, path, &[("content-type", kind)], content);
+        if path.contains("{id}") {
+            let id = ids
+                .iter()
+                .find(|(start, _)| path.starts_with(start))
+                .unwrap_or_else(|| panic!("{path}"))
+                .1;
+            let answer = send(&mine, &path.replace("{id}", id), &content);
+            assert_eq!(answer.status, 404, "{method} {path}: {}", answer.text);
+            // Word for word what is said of a thing that is not there.
+            let nothing = send(&mine, &path.replace("{id}", "nothing"), &content.replace("arm-b", "nothing"));
+            assert_eq!(answer.text.replace(id, "nothing"), nothing.text, "{method} {path}");
+            checked += 1;
+        } else if method == "POST" {
+            let answer = send(&mine, &path, &content);
+            let nothing = send(&mine, &path, &content.replace("arm-b", "arm-z"));
+            assert!([404, 422].contains(&answer.status), "{method} {path}: {}", answer.text);
+            assert_eq!(
+                (answer.status, answer.text.replace("arm-b", "arm-z")),
+                (nothing.status, nothing.text),
+                "{method} {path}"
+            );
+        } else {
+            let answer = send(&mine, &path, "");
+            let seen =
+                [200, 403].contains(&answer.status) && !answer.text.contains("arm-b") && !answer.text.contains(&excitation);
+            assert!(seen, "{method} {path}: {}", answer.text);
+        }
+    }
+    assert!(checked >= 12, "{checked} addresses with an id");
+    // Their owner sees them still.
+    for (start, id) in ids {
+        assert_ne!(guarded.get(&theirs, &format!("{start}{id}")).status, 404, "{start}");
+    }
+}
+
+#[test]
+fn without_a_valid_token_nothing_is_answered() {
+    let guarded = Guarded::start("none");
+    let (id, secret) = guarded.token(Role::Admin, &["*"]);
+    assert_eq!(guarded.get(&secret, "/jobs").status, 200);
+    guarded.in_store(async |store| store.revoke_token(&id).await).unwrap();
+    for (method, path) in operations() {
+        let path = path.replace("{id}", "iiwa14");
+        for token in [secret.as_str(), "wrong", ""] {
+            let answer = guarded.send(token, &method, &path, &[], "");
+            assert_eq!(
+                (answer.status, answer.problem()["code"].as_str()),
+                (401, Some("unauthorized")),
+                "{method} {path}"
+            );
+            assert!(answer.header("www-authenticate").is_some());
+        }
+    }
+    assert_eq!(guarded.server.get("/health/live").status, 200);
+    // The secret is nowhere on the disk.
+    let database = std::fs::read(guarded.folder.join("dynident.sqlite")).unwrap();
+    let log = std::fs::read(guarded.folder.join("dynident.sqlite-wal")).unwrap_or_default();
+    let kept = [database, log].concat();
+    assert!(!kept.windows(secret.len()).any(|w| w == secret.as_bytes()));
+}
+
+#[test]
+fn a_role_does_what_it_says_and_no_more() {
+    let guarded = Guarded::start("roles");
+    let (_, read) = guarded.token(Role::Read, &["*"]);
+    let (_, run) = guarded.token(Role::Run, &["*"]);
+    let (_, admin) = guarded.token(Role::Admin, &["*"]);
+    let design = guarded.post(&run, "/excitation", &quick_request());
+    assert_eq!(design.status, 200);
+    let id = design.json()["id"].as_str().unwrap().to_string();
+    assert_eq!(guarded.get(&read, &format!("/excitation/{id}")).status, 200);
+    let forbidden = |answer: Answer| assert_eq!((answer.status, answer.problem()["code"].as_str()), (403, Some("forbidden")));
+    forbidden(guarded.post(&read, "/excitation", &quick_request()));
+    forbidden(guarded.send(&read, "DELETE", &format!("/jobs/{id}"), &[], ""));
+    forbidden(guarded.post(&run, "/robots", &arm("x")));
+    assert_eq!(guarded.post(&admin, "/robots", &arm("x")).status, 201);
+    forbidden(guarded.send(&run, "DELETE", "/robots/x", &[], ""));
+    assert_eq!(guarded.get(&read, "/metrics").status, 200);
+    let (_, one) = guarded.token(Role::Admin, &["x"]);
+    forbidden(guarded.get(&one, "/metrics"));
+    // All of it stands in the audit log, with who did it.
+    let entries = guarded.in_store(async |store| store.audit(100).await).unwrap();
+    let actions: Vec<&str> = entries.iter().map(|e| e.action.as_str()).collect();
+    assert_eq!(actions, ["run_excitation", "put_robot"]);
+    assert!(
+        entries
+            .iter()
+            .all(|e| e.who == "test" && !e.request.is_empty() && !e.token.is_empty())
+    );
+}
+
+/// Documents and the robots of the program are anybody's: with them, a token for one robot works for that robot.
+#[test]
+fn jobs_on_documents_belong_to_the_robot_of_the_token() {
+    let guarded = Guarded::start("owner");
+    let (_, mine) = guarded.token(Role::Run, &["arm-a"]);
+    let (_, theirs) = guarded.token(Role::Run, &["arm-b"]);
+    let job = guarded.post(&mine, "/excitation", &quick_request());
+    assert_eq!(job.status, 200);
+    let path = format!("/jobs/{}", job.json()["id"].as_str().unwrap());
+    assert_eq!(guarded.get(&mine, &path).json()["robot"], "arm-a");
+    assert_eq!(guarded.get(&theirs, &path).status, 404);
+    // The same design asked for by another is not theirs to see either.
+    let other = guarded.post(&theirs, "/excitation", &quick_request());
+    assert_ne!(other.json()["id"], job.json()["id"]);
+}
+
+#[test]
+fn a_server_for_its_own_machine_does_not_serve_a_proxy() {
+    let server = Server::start();
+    let answer = server.send("GET", "/jobs", &[("x-forwarded-for", "10.0.0.1")], "");
+    assert_eq!((answer.status, answer.problem()["code"].as_str()), (403, Some("forbidden")));
+}
+
+#[test]
+fn too_many_requests_are_told_when_to_come_back() {
+    let server = Server::with(Config {
+        requests_per_second: Some(1),
+        request_burst: 3,
+        ..Config::default()
+    });
+    let answers: Vec<Answer> = (0..5).map(|_| server.get("/jobs")).collect();
+    assert_eq!(answers.iter().filter(|a| a.status == 200).count(), 3);
+    let refused = answers.last().unwrap();
+    assert_eq!(
+        (refused.status, refused.problem()["code"].as_str()),
+        (429, Some("rate_limited"))
+    );
+    assert!(refused.header("retry-after").unwrap().parse::<u64>().unwrap() >= 1);
+    // Others are not meant.
+    assert_eq!(
+        server.send("GET", "/jobs", &[("authorization", "Bearer other")], "").status,
+        200
+    );
+}

@@ -1,0 +1,87 @@
+//! What an operator does on the command line.
+
+use super::{Folder, run, stderr, stdout};
+use serde_json::Value;
+
+#[test]
+fn a_server_that_anyone_could_use_does_not_start_by_accident() {
+    let folder = Folder::new("open");
+    let data = folder.file("data");
+    let output = run(&["serve", "--listen", "0.0.0.0:0", "--auth", "off", "--data", &data]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let text = stderr(&output);
+    assert!(
+        text.contains("error[forbidden]") && text.contains("--open-to-anyone"),
+        "{text}"
+    );
+    assert!(!std::path::Path::new(&data).exists(), "nothing was begun");
+}
+
+#[test]
+fn a_worker_without_a_shared_database_says_what_it_needs() {
+    let folder = Folder::new("worker");
+    let output = run(&["worker", "--data", &folder.file("data")]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("DATABASE_URL"), "{}", stderr(&output));
+}
+
+#[test]
+fn tokens_are_made_listed_and_revoked_and_the_audit_log_knows() {
+    let folder = Folder::new("tokens");
+    let data = folder.file("data");
+    let data = data.as_str();
+    let made = run(&[
+        "token", "create", "--robot", "arm", "--role", "read", "--name", "Ada", "--data", data, "--json",
+    ]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    let made: Value = serde_json::from_str(&stdout(&made)).unwrap();
+    let (id, secret) = (made["id"].as_str().unwrap(), made["token"].as_str().unwrap());
+    assert!(secret.starts_with(&format!("dynident_{id}_")));
+    let list = || -> Value { serde_json::from_str(&stdout(&run(&["token", "list", "--data", data, "--json"]))).unwrap() };
+    assert_eq!(list()[0]["name"], "Ada");
+    assert_eq!(list()[0]["revoked"], false);
+    assert!(!list().to_string().contains(secret));
+    assert!(run(&["token", "revoke", id, "--data", data]).status.success());
+    assert_eq!(list()[0]["revoked"], true);
+    assert_eq!(run(&["token", "revoke", id, "--data", data]).status.code(), Some(2));
+    assert_eq!(
+        run(&["token", "create", "--robot", "arm", "--role", "king", "--data", data])
+            .status
+            .code(),
+        Some(2)
+    );
+    let audit = stdout(&run(&["audit", "--data", data]));
+    let actions: Vec<bool> = audit
+        .lines()
+        .map(|l| l.contains("token_create") || l.contains("token_revoke"))
+        .collect();
+    assert_eq!(actions, [true, true], "{audit}");
+}
+
+#[test]
+fn settings_are_printed_with_what_they_come_from() {
+    let folder = Folder::new("settings");
+    let file = folder.write("dynident.toml", "waiting_jobs = 12\n");
+    let output = run(&["config", "--config", &file, "--lease-s", "30"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    for line in [
+        "waiting_jobs = 12 # file",
+        "lease_s = 30.0 # environment or flag",
+        "auth = \"auto\" # default",
+    ] {
+        assert!(text.lines().any(|l| l == line), "{line} not in\n{text}");
+    }
+    folder.write("dynident.toml", "waiting_jobs = \"many\"\n");
+    let output = run(&["config", "--config", &file]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("waiting_jobs"), "{}", stderr(&output));
+}
+
+/// The settings file that is shipped is one.
+#[test]
+fn the_example_of_a_settings_file_can_be_read() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/deploy/dynident.toml");
+    let output = run(&["config", "--config", file]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}

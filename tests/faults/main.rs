@@ -1,0 +1,11 @@
+//! What must survive when processes are killed, disks fill and databases go away.
+
+#[path = "../support/postgres.rs"]
+mod postgres;
+#[path = "../support/process.rs"]
+mod process;
+
+mod kill;
+mod network;
+mod storage;
+mod workers;
