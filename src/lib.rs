@@ -80,6 +80,8 @@ pub mod service;
 pub mod simulate;
 pub mod spatial;
 pub mod trajectory;
+#[cfg(feature = "figures")]
+pub mod web;
 
 // Links the library that the semidefinite solver calls.
 use openblas_src as _;

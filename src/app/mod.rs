@@ -3,6 +3,7 @@
 mod error;
 mod excite;
 mod identify;
+mod motion;
 mod problem;
 mod report;
 mod trace;
@@ -11,5 +12,6 @@ mod validate;
 pub use error::{Code, Error};
 pub use excite::{CancelFlag, Excited, excite};
 pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};
+pub use motion::motion;
 pub use problem::{FieldError, Problem};
 pub use validate::validate;

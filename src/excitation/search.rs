@@ -64,6 +64,8 @@ pub struct Progress {
     pub starts: usize,
     pub evaluations: u64,
     pub rounds_finished: usize,
+    /// The random start that has just ended; `None` after local solves around known points.
+    pub start: Option<StartReport>,
 }
 
 /// Points that stay in the pool of an epoch: enough for exchange between different basins, few enough to press on.
@@ -208,7 +210,7 @@ impl Run<'_> {
             evaluations: end.evaluations,
             converged: end.converged,
         });
-        self.tell(&end, job);
+        self.tell(&end, report);
         (
             job,
             Point {
@@ -220,10 +222,11 @@ impl Run<'_> {
         )
     }
 
-    fn tell(&self, end: &Descended, job: Job) {
+    fn tell(&self, end: &Descended, start: Option<StartReport>) {
         let mut progress = self.progress.lock().expect("holders of the lock do not panic");
         progress.best = progress.best.min(end.value.exp());
-        progress.starts_finished += usize::from(job == Job::Start);
+        progress.starts_finished += usize::from(start.is_some());
+        progress.start = start;
         progress.evaluations = self.descent.evaluations();
         self.control.progress(&progress);
     }
@@ -244,6 +247,7 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
         starts: options.starts,
         evaluations: 0,
         rounds_finished: 0,
+        start: None,
     };
     let descent = Descent::new(problem, &variables, control);
     let run = Run {

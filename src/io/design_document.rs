@@ -163,7 +163,7 @@ impl DesignDocument {
             samples: problem.samples(),
             joints: joints.iter().map(|j| j.name.clone()).collect(),
             margins: design.margins.iter().map(|m| margin_document(&joints[m.joint], m)).collect(),
-            starts: design.starts.iter().map(start_document).collect(),
+            starts: design.starts.iter().map(StartDocument::of).collect(),
             base_parameters: problem.base().names.clone(),
             search: SearchDocument {
                 seed: request.search.options.seed,
@@ -240,12 +240,14 @@ fn unit(joint: &Joint, quantity: Quantity) -> &'static str {
     units[quantity as usize]
 }
 
-fn start_document(s: &crate::excitation::StartReport) -> StartDocument {
-    StartDocument {
-        initial: finite(s.initial),
-        reached: finite(s.reached),
-        evaluations: s.evaluations,
-        converged: s.converged,
+impl StartDocument {
+    pub fn of(s: &crate::excitation::StartReport) -> Self {
+        Self {
+            initial: finite(s.initial),
+            reached: finite(s.reached),
+            evaluations: s.evaluations,
+            converged: s.converged,
+        }
     }
 }
 

@@ -10,7 +10,6 @@ use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::Uri;
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use utoipa::OpenApi;
@@ -57,6 +56,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Document) {
         .routes(routes!(api::robots::list, api::robots::post))
         .routes(routes!(api::robots::get, api::robots::put, api::robots::delete))
         .routes(routes!(api::robots::base_parameters))
+        .routes(routes!(api::motion::post))
         .routes(routes!(api::health::live))
         .routes(routes!(api::health::ready))
         .split_for_parts()
@@ -77,7 +77,7 @@ pub fn router(service: Service) -> Router {
     let (routes, document) = documented(service.config().largest_upload);
     let largest = service.config().largest_document;
     routes
-        .route("/", get(api::pages::landing))
+        .merge(crate::web::pages())
         .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
         .fallback(nothing_here)
         .method_not_allowed_fallback(method_not_allowed)

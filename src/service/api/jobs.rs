@@ -2,6 +2,7 @@
 
 use crate::app::Problem;
 use crate::app::{Code, Error};
+use crate::io::StartDocument;
 use crate::service::jobs::{Job, State as JobState, Status};
 use crate::service::problem::Failure;
 use crate::service::state::Service;
@@ -54,6 +55,8 @@ pub struct ProgressDocument {
     pub evaluations: u64,
     pub rounds_finished: usize,
     pub elapsed_s: f64,
+    /// The random start that has just ended, where that is the news.
+    pub start: Option<StartDocument>,
 }
 
 /// Where an identification stands.
@@ -117,6 +120,7 @@ impl JobDocument {
                 evaluations: p.evaluations,
                 rounds_finished: p.rounds_finished,
                 elapsed_s: status.started.map_or(0.0, |s| elapsed(s).as_secs_f64()),
+                start: p.start.as_ref().map(StartDocument::of),
             }),
             step: status.step.as_ref().map(|s| StepDocument {
                 what: s.what,

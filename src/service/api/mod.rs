@@ -4,7 +4,7 @@ pub mod excitation;
 pub mod health;
 pub mod identify;
 pub mod jobs;
-pub mod pages;
+pub mod motion;
 pub mod query;
 pub mod robots;
 pub mod schemas;
