@@ -1,6 +1,8 @@
 //! Identify a robot from logs.
 
-use super::report::document;
+use super::provenance::provenance;
+use super::report::{document, physical_columns};
+use super::series::{Predictors, predictions};
 use super::trace::residual;
 use super::{CancelFlag, Code, Error};
 use crate::dynamics::inverse_dynamics;
@@ -167,6 +169,17 @@ pub fn identify(
     let traced = request.trace.then(|| residual(&request.robot, &used, &held_out));
     let (report, augmented) = traced.unzip();
     document.residual = report;
+    if request.prediction_points > 0 {
+        let columns = physical.as_ref().map(|fit| physical_columns(&base, fit));
+        let by = Predictors {
+            base: &found.values,
+            physical: columns.as_ref(),
+            augmented: augmented.as_ref(),
+            residual: document.residual.as_ref(),
+        };
+        document.predictions = predictions(&request.robot, used.iter().chain(&held_out), &by, request.prediction_points);
+    }
+    document.provenance = Some(provenance(request, logs, validation)?);
     Ok(Identified {
         document,
         base,

@@ -11,6 +11,7 @@ mod design_document;
 mod excitation_request;
 mod identify_document;
 mod identify_request;
+mod inspect_document;
 mod json;
 pub mod log;
 mod model_document;
@@ -28,6 +29,7 @@ pub use design_document::{
 pub use excitation_request::{ExcitationRequest, Search, read_excitation_request};
 pub use identify_document::*;
 pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
+pub use inspect_document::{InspectDocument, InspectedJoint, InspectedLog};
 pub use json::{Malformed, Parsed, parse};
 pub use model_document::{robot_value, urdf};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};

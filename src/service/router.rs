@@ -40,6 +40,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Document) {
     let uploads = OpenApiRouter::new()
         .routes(routes!(api::identify::post))
         .routes(routes!(api::identify::post_validation))
+        .routes(routes!(api::inspect::post))
         // Logs are streamed to disk: their bound is not that of documents, which are held in memory.
         .layer(DefaultBodyLimit::max(largest_upload));
     OpenApiRouter::with_openapi(ApiDocument::openapi())

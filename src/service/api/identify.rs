@@ -140,7 +140,7 @@ pub async fn post_validation(
     .await
 }
 
-fn not_multipart(rejection: MultipartRejection) -> Failure {
+pub(super) fn not_multipart(rejection: MultipartRejection) -> Failure {
     let error = Error::new(
         Code::UnsupportedMediaType,
         format!("the body is no multipart form: {}", rejection.body_text()),

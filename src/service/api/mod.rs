@@ -3,6 +3,7 @@
 pub mod excitation;
 pub mod health;
 pub mod identify;
+pub mod inspect;
 pub mod jobs;
 pub mod motion;
 pub mod query;

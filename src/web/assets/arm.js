@@ -40,7 +40,9 @@ export class ArmView {
   constructor(canvas, joints, gravity = [0, 0, -9.81]) {
     Object.assign(this, { canvas, joints, q: joints.map(() => 0), path: null, bodies: [], azimuth: -0.9, elevation: 0.35, reach: reach(joints) });
     this.up = this.upright(gravity);
+    // In the upright frame, as the ground is.
     this.centre = [0, 0, this.reach * 0.35];
+    this.span = 2.1 * this.reach;
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);
     document.addEventListener('theme', () => this.draw());
@@ -56,6 +58,14 @@ export class ArmView {
     const raw = seed.map((s, i) => s - along * z[i]);
     const x = raw.map((r) => r / Math.hypot(...raw));
     return [x, [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]], z];
+  }
+
+  /** Looks at the arm as it stands, for views that do not move. */
+  frameArm() {
+    const points = [[0, 0, 0], ...poses(this.joints, this.q).map((f) => f.position)].map((p) => times(this.up, p));
+    const sides = [0, 1, 2].map((i) => [Math.min(...points.map((p) => p[i])), Math.max(...points.map((p) => p[i]))]);
+    this.centre = sides.map(([low, high]) => (low + high) / 2);
+    this.span = 1.75 * Math.max(Math.hypot(...sides.map(([low, high]) => high - low)), 0.4 * this.reach);
   }
 
   set(q) {
@@ -107,7 +117,7 @@ export class ArmView {
     context.clearRect(0, 0, width, height);
     const camera = this.camera();
     const centre = times(transposed(this.up), this.centre);
-    const scale = Math.min(width, height) / (2.3 * this.reach);
+    const scale = Math.min(width, height) / this.span;
     const project = (p) => {
       const v = times(camera, p.map((x, i) => x - centre[i]));
       return [width / 2 + scale * v[0], height / 2 - scale * v[1], v[2]];
