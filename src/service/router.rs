@@ -50,6 +50,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Document) {
         .merge(uploads)
         .routes(routes!(api::identify::get))
         .routes(routes!(api::identify::model))
+        .routes(routes!(api::report::get))
         .routes(routes!(api::identify::get_validation))
         .routes(routes!(api::jobs::list))
         .routes(routes!(api::jobs::get, api::jobs::cancel))

@@ -5,8 +5,11 @@
 
 #[cfg(feature = "service")]
 mod assets;
+pub mod figures;
 #[cfg(feature = "service")]
 mod pages;
+mod report;
 
 #[cfg(feature = "service")]
 pub use pages::pages;
+pub use report::{Circumstances, report};

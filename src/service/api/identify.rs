@@ -210,7 +210,7 @@ fn ended(job: &Job) -> Option<Result<Response, Failure>> {
     })
 }
 
-fn find(service: &Service, id: &str, kind: &str) -> Result<Arc<Job>, Failure> {
+pub(super) fn find(service: &Service, id: &str, kind: &str) -> Result<Arc<Job>, Failure> {
     let unknown =
         || Error::new(Code::UnknownIdentification, format!("there is no {kind} `{id}`")).with_hint("GET /jobs lists them");
     Ok(service.jobs().get(id).filter(|job| job.kind() == kind).ok_or_else(unknown)?)

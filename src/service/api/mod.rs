@@ -7,5 +7,6 @@ pub mod inspect;
 pub mod jobs;
 pub mod motion;
 pub mod query;
+pub mod report;
 pub mod robots;
 pub mod schemas;
