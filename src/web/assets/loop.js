@@ -91,7 +91,7 @@ function bars({ result, report, effort }) {
       traces: [
         { type: 'bar', name: 'declared model', x: result.joints, y: report.rms_before[kind], marker: { color: colour(1), pattern: { shape: '/' } } },
         { type: 'bar', name: 'with the effects found', x: result.joints, y: report.rms_after[kind], marker: { color: colour(0) } },
-        { type: 'scatter', mode: 'markers', name: 'noise floor', x: result.joints, y: report.noise_floor, marker: { symbol: 'line-ew-open', size: 30, line: { width: 3, color: variable('--ink') }, color: variable('--ink') } },
+        { type: 'scatter', mode: 'markers', name: 'noise floor', x: result.joints, y: report.noise_floor, marker: { symbol: 'line-ew-open', size: innerWidth < 640 ? 16 : 30, line: { width: 3, color: variable('--ink') }, color: variable('--ink') } },
       ].map((t) => ({ ...t, hovertemplate: '%{y:.4g}' })),
       layout: { barmode: 'group', height: 310, xaxis: { type: 'category', title: 'joint' }, yaxis: { title: `RMS error (${[...new Set(effort)].join(' or ')})`, rangemode: 'tozero' } },
     }));

@@ -78,7 +78,7 @@ function limits(drawn) {
 function baseTable(base) {
   const split = (name) => (/^([A-Z]+)(\d+)$/.exec(name) ? symbol(...name.match(/^([A-Z]+)(\d+)$/).slice(1)) : name);
   return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} standard parameters: all that torques can tell of this arm. The letter R in a name says that others are grouped into it.`), table([
-    { head: 'Name', cell: (p) => h('strong', {}, p.name), sort: (p) => p.name }, { head: 'Is', cell: (p) => h('span', {}, split(p.name), ' = ', typeset(p.expression)) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
+    { head: 'Name', cell: (p) => h('strong', {}, p.name), sort: (p) => p.name }, { head: 'Is', cell: (p) => h('span', { class: 'expression' }, p.name === p.expression ? split(p.name) : [split(p.name), ' = ', typeset(p.expression)]) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
   ], base.base_parameters, { caption: 'Base parameters' })];
 }
 
