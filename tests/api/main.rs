@@ -7,5 +7,6 @@ mod bad_input;
 mod identify;
 mod jobs;
 mod openapi;
+mod pages;
 mod readme;
 mod robots;

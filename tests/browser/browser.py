@@ -52,7 +52,7 @@ def settle(page):
     for y in range(0, height, 700):
         page.evaluate(f"window.scrollTo(0, {y})")
         page.wait_for_timeout(60)
-    page.wait_for_function("[...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.closest('[hidden]') === null).every(p => p.querySelector('.main-svg'))")
+    page.wait_for_function("() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.closest('[hidden]') === null).every(p => p.querySelector('.main-svg'))")
     page.evaluate("window.scrollTo(0, 0)")
 
 
@@ -66,8 +66,8 @@ def check(page, name):
         const named = e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || (e.labels && e.labels.length && e.labels[0].textContent.trim());
         return !(named || (e.tagName === 'IMG' && e.hasAttribute('alt')) || (['BUTTON', 'A'].includes(e.tagName) && e.textContent.trim())) }).map(e => e.outerHTML.slice(0, 120))""")
     assert not unnamed, f"{name}: controls without a name: {unnamed}"
-    axes = page.evaluate("""() => [...document.querySelectorAll('.plot')].filter(p => p.querySelector('.main-svg')).map(p =>
-        [p.dataset.label, [...p.querySelectorAll('.infolayer [class*=title]')].map(t => t.textContent)])""")
+    axes = page.evaluate("""() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.querySelector('.main-svg')).map(p =>
+        [p.dataset.label, [...p.querySelectorAll('.infolayer text')].filter(t => /^[xy]\\d*title/.test(t.getAttribute('class') ?? '')).map(t => t.textContent)])""")
     for label, titles in axes:
         assert label, f"{name}: a plot without a label for those who do not see it"
         assert len(titles) >= 2, f"{name}: {label}: axes without titles: {titles}"

@@ -75,12 +75,14 @@ async function watch(id) {
       fill(find('#result'));
       live.begin(job);
       live.show(job);
+      find('#live').scrollIntoView({ block: 'start' });
       await follow(id, (now) => live.show(now), signal);
     }
     const result = await getJson(`/excitation/${id}`);
     live.end();
     refill(result.request);
     await showDesign(find('#result'), result);
+    if (scrollY > 0) find('#result').scrollIntoView({ block: 'start' });
   } catch (error) {
     live.end();
     explain(find('#trouble'), error);
@@ -98,7 +100,6 @@ find('#form').addEventListener('submit', async (event) => {
     const job = await postJson('/excitation', request());
     history.pushState(null, '', `/design?id=${job.id}`);
     watch(job.id);
-    find('#live').scrollIntoView({ block: 'nearest' });
   } catch (error) {
     explain(find('#form-trouble'), error, event.target);
   } finally {

@@ -78,11 +78,14 @@ async function watch(id) {
     const job = await getJson(`/jobs/${id}`);
     if (['queued', 'running'].includes(job.state)) {
       fill(find('#result'));
+      live.hidden = false;
+      live.scrollIntoView({ block: 'center' });
       await follow(id, (now) => showStep(live, now));
     }
     live.hidden = true;
     const answer = await send(`/identify/${id}`);
     await showIdentification(find('#result'), await answer.json());
+    if (scrollY > 0) find('#result').scrollIntoView({ block: 'start' });
   } catch (error) {
     live.hidden = true;
     explain(find('#trouble'), error);

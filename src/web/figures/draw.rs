@@ -99,15 +99,15 @@ impl Figure {
     ) -> Result<(), FigureError> {
         let along = panel.range();
         let mut builder = ChartBuilder::on(area);
-        builder.margin(6).margin_right(14).y_label_area_size(66);
+        builder.margin(6).margin_right(14).y_label_area_size(72);
         builder.x_label_area_size(below.unwrap_or(6));
         let mut chart = builder.build_cartesian_2d(across, along.clone()).map_err(|e| said(&e))?;
         let mut mesh = chart.configure_mesh();
         mesh.y_desc(&panel.y)
             .y_labels(5)
             .light_line_style(TRANSPARENT)
-            .label_style(("sans-serif", 12));
-        mesh.axis_desc_style(("sans-serif", 13)).y_label_formatter(&|v| shown(*v));
+            .label_style(("sans-serif", 13));
+        mesh.axis_desc_style(("sans-serif", 15)).y_label_formatter(&|v| shown(*v));
         if below.is_none() || !self.places.is_empty() {
             mesh.x_labels(0).disable_x_mesh();
         } else {
@@ -126,7 +126,7 @@ impl Figure {
                 .position(SeriesLabelPosition::UpperRight)
                 .background_style(WHITE.mix(0.85))
                 .border_style(RGBColor(200, 205, 210));
-            labels.label_font(("sans-serif", 12)).draw().map_err(|e| said(&e))?;
+            labels.label_font(("sans-serif", 13)).draw().map_err(|e| said(&e))?;
         }
         Ok(())
     }
@@ -140,7 +140,7 @@ impl Figure {
     ) -> Result<(), FigureError> {
         let many = self.places.len() > 12;
         let (x0, y0) = area.get_base_pixel();
-        let font = ("sans-serif", if many { 11 } else { 13 }).into_text_style(area);
+        let font = ("sans-serif", if many { 12 } else { 14 }).into_text_style(area);
         let style = match many {
             true => font
                 .transform(FontTransform::Rotate270)
@@ -196,7 +196,10 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 fn shown(value: f64) -> String {
     // Rounding of sums like 0.1 + 0.2 does not belong on an axis.
     let rounded = (value * 1e9).round() / 1e9;
-    if rounded != 0.0 && (rounded.abs() < 1e-3 || rounded.abs() >= 1e5) {
+    if rounded == 0.0 {
+        return "0".into();
+    }
+    if rounded.abs() < 1e-3 || rounded.abs() >= 1e5 {
         return format!("{value:.0e}");
     }
     format!("{rounded}").replace('-', "−")

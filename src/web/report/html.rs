@@ -112,8 +112,25 @@ impl Html {
     }
 
     pub fn document(&mut self, value: &Value) {
-        let text = serde_json::to_string_pretty(value).unwrap_or_default();
-        self.0.push_str(&format!("<pre>{}</pre>\n", escaped(&text)));
+        self.0.push_str(&format!("<pre>{}</pre>\n", escaped(&laid_out(value, 0))));
+    }
+}
+
+/// JSON with lists of numbers and words on one line each: matrices look like matrices.
+fn laid_out(value: &Value, depth: usize) -> String {
+    let (inner, outer) = (" ".repeat(depth + 1), " ".repeat(depth));
+    let nested = |v: &Value| v.is_object() || v.is_array();
+    match value {
+        Value::Object(fields) if !fields.is_empty() => {
+            let line =
+                |(name, v): (&String, &Value)| format!("{inner}{}: {}", Value::from(name.as_str()), laid_out(v, depth + 1));
+            format!("{{\n{}\n{outer}}}", fields.iter().map(line).collect::<Vec<_>>().join(",\n"))
+        }
+        Value::Array(list) if list.iter().any(nested) => {
+            let line = |v: &Value| format!("{inner}{}", laid_out(v, depth + 1));
+            format!("[\n{}\n{outer}]", list.iter().map(line).collect::<Vec<_>>().join(",\n"))
+        }
+        other => other.to_string(),
     }
 }
 
@@ -121,4 +138,31 @@ impl Html {
 fn with_view_box(svg: &str, (width, height): (u32, u32)) -> String {
     let sized = format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"");
     svg.replacen(&sized, &format!("<svg viewBox=\"0 0 {width} {height}\""), 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn documents_are_laid_out_without_a_change() {
+        let value = json!({"a": [[1.5, -2e-7], [3, 4]], "b": {"c": [], "d": {}, "e": "x\"y"}, "f": [{"g": null}]});
+        let text = laid_out(&value, 0);
+        assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
+        assert!(text.contains("  [1.5,-2e-7],\n  [3,4]"), "{text}");
+    }
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        for (value, shown) in [
+            (0.0, "0"),
+            (1234.5678, "1235"),
+            (-0.0012345, "−0.001234"),
+            (2.0e-9, "2.000e−9"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(number(value), shown);
+        }
+    }
 }

@@ -20,7 +20,7 @@ pub(super) fn heading(page: &mut Html, result: &Value, circumstances: &Circumsta
 pub(super) fn summary(page: &mut Html, result: &Value) {
     let q = &result["quality"];
     let class = if q["verdict"] == "good" { "verdict" } else { "verdict bad" };
-    page.paragraph(class, &format!("Data: {}. {}", words(&q["verdict"]), text(&q["reason"])));
+    page.paragraph(class, &format!("Data: {}; {}", words(&q["verdict"]), text(&q["reason"])));
     if result["residual"].is_object() {
         let found: Vec<String> = items(&result["residual"]["findings"])
             .map(|f| format!("{} on {}", words(&f["effect"]), listed(&f["joints"])))
@@ -181,9 +181,9 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
             text(&before["joint"]),
             text(floor),
             text(&before["statistic"]),
-            text(&before["p_value"]),
+            chance(&before["p_value"]),
             text(&after["statistic"]),
-            text(&after["p_value"]),
+            chance(&after["p_value"]),
         ]
     };
     page.table(
@@ -207,6 +207,14 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
             &figure,
             "Error per joint before and after the effects found, beside the noise floor.",
         );
+    }
+}
+
+/// Below a millionth of a millionth a chance is none.
+fn chance(p: &Value) -> String {
+    match p.as_f64() {
+        Some(p) if p < 1e-12 => "< 1e−12".into(),
+        _ => text(p),
     }
 }
 
