@@ -121,7 +121,7 @@ fn write_results(arguments: &Arguments, json: bool, excited: &Excited) -> Result
     }
     if let (Some(path), Some(series)) = (&arguments.trajectory, &excited.series) {
         let rate = arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz);
-        files::write(path, &trajectory_csv(series, rate, 1))?;
+        files::write(path, trajectory_csv(series, rate, 1))?;
     }
     if arguments.out.is_none() {
         return Ok(());

@@ -104,7 +104,7 @@ fn write_results(arguments: &Arguments, json: bool, found: &Identified) -> Resul
     if arguments.model.is_some() || arguments.urdf.is_some() {
         let model = found.model()?;
         if let Some(path) = &arguments.model {
-            files::write(path, &files::pretty(&model.json))?;
+            files::write(path, files::pretty(&model.json))?;
         }
         if let Some(path) = &arguments.urdf {
             files::write(path, &model.urdf)?;

@@ -259,13 +259,7 @@ mod tests {
             colour: 1,
             points: points.clone(),
         };
-        let marks = [
-            Mark::Bar { at: 0, of: 2 },
-            Mark::Level,
-            Mark::Dot(vec![0.1; 3]),
-            Mark::Line,
-            Mark::Limit,
-        ];
+        let marks = [Mark::Bar { at: 0, of: 2 }, Mark::Level, Mark::Dot(vec![0.1; 3]), Mark::Line];
         Figure {
             title: "title".into(),
             x: "joint".into(),
