@@ -41,7 +41,8 @@ export class ArmView {
     Object.assign(this, { canvas, joints, q: joints.map(() => 0), path: null, bodies: [], azimuth: -0.9, elevation: 0.35, reach: reach(joints) });
     this.up = this.upright(gravity);
     // In the upright frame, as the ground is.
-    this.centre = [0, 0, this.reach * 0.35];
+    const heights = [0, ...poses(joints, this.q).map((f) => times(this.up, f.position)[2])];
+    this.centre = [0, 0, (Math.min(...heights) + Math.max(...heights)) / 2];
     this.span = 2.1 * this.reach;
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);

@@ -28,6 +28,14 @@ export function number(value, digits = 4) {
   return String(Number(value.toPrecision(digits))).replace('-', '−');
 }
 
+/** `value ± deviation` to the second digit of the deviation. */
+export function measured(value, deviation) {
+  const decimals = 1 - Math.floor(Math.log10(deviation));
+  if (!(deviation > 0) || decimals > 8 || Math.abs(value) >= 1e6) return `${number(value, 3)} ± ${number(deviation, 2)}`;
+  const fixed = (v) => v.toFixed(Math.max(decimals, 0)).replace('-', '−');
+  return `${fixed(value)} ± ${fixed(deviation)}`;
+}
+
 const superscript = (text) => [...text].map((c) => '⁰¹²³⁴⁵⁶⁷⁸⁹'['0123456789'.indexOf(c)] ?? '⁻').join('');
 
 /** Units as people write them: `kg m^2` → `kg·m²`. */

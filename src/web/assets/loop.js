@@ -1,7 +1,7 @@
 // The loop: noise floor, what is left, findings, before and after, rivals and what would decide.
 import { explain, getJson, postJson } from './api.js';
 import { decision } from './decide.js';
-import { fill, figure, find, h, number, table, time, unit, words } from './dom.js';
+import { fill, figure, find, h, measured, number, table, time, unit, words } from './dom.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
 import { colour, plotLater, variable } from './plot.js';
 import { residualPlot } from './residual-plot.js';
@@ -48,7 +48,7 @@ const where = (joints, all) => (joints.length === all.length && all.length > 1 ?
 
 /** A finding in one sentence with its figures. */
 function sentence({ result }, f) {
-  const values = f.parameters.map((p) => `${words(p.name).toLowerCase()} ${number(p.value, 3)} ± ${number(p.std_dev, 2)} ${unit(p.unit)}`.trim());
+  const values = f.parameters.map((p) => `${words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit)}`.trim());
   return h('p', { class: 'sentence' }, h('strong', {}, words(f.effect)), ` on ${where(f.joints, result.joints)}`, values.length ? `: ${listed(values)}.` : '.');
 }
 

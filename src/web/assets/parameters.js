@@ -1,5 +1,5 @@
 // Base parameters with error bars and as a table that sorts.
-import { h, number, table, unit } from './dom.js';
+import { h, measured, number, table, unit } from './dom.js';
 import { typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
 
@@ -12,7 +12,7 @@ export function parameters(result) {
     const shown = all.filter((p) => p.unit === kind.value && p.value !== null);
     return {
       traces: [{ type: 'scatter', mode: 'markers', x: shown.map((p) => p.name), y: shown.map((p) => p.value), marker: { color: colour(0), size: 8 }, error_y: { type: 'data', array: shown.map((p) => 2 * p.std_dev), color: colour(1), thickness: 2, width: 5 },
-        hovertemplate: shown.map((p) => `${p.name} = ${number(p.value)} ± ${number(p.std_dev, 2)} ${unit(p.unit)}<extra></extra>`) }],
+        hovertemplate: shown.map((p) => `${p.name} = ${measured(p.value, p.std_dev)} ${unit(p.unit)}<extra></extra>`) }],
       layout: { height: 320, hovermode: 'closest', xaxis: { type: 'category', tickangle: -90, title: 'base parameter' }, yaxis: { title: `value ± 2σ (${unit(kind.value)})`, zeroline: true } },
     };
   };

@@ -1,7 +1,7 @@
 // Robot: kinematics to move, limits, base parameters, designs and identifications over time.
 import { ArmView, poses } from './arm.js';
 import { download, explain, getJson, postJson, send } from './api.js';
-import { fill, find, h, number, perSecond, table, time, unit, words } from './dom.js';
+import { fill, find, h, measured, number, perSecond, table, time, unit, words } from './dom.js';
 import { symbol, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
 
@@ -105,7 +105,7 @@ function across(identified) {
   const make = () => {
     const points = identified.map((r) => ({ run: r, p: r.result.base_parameters.find((p) => p.name === name.value) })).filter((x) => x.p?.value !== null && x.p);
     return {
-      traces: [{ type: 'scatter', mode: 'markers', x: points.map((_, i) => i), y: points.map((x) => x.p.value), error_y: { type: 'data', array: points.map((x) => 2 * x.p.std_dev), color: colour(1), thickness: 2, width: 6 }, marker: { size: 9, color: colour(0) }, hovertemplate: points.map((x) => `${time(x.run.job.finished_at)}: ${number(x.p.value)} ± ${number(x.p.std_dev, 2)}<extra></extra>`) }],
+      traces: [{ type: 'scatter', mode: 'markers', x: points.map((_, i) => i), y: points.map((x) => x.p.value), error_y: { type: 'data', array: points.map((x) => 2 * x.p.std_dev), color: colour(1), thickness: 2, width: 6 }, marker: { size: 9, color: colour(0) }, hovertemplate: points.map((x) => `${time(x.run.job.finished_at)}: ${measured(x.p.value, x.p.std_dev)}<extra></extra>`) }],
       layout: { height: 260, hovermode: 'closest', xaxis: { title: 'identification', tickvals: points.map((_, i) => i), ticktext: points.map((x) => time(x.run.job.finished_at)), range: [-0.5, points.length - 0.5] }, yaxis: { title: `${name.value} ± 2σ (${unit(all.find((p) => p.name === name.value)?.unit)})` } },
     };
   };
