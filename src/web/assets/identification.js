@@ -2,7 +2,7 @@
 import { Refused, explain, follow, getJson, send, unmark } from './api.js';
 import { fill, find, h, number, time } from './dom.js';
 import { showPreview } from './log-preview.js';
-import { showIdentification } from './identify-result.js';
+import { showIdentification, showValidation } from './identify-result.js';
 
 const value = (id) => find(`#${id}`).value.trim();
 const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
@@ -92,6 +92,14 @@ async function watch(id) {
   }
 }
 
+async function validation(id) {
+  find('#work').classList.add('with-result');
+  const job = await getJson(`/jobs/${id}`);
+  if (['queued', 'running'].includes(job.state)) await follow(id, (now) => showStep(find('#live'), now));
+  find('#live').hidden = true;
+  showValidation(find('#result'), await getJson(`/validate/${id}`));
+}
+
 function showStep(live, job) {
   live.hidden = false;
   const step = job.step;
@@ -138,4 +146,6 @@ find('#form').addEventListener('submit', async (event) => {
 addEventListener('popstate', () => location.reload());
 
 const query = new URLSearchParams(location.search);
-prepare(query).then(() => query.get('id') && watch(query.get('id'))).catch((e) => explain(find('#trouble'), e));
+prepare(query)
+  .then(() => (query.get('id') ? watch(query.get('id')) : query.get('validation') && validation(query.get('validation'))))
+  .catch((e) => explain(find('#trouble'), e));

@@ -27,6 +27,15 @@ export async function showIdentification(target, result) {
     summary(result), notes(result), torquePlots(result, effort), parameters(result), physical(result, drawn), errors(result, effort), logs(result));
 }
 
+/** The result of a validation: a model held against logs. */
+export function showValidation(target, result) {
+  const rows = result.logs.map((log) => ({ log: log.name, ...log }));
+  const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
+  fill(target, section('errors', `${result.robot}: a model against logs`, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints); below it the share of the torque’s own.'),
+    table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' })),
+  torquePlots(result, result.joints.map(() => 'N·m or N')), logs(result));
+}
+
 function notes(result) {
   return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, n))) : null;
 }

@@ -10,7 +10,7 @@ const NAMES = { excitation: 'Design', identification: 'Identification', validati
 function page(job) {
   if (job.kind === 'excitation') return `/design?id=${job.id}`;
   if (job.kind === 'identification') return `/identification?id=${job.id}`;
-  return job.links.result;
+  return `/identification?validation=${job.id}`;
 }
 
 export function state(job) {
@@ -54,24 +54,38 @@ function results(jobs) {
   ], jobs);
 }
 
-/** Robot of a job, and what came out in a few words: from its result, asked for once. */
+/** Robot of a job, and what came out in a few words: from its result, which never changes, asked for once per browser. */
+const KEPT = 'dynident.results';
 const names = new Map();
 const outcomes = new Map();
+for (const [id, name, text] of JSON.parse(sessionStorage.getItem(KEPT) ?? '[]')) remember(id, name, text);
+
+function remember(id, name, text) {
+  names.set(id, name);
+  if (text) outcomes.set(id, text);
+}
 
 function outcome(job) {
   if (job.error) return h('span', { class: 'soft' }, job.error.detail);
   return outcomes.get(job.id) ?? h('span', { class: 'soft' }, job.progress?.best ? `best ${number(job.progress.best)}` : '–');
 }
 
+/** Learns of results not seen yet, one after the other: some are megabytes. */
 async function learn(jobs) {
-  const unknown = jobs.filter((j) => j.state !== 'failed' && !LIVE.includes(j.state) && !names.has(j.id)).slice(0, 12);
+  const unknown = jobs.filter((j) => ['finished', 'cancelled'].includes(j.state) && !names.has(j.id)).slice(0, 12);
   for (const job of unknown) {
+    if (names.has(job.id)) continue;
     const result = await getJson(job.links.result).catch(() => null);
-    names.set(job.id, result?.robot ?? '–');
-    if (result?.condition_number && job.kind === 'excitation') outcomes.set(job.id, `condition number ${number(result.condition_number)}`);
-    if (result?.quality) outcomes.set(job.id, identified(result));
+    remember(job.id, result?.robot ?? '–', told(job, result));
+    showJobs(jobs);
   }
-  return unknown.length > 0;
+  sessionStorage.setItem(KEPT, JSON.stringify([...names].slice(-200).map(([id, name]) => [id, name, outcomes.get(id)])));
+}
+
+function told(job, result) {
+  if (job.kind === 'excitation' && result?.condition_number) return `condition number ${number(result.condition_number)}`;
+  if (job.kind === 'validation' && result?.logs) return `${result.logs.length} log${result.logs.length > 1 ? 's' : ''}`;
+  return result?.quality ? identified(result) : null;
 }
 
 function identified(result) {
@@ -96,7 +110,7 @@ async function keepUp(job) {
 async function refresh() {
   const { jobs } = await getJson('/jobs');
   showJobs(jobs);
-  if (await learn(jobs)) showJobs(jobs);
+  await learn(jobs);
 }
 
 async function showRobots() {
