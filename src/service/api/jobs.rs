@@ -55,8 +55,8 @@ pub struct ProgressDocument {
     pub evaluations: u64,
     pub rounds_finished: usize,
     pub elapsed_s: f64,
-    /// The random start that has just ended, where that is the news.
-    pub start: Option<StartDocument>,
+    /// Random starts that have ended since the news before.
+    pub ended: Vec<StartDocument>,
 }
 
 /// Where an identification stands.
@@ -120,7 +120,7 @@ impl JobDocument {
                 evaluations: p.evaluations,
                 rounds_finished: p.rounds_finished,
                 elapsed_s: status.started.map_or(0.0, |s| elapsed(s).as_secs_f64()),
-                start: p.start.as_ref().map(StartDocument::of),
+                ended: p.start.iter().map(StartDocument::of).collect(),
             }),
             step: status.step.as_ref().map(|s| StepDocument {
                 what: s.what,

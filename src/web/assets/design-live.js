@@ -21,7 +21,7 @@ export class Live {
     this.place.querySelector('h2').textContent = { queued: 'Waiting for its turn', running: 'Searching' }[job.state] ?? 'Done';
     if (!p) return;
     if (p.best !== null) this.best.push([p.evaluations, p.best]);
-    if (p.start && p.start.reached !== null) this.starts.push([Math.max(p.evaluations - p.start.evaluations, 0), p.evaluations, p.start.initial, p.start.reached]);
+    for (const s of (p.ended ?? []).filter((s) => s.reached !== null)) this.starts.push([Math.max(p.evaluations - s.evaluations, 0), p.evaluations, s.initial, s.reached]);
     fill(this.figures, h('div', { class: 'figure' }, h('dt', {}, 'Best so far'), h('dd', { 'data-best': p.best }, number(p.best))),
       h('div', { class: 'figure' }, h('dt', {}, 'Starts'), h('dd', {}, p.starts_finished)), h('div', { class: 'figure' }, h('dt', {}, 'Evaluations'), h('dd', {}, p.evaluations.toLocaleString())),
       h('div', { class: 'figure' }, h('dt', {}, 'Time'), h('dd', {}, seconds(p.elapsed_s))));
