@@ -3,16 +3,17 @@ import { explain, postJson } from './api.js';
 import { h } from './dom.js';
 
 /**
- * The request for a trajectory that tells more than the one that was run. Rivals look alike because they moved the torque alike along
- * one path; a motion with as many more harmonics as half the path had, from anywhere, chosen for what it says about torques all over
- * the workspace, passes through other combinations of position, speed and load.
+ * The request for a trajectory that tells more than the one that was run. Effects look alike when they moved the torque alike along one
+ * path. Seven harmonics from anywhere, chosen for what they say about torques all over the workspace, pass through other combinations of
+ * position, speed and load; the interface has no criterion yet that weighs two effects against each other.
  */
 export function decidingRequest({ result }) {
+  const noise = result.residual.noise_floor;
   const asked = result.provenance?.request ?? {};
   const period = result.log_report.map((l) => l.choices.find((c) => c.what === 'period')).map((c) => Number.parseFloat(c?.value)).find((v) => v > 0) ?? 10;
   return {
     robot: typeof asked.robot === 'string' ? asked.robot : result.provenance.robot, fourier: { order: 7, fundamental_hz: 1 / period }, sample_rate_hz: 100,
-    criterion: 'i_optimality', constraints: { form: 'exact', start: 'free' }, torque_noise: result.residual.noise_floor, search: { seed: 1, time_limit_s: 30 },
+    criterion: 'i_optimality', constraints: { form: 'exact', start: 'free' }, torque_noise: noise.every((n) => n > 0) ? noise : undefined, search: { seed: 1, time_limit_s: 30 },
   };
 }
 

@@ -114,7 +114,7 @@ function floor({ result, report, effort }) {
 function next(context) {
   const { report } = context;
   const rivals = report.findings.flatMap((f) => f.rivals.map((r) => `${words(f.effect).toLowerCase()} or ${words(r.effect).toLowerCase()}`));
-  const text = rivals.length ? `Open: ${listed(rivals)}. On the motion that was run these move the torque alike. A motion through other positions, speeds and loads tells them apart.`
+  const text = rivals.length ? `Open: ${listed(rivals)}. On the motion that was run these move the torque alike. A motion through other positions, speeds and loads can tell them apart.`
     : report.remainder ? 'What is left depends on the variables above; a motion that passes through other combinations of them shows more of it.'
       : 'Another motion, through other positions, speeds and loads, is the test that these findings must pass: nothing new should be found on it.';
   return section('next', 'What to record next', h('p', {}, text, ' Run it, and identify from both logs together.'), decision(context));
