@@ -9,6 +9,10 @@ mod server;
 use server::Server;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+/// One browser at a time: the last test measures how long drawing takes.
+static ALONE: Mutex<()> = Mutex::new(());
 
 fn python() -> PathBuf {
     let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser/bin/python");
@@ -17,6 +21,7 @@ fn python() -> PathBuf {
 }
 
 fn run(script: &str, arguments: &[&str]) {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let server = Server::start();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
     let output = Command::new(python())
