@@ -96,8 +96,12 @@ def contrast(one, other):
     return (light + 0.05) / (dark + 0.05)
 
 
-def picture(page, options, name):
+def picture(page, options, name, at=None):
+    """What is on the screen, or would be with the part `at` at its top."""
     if options.pictures:
+        if at:
+            page.locator(at).evaluate("part => part.scrollIntoView({behavior: 'instant'})")
+            page.wait_for_timeout(300)
         options.pictures.mkdir(parents=True, exist_ok=True)
         page.screenshot(path=options.pictures / f"{name}-{options.width}.png")
 

@@ -44,7 +44,7 @@ def design(page, options):
     page.get_by_role("button", name="Pause").click()
     assert float(page.locator("#path input[type=range]").input_value()) > 0
     page.locator("#path").scroll_into_view_if_needed()
-    picture(page, options, "path")
+    picture(page, options, "path", "#path")
 
 
 def download(page, name):
@@ -86,11 +86,11 @@ def identify(page, options, log, held_out):
     page.locator("#to-loop").wait_for(timeout=120_000)
     settle(page)
     check(page, "identification")
-    picture(page, options, "identification")
+    picture(page, options, "identification", "#torques")
     page.get_by_role("button", name="Value", exact=True).click()
     assert page.locator("#parameters th[aria-sort]").inner_text().startswith("Value")
     page.locator("#physical canvas").scroll_into_view_if_needed()
-    picture(page, options, "bodies")
+    picture(page, options, "bodies", "#physical")
 
 
 def close_the_loop(page, options):
@@ -101,7 +101,7 @@ def close_the_loop(page, options):
     sentence = page.locator("[data-effect=joint_spring] .sentence").inner_text()
     found = re.search(r"Joint spring on A4: stiffness ([\d.]+) ± ([\d.]+) N·m/rad", sentence)
     assert found and abs(float(found[1]) - 6.0) < 4 * float(found[2]), sentence
-    picture(page, options, "loop")
+    picture(page, options, "loop", "#findings")
     identification = page.url
     page.click("#decide")
     page.locator("#live .figure dd[data-best]").wait_for()
