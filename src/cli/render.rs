@@ -107,7 +107,7 @@ fn error_table(text: &mut String, found: &IdentifyDocument) {
         for (model, e) in [("base", Some(&log.base)), ("physical", log.physical.as_ref())] {
             let Some(e) = e else { continue };
             let values: String = e.rms.iter().map(|r| format!(" {r:9.4}")).collect();
-            let _ = writeln!(text, "    {model:32}{values} {:9.4}", e.sum);
+            let _ = writeln!(text, "    {model:34}{values} {:9.4}", e.sum);
         }
     }
 }
@@ -126,19 +126,19 @@ fn left_over(text: &mut String, residual: &serde_json::Value) {
             .collect::<String>()
     };
     let _ = writeln!(text, "  left over: {}", word(&residual["verdict"]));
-    let _ = writeln!(text, "    {:32}{}", "noise floor", row(&residual["noise_floor"]));
+    let _ = writeln!(text, "    {:34}{}", "noise floor", row(&residual["noise_floor"]));
     for (key, kind) in [("identification", "identification"), ("held_out", "held out")] {
         if residual["rms_before"][key].as_array().is_some_and(|r| !r.is_empty()) {
             let _ = writeln!(
                 text,
-                "    {:32}{}",
+                "    {:34}{}",
                 format!("{kind}, declared model"),
                 row(&residual["rms_before"][key])
             );
             let _ = writeln!(
                 text,
-                "    {:32}{}",
-                format!("{kind}, with the effects found"),
+                "    {:34}{}",
+                format!("{kind}, with effects found"),
                 row(&residual["rms_after"][key])
             );
         }
