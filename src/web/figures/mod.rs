@@ -1,6 +1,6 @@
 //! Figures as SVG or PNG: for the command line and for reports.
 //!
-//! A [`Figure`] is a stack of panels over one horizontal axis; what it shows is built in [`design`], [`identification`] and [`residual`]
+//! A [`Figure`] is a stack of panels over one horizontal axis; what it shows is built
 //! from the documents that everybody else gets, too.
 
 mod design;
