@@ -44,6 +44,7 @@ fn main() {
         start: if is(3, "free") { Start::Free } else { Start::Zero },
         start_position: None,
         torque_noise: None,
+        torque: None,
     };
     let problem = Problem::new(spec).expect("a sound problem");
     println!("seed  condition number  found after [s]  stopped after [s]  evaluations  per second");

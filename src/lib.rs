@@ -54,6 +54,7 @@
 //!     start: Start::Zero,
 //!     start_position: None,
 //!     torque_noise: None,
+//!     torque: None,
 //! })?;
 //! let options = SearchOptions { max_evaluations: Some(500), ..SearchOptions::default() };
 //! let design = search(&problem, &options, &Alone);

@@ -1,6 +1,6 @@
 //! Design an excitation trajectory.
 
-use crate::excitation::{Control, Halt, Progress, search};
+use crate::excitation::{Control, Halt, Progress, search_from};
 use crate::io::{DesignDocument, ExcitationRequest};
 use crate::trajectory::FourierSeries;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn F
         cancel,
         observe,
     };
-    let run = || search(&request.problem, &request.search.options, &clock);
+    let run = || search_from(&request.problem, &request.search.options, request.earlier.as_ref(), &clock);
     // Threads of its own: in a shared pool a search whose time is up would wait for the local solves of another.
     let design = match rayon::ThreadPoolBuilder::new().build() {
         Ok(pool) => pool.install(run),

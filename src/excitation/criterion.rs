@@ -9,6 +9,8 @@ pub(super) enum SmoothCriterion<'a> {
     /// `1/(2p) [ln Σ λ^p + ln Σ λ^−p]`: approaches `ln cond(Y_b)` from above as p grows. Where extreme singular values meet, the
     /// condition number has a kink, and this has none.
     ConditionNumber { power: f64 },
+    /// The same of `S = D^−½ M D^−½`, D the diagonal of M.
+    ScaledConditionNumber { power: f64 },
     /// `−1/(2b) ln det M`
     DOptimality,
     /// `½ ln (tr(M⁻¹)/b)`
@@ -20,13 +22,16 @@ pub(super) enum SmoothCriterion<'a> {
 impl SmoothCriterion<'_> {
     /// Value, and the symmetric G with `dF = tr(G dM)`.
     pub fn evaluate(&self, gram: DMatrix<f64>) -> (f64, DMatrix<f64>) {
+        if let Self::ScaledConditionNumber { power } = *self {
+            return through_scaling(gram, |scaled| Self::ConditionNumber { power }.evaluate(scaled));
+        }
         let eigen = SymmetricEigen::new(gram);
         let size = eigen.eigenvalues.len() as f64;
         // Rounding can push the eigenvalues of a singular M below zero; the floor keeps logarithms finite and the search moving.
         let floor = eigen.eigenvalues.max() * f64::EPSILON;
         let lambda = eigen.eigenvalues.map(|v| v.max(floor));
         match self {
-            Self::ConditionNumber { power } => {
+            Self::ConditionNumber { power } | Self::ScaledConditionNumber { power } => {
                 let (value, slopes) = smoothed_log_condition(&lambda, *power);
                 (value, scaled_gram(&eigen.eigenvectors, &slopes))
             }
@@ -54,6 +59,10 @@ impl SmoothCriterion<'_> {
 /// The logarithm of the criterion itself, nothing smoothed.
 pub(super) fn true_log_value(criterion: &SmoothCriterion, gram: DMatrix<f64>) -> f64 {
     match criterion {
+        SmoothCriterion::ScaledConditionNumber { power } => {
+            let roots = scaling(&gram);
+            true_log_value(&SmoothCriterion::ConditionNumber { power: *power }, scaled_by(gram, &roots))
+        }
         SmoothCriterion::ConditionNumber { .. } => {
             let lambda = gram.symmetric_eigenvalues();
             0.5 * (lambda.max() / lambda.min().max(lambda.max() * f64::EPSILON)).ln()
@@ -71,6 +80,34 @@ fn smoothed_log_condition(lambda: &DVector<f64>, power: f64) -> (f64, DVector<f6
     let value = 0.5 * (high / low).ln() + (sum_up.ln() + sum_down.ln()) / (2.0 * power);
     let slopes = DVector::from_fn(lambda.len(), |i, _| 0.5 * (up[i] / sum_up - down[i] / sum_down) / lambda[i]);
     (value, slopes)
+}
+
+/// `D^−½`; a column that is zero stays so.
+fn scaling(gram: &DMatrix<f64>) -> DVector<f64> {
+    gram.diagonal().map(|d| 1.0 / d.max(f64::MIN_POSITIVE).sqrt())
+}
+
+fn scaled_by(mut gram: DMatrix<f64>, roots: &DVector<f64>) -> DMatrix<f64> {
+    for (c, mut column) in gram.column_iter_mut().enumerate() {
+        column.component_mul_assign(&(roots * roots[c]));
+    }
+    gram
+}
+
+/// A function F of `S = D^−½ M D^−½` with its derivative G, as one of M: `dF = tr(H dM)` with
+/// `H = D^−½ G D^−½ − diag(Σ_j G_ij S_ij / M_ii)`.
+fn through_scaling(gram: DMatrix<f64>, f: impl FnOnce(DMatrix<f64>) -> (f64, DMatrix<f64>)) -> (f64, DMatrix<f64>) {
+    let roots = scaling(&gram);
+    let scaled = scaled_by(gram, &roots);
+    let (value, slope) = f(scaled.clone());
+    let lost = DVector::from_fn(roots.len(), |i, _| {
+        slope.column(i).dot(&scaled.column(i)) * roots[i] * roots[i]
+    });
+    let mut back = scaled_by(slope, &roots);
+    for i in 0..lost.len() {
+        back[(i, i)] -= lost[i];
+    }
+    (value, back)
 }
 
 /// `V diag(d) Vᵀ`.
@@ -124,6 +161,7 @@ impl Criteria {
     pub fn value(&self, criterion: Criterion) -> f64 {
         match criterion {
             Criterion::ConditionNumber => self.condition_number,
+            Criterion::ScaledConditionNumber => self.scaled_condition_number,
             Criterion::DOptimality => self.d_optimality,
             Criterion::AOptimality => self.a_optimality,
             Criterion::IOptimality => self.i_optimality,
@@ -149,6 +187,7 @@ mod tests {
         let workspace = gram(0.77);
         let all = [
             SmoothCriterion::ConditionNumber { power: 3.0 },
+            SmoothCriterion::ScaledConditionNumber { power: 3.0 },
             SmoothCriterion::DOptimality,
             SmoothCriterion::AOptimality,
             SmoothCriterion::IOptimality {

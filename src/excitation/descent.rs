@@ -1,7 +1,7 @@
 //! One local solve: smoothing and continuation, then the polish for the nonsmooth end.
 
 use super::criterion::{SmoothCriterion, true_log_value};
-use super::evaluator::Evaluator;
+use super::evaluator::{Evaluator, Smoothing, TorquePeak};
 use super::problem::{Criterion, Problem};
 use super::search::Control;
 use super::solver::{Ending, StopRule, minimize};
@@ -47,22 +47,36 @@ pub(super) const FROM_RANDOM: [Stage; 2] = [
     },
 ];
 
-/// From a disturbed good point back to a local minimum. Sharp: with p = 50 the smoothed minimum lies some 2 % above the true one, more
-/// than neighbouring basins differ, and improvements drown. Over 40,000 evaluations and four seeds on the paper's problem, ending at
-/// p = 200 instead of 50 took the mean from 61.1 to 60.4 and the best from 60.0 to 57.6; more stages, or p = 300, changed nothing more.
-pub(super) const FROM_NEIGHBOUR: [Stage; 2] = [
+/// The end of a local solve. Sharp: with p = 50 the smoothed minimum lies some 2 % above the true one, more than neighbouring basins
+/// differ, and improvements drown. Over 40,000 evaluations and four seeds on the paper's problem, ending at p = 200 instead of 50 took
+/// the mean from 61.1 to 60.4 and the best from 60.0 to 57.6; more stages, or p = 300, changed nothing more.
+const SHARP: Stage = Stage {
+    power: 200.0,
+    coulomb_fraction: 0.015,
+    grid: Grid::Coarse,
+    max_evaluations: 180,
+};
+
+/// From far beside a good point to a local minimum.
+pub(super) const FROM_HOP: [Stage; 2] = [
     Stage {
         power: 15.0,
         coulomb_fraction: 0.04,
         grid: Grid::Coarse,
         max_evaluations: 60,
     },
+    SHARP,
+];
+
+/// From close beside a good point: p = 15 would carry it 5 % uphill, to where it was before.
+pub(super) const FROM_NEAR: [Stage; 2] = [
     Stage {
-        power: 200.0,
-        coulomb_fraction: 0.015,
+        power: 50.0,
+        coulomb_fraction: 0.03,
         grid: Grid::Coarse,
-        max_evaluations: 180,
+        max_evaluations: 60,
     },
+    SHARP,
 ];
 
 /// The nonsmooth end: the smoothed criterion within `ln(b)/1000` of the true one, on the asked samples.
@@ -80,6 +94,10 @@ pub(super) const POLISH: [Stage; 2] = [
         max_evaluations: 150,
     },
 ];
+
+/// Weight of the excess over limits along the path, per p of the smoothed criterion. At p = 200 a limit binding for 2 % of the samples is
+/// exceeded by about a percent where a percent of amplitude is worth a percent of the criterion; drawing in takes that back.
+const PENALTY_PER_POWER: f64 = 5.0;
 
 /// Stop a stage when an iteration gains less than this relative part of the criterion; below what a user would notice.
 const LEAST_IMPROVEMENT: f64 = 1e-6;
@@ -124,10 +142,28 @@ impl<'a> Descent<'a> {
 
     /// Runs the stages one after the other from `start`.
     pub fn run(&self, start: Vec<f64>, stages: &[Stage]) -> Descended {
+        self.run_while(start, stages, &mut |_, _| true)
+    }
+
+    /// Runs the stages as long as `go_on` says so of the point and the smoothed value between two of them; a solve that is given up
+    /// has an infinite value.
+    pub fn run_while(&self, start: Vec<f64>, stages: &[Stage], go_on: &mut dyn FnMut(&[f64], f64) -> bool) -> Descended {
         let (mut x, mut evaluations, mut converged) = (start, 0, false);
+        let mut between = None;
         for stage in self.distinct(stages) {
+            if between.is_some_and(|value| !go_on(&x, value)) {
+                return Descended {
+                    x,
+                    value: f64::INFINITY,
+                    evaluations,
+                    converged: false,
+                };
+            }
             let criterion = self.criterion(stage.power);
-            let coulomb = Coulomb::Smooth(stage.coulomb_fraction * self.slowest);
+            let smoothing = Smoothing {
+                coulomb: Coulomb::Smooth(stage.coulomb_fraction * self.slowest),
+                penalty: PENALTY_PER_POWER * stage.power,
+            };
             let mut evaluator = Evaluator::new(self.problem, self.variables, self.samples(stage.grid));
             let rule = StopRule {
                 max_evaluations: stage.max_evaluations,
@@ -138,15 +174,17 @@ impl<'a> Descent<'a> {
                     return None;
                 }
                 self.evaluations.fetch_add(1, Ordering::Relaxed);
-                Some(evaluator.evaluate(&criterion, coulomb, x, gradient))
+                Some(evaluator.evaluate(&criterion, smoothing, x, gradient))
             });
             evaluations += found.evaluations;
             converged = found.ending == Ending::Converged;
             x = found.x;
+            between = Some(found.value);
             if found.ending == Ending::Interrupted {
                 break;
             }
         }
+        let x = self.admissible(x);
         Descended {
             value: self.true_value(&x),
             x,
@@ -155,9 +193,14 @@ impl<'a> Descent<'a> {
         }
     }
 
+    /// Limits along the path held at the asked samples.
+    pub fn admissible(&self, x: Vec<f64>) -> Vec<f64> {
+        admissible(self.problem, self.variables, x, self.problem.samples(), TorquePeak::used)
+    }
+
     /// Criteria other than the condition number are smooth by themselves: one stage with the budget of all.
     fn distinct(&self, stages: &[Stage]) -> Vec<Stage> {
-        if self.problem.spec().criterion == Criterion::ConditionNumber {
+        if self.problem.spec().criterion.is_condition_number() {
             return stages.to_vec();
         }
         let budget = stages.iter().map(|s| s.max_evaluations).sum();
@@ -187,6 +230,7 @@ impl<'a> Descent<'a> {
 
     fn criterion(&self, power: f64) -> SmoothCriterion<'_> {
         match (self.problem.spec().criterion, &self.workspace) {
+            (Criterion::ScaledConditionNumber, _) => SmoothCriterion::ScaledConditionNumber { power },
             (Criterion::DOptimality, _) => SmoothCriterion::DOptimality,
             (Criterion::AOptimality, _) => SmoothCriterion::AOptimality,
             (Criterion::IOptimality, Some(workspace)) => SmoothCriterion::IOptimality {
@@ -197,6 +241,35 @@ impl<'a> Descent<'a> {
         }
     }
 }
+
+/// Draws the motion towards rest until every limit along the path holds at `samples` samples: at rest they do, and bisection finds a share of
+/// the motion, checked itself, within a thousandth of where they begin to bind.
+pub(super) fn admissible(
+    problem: &Problem,
+    variables: &Variables,
+    x: Vec<f64>,
+    samples: usize,
+    used: fn(&TorquePeak) -> f64,
+) -> Vec<f64> {
+    if problem.torque().is_none() {
+        return x;
+    }
+    let mut evaluator = Evaluator::new(problem, variables, samples);
+    let mut holds = |x: &[f64]| evaluator.torque_peaks(x).iter().all(|p| used(p) <= 1.0 - ROOM_FOR_ROUNDING);
+    if holds(&x) {
+        return x;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    while high - low > 1e-3 {
+        let middle = 0.5 * (low + high);
+        let fits = holds(&variables.drawn_in(&x, middle));
+        *(if fits { &mut low } else { &mut high }) = middle;
+    }
+    variables.drawn_in(&x, low)
+}
+
+/// Coefficients are rounded to a grid at the end, by 1e-8 of themselves.
+const ROOM_FOR_ROUNDING: f64 = 1e-6;
 
 /// Velocity [rad/s or m/s] that the slowest joint can reach: its limit, or what the highest harmonic makes of its range.
 fn slowest_top_velocity(problem: &Problem) -> f64 {

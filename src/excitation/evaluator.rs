@@ -4,10 +4,18 @@ use super::criterion::SmoothCriterion;
 use super::problem::{Criterion, Problem};
 use super::variables::Variables;
 use crate::dynamics::{ColumnSet, Coulomb, LANES, Motion, MotionGradient, RowBlocks};
-use crate::trajectory::harmonic;
+use crate::trajectory::{FourierSeries, harmonic};
 use matrixmultiply::dgemm;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
+
+/// How smooth an evaluation is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Smoothing {
+    pub coulomb: Coulomb,
+    /// Weight of the mean square of what exceeds the limits along the path.
+    pub penalty: f64,
+}
 
 /// Storage and constants for evaluations on a given number of samples. One per thread.
 #[derive(Debug, Clone)]
@@ -33,7 +41,7 @@ impl<'a> Evaluator<'a> {
         let rows = RowBlocks::new(&columns, samples);
         let motion = Motion::zeros(joints, samples);
         let row_weights = match problem.spec().criterion {
-            Criterion::ConditionNumber => vec![1.0; joints],
+            Criterion::ConditionNumber | Criterion::ScaledConditionNumber => vec![1.0; joints],
             _ => problem.torque_noise().iter().map(|s| 1.0 / (s * s)).collect(),
         };
         Self {
@@ -50,17 +58,19 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Value and gradient at `x`.
-    pub fn evaluate(&mut self, criterion: &SmoothCriterion, coulomb: Coulomb, x: &[f64], gradient: &mut [f64]) -> f64 {
+    pub fn evaluate(&mut self, criterion: &SmoothCriterion, smoothing: Smoothing, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let coulomb = smoothing.coulomb;
         let projected = self.variables.project(x);
         self.set_motion(&projected.coefficients);
         self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
         let (value, slope) = criterion.evaluate(self.gram());
         self.set_weights(&slope);
+        let excess = self.add_torque_excess(smoothing.penalty);
         self.gradient
             .fill(self.problem.chain(), &self.columns, &self.motion, coulomb, &self.weights);
         let to_coefficients = self.to_coefficients();
         self.variables.pull_back(&projected, &to_coefficients, gradient);
-        value
+        value + excess
     }
 
     /// `M` at `x` without gradient.
@@ -69,6 +79,73 @@ impl<'a> Evaluator<'a> {
         self.set_motion(&projected.coefficients);
         self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
         self.gram()
+    }
+
+    /// Largest torque of every joint over what it is allowed, and the sample where, at `x` with the true sign; empty without torque limits.
+    pub fn torque_peaks(&mut self, x: &[f64]) -> Vec<TorquePeak> {
+        self.peaks(&self.variables.project(x).coefficients)
+    }
+
+    /// The same of a finished series.
+    pub fn torque_peaks_of(&mut self, series: &FourierSeries) -> Vec<TorquePeak> {
+        let order = series.order();
+        let coefficients = DMatrix::from_fn(2 * order + 1, series.offset.len(), |i, j| match i {
+            i if i < order => series.a[(j, i)],
+            i if i < 2 * order => series.b[(j, i - order)],
+            _ => series.offset[j] - self.variables.rest()[j],
+        });
+        self.peaks(&coefficients)
+    }
+
+    fn peaks(&mut self, coefficients: &DMatrix<f64>) -> Vec<TorquePeak> {
+        self.set_motion(coefficients);
+        self.rows
+            .fill(self.problem.chain(), &self.columns, &self.motion, Coulomb::Sign);
+        let Some(limits) = self.problem.torque() else {
+            return Vec::new();
+        };
+        let mut torque = Vec::new();
+        (0..self.columns.joints())
+            .map(|j| {
+                self.torque_of(j, &limits.base, &mut torque);
+                TorquePeak::of(&torque, self.motion.velocities(j), limits.allowed[j])
+            })
+            .collect()
+    }
+
+    /// `τ_j = Y_b,j π` over the samples.
+    fn torque_of(&self, joint: usize, base: &[f64], torque: &mut Vec<f64>) {
+        let (stride, samples) = (self.rows.stride(), self.motion.samples());
+        torque.clear();
+        torque.resize(samples, 0.0);
+        for (c, &column) in self.columns.row(joint).iter().enumerate() {
+            let values = &self.rows.block(joint)[c * stride..c * stride + samples];
+            torque.iter_mut().zip(values).for_each(|(t, y)| *t += y * base[column]);
+        }
+    }
+
+    /// Adds `penalty · mean over samples of Σ_j max(0, |τ_j|/allowed_j − 1)²`: its derivative by Y to the weights, its value to the criterion.
+    fn add_torque_excess(&mut self, penalty: f64) -> f64 {
+        let Some(limits) = self.problem.torque() else { return 0.0 };
+        let (stride, samples) = (self.rows.stride(), self.motion.samples());
+        let (mut torque, mut total) = (Vec::new(), 0.0);
+        for j in 0..self.columns.joints() {
+            self.torque_of(j, &limits.base, &mut torque);
+            let allowed = limits.allowed[j];
+            for t in torque.iter_mut() {
+                let excess = (t.abs() / allowed - 1.0).max(0.0);
+                total += penalty / samples as f64 * excess * excess;
+                *t = penalty / samples as f64 * 2.0 * excess * t.signum() / allowed;
+            }
+            for (c, &column) in self.columns.row(j).iter().enumerate() {
+                let weights = &mut self.weights.block_mut(j)[c * stride..c * stride + samples];
+                weights
+                    .iter_mut()
+                    .zip(&torque)
+                    .for_each(|(w, t)| *w += t * limits.base[column]);
+            }
+        }
+        total
     }
 
     fn set_motion(&mut self, coefficients: &DMatrix<f64>) {
@@ -161,6 +238,45 @@ impl<'a> Evaluator<'a> {
     }
 }
 
+/// Extremes of one joint's torque over the samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TorquePeak {
+    /// Lowest and highest torque [N·m or N], and the samples where.
+    pub lowest: (f64, usize),
+    pub highest: (f64, usize),
+    /// Largest change from one sample to the next, around the period, the jumps of friction at standstill left out: both their sides
+    /// are among the samples.
+    pub largest_smooth_step: f64,
+    pub allowed: f64,
+}
+
+impl TorquePeak {
+    fn of(torque: &[f64], velocity: &[f64], allowed: f64) -> Self {
+        let numbered = || torque.iter().copied().zip(0..);
+        let least = |a: (f64, usize), b: (f64, usize)| if b.0 < a.0 { b } else { a };
+        let most = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 { b } else { a };
+        let size = torque.len();
+        let smooth = |s: &usize| Coulomb::Sign.value(velocity[*s]) == Coulomb::Sign.value(velocity[(s + 1) % size]);
+        let steps = (0..size).filter(smooth).map(|s| (torque[(s + 1) % size] - torque[s]).abs());
+        Self {
+            lowest: numbered().fold((f64::INFINITY, 0), least),
+            highest: numbered().fold((f64::NEG_INFINITY, 0), most),
+            largest_smooth_step: steps.fold(0.0, f64::max),
+            allowed,
+        }
+    }
+
+    /// Largest magnitude over what is allowed.
+    pub fn used(&self) -> f64 {
+        self.highest.0.max(-self.lowest.0) / self.allowed
+    }
+
+    /// The same with room for what lies between two samples.
+    pub fn used_between_samples(&self) -> f64 {
+        self.used() + 0.5 * self.largest_smooth_step / self.allowed
+    }
+}
+
 /// `C ← A B + beta C` with A m × k, B k × n, C m × n column-major; `[row stride, column stride]` beside each operand.
 fn multiply([m, k, n]: [usize; 3], (a, sa): (&[f64], [usize; 2]), (b, sb): (&[f64], [usize; 2]), beta: f64, c: &mut [f64]) {
     let fits = |len: usize, rows: usize, columns: usize, s: [usize; 2]| (rows - 1) * s[0] + (columns - 1) * s[1] < len;
@@ -245,6 +361,7 @@ mod tests {
             start,
             start_position: None,
             torque_noise: Some(vec![0.5, 2.0, 0.1]),
+            torque: None,
         };
         Problem::new(spec).unwrap()
     }
@@ -273,13 +390,17 @@ mod tests {
         let x: Vec<f64> = (0..variables.len()).map(|i| ((i * 7 + 3) as f64).sin()).collect();
         let mut gradient = vec![0.0; x.len()];
         let mut unused = vec![0.0; x.len()];
-        evaluator.evaluate(criterion, Coulomb::Smooth(0.1), &x, &mut gradient);
+        let smoothing = Smoothing {
+            coulomb: Coulomb::Smooth(0.1),
+            penalty: 3.0,
+        };
+        evaluator.evaluate(criterion, smoothing, &x, &mut gradient);
         for i in 0..x.len() {
             let h = 1e-6;
             let mut at = |step: f64| {
                 let mut moved = x.clone();
                 moved[i] += step;
-                evaluator.evaluate(criterion, Coulomb::Smooth(0.1), &moved, &mut unused)
+                evaluator.evaluate(criterion, smoothing, &moved, &mut unused)
             };
             let difference = (at(h) - at(-h)) / (2.0 * h);
             // Rounding: 1e-16 times the condition of M (up to 1e6 here) over h; truncation h².

@@ -245,6 +245,7 @@ mod tests {
             start,
             start_position: None,
             torque_noise: None,
+            torque: None,
         }
     }
 

@@ -1,6 +1,8 @@
 //! How far a trajectory stays from every limit, between the samples too.
 
+use super::evaluator::{Evaluator, TorquePeak};
 use super::problem::{Form, Problem};
+use super::variables::Variables;
 use crate::trajectory::{FourierSeries, Trajectory};
 use std::f64::consts::{PI, TAU};
 
@@ -10,13 +12,16 @@ pub enum Quantity {
     Velocity,
     Acceleration,
     Jerk,
+    /// Predicted by the prior link parameters; its limit is over the safety factor.
+    Torque,
 }
 
 impl Quantity {
-    pub const ALL: [Quantity; 4] = [Quantity::Position, Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
+    /// Those of one joint's motion.
+    pub const MOTION: [Quantity; 4] = [Quantity::Position, Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
 
     pub fn name(self) -> &'static str {
-        ["position", "velocity", "acceleration", "jerk"][self as usize]
+        ["position", "velocity", "acceleration", "jerk", "torque"][self as usize]
     }
 }
 
@@ -30,7 +35,8 @@ pub struct Margin {
     pub limit: f64,
     /// Extreme value reached, at `at_s`.
     pub peak: f64,
-    /// Proven bound on the extreme over all time: `middle ± half range / cos(π L / N)` of N equispaced values.
+    /// Bound on the extreme over all time. Of motions proven: `middle ± half range / cos(π L / N)` of N equispaced values. Of torques: the
+    /// extreme sample and half the largest change between neighbours on [`TORQUE_SAMPLES`] per harmonic.
     pub certified_peak: f64,
     /// Time of the extreme (s).
     pub at_s: f64,
@@ -51,13 +57,47 @@ pub fn margins(problem: &Problem, series: &FourierSeries) -> Vec<Margin> {
             symmetric(limits.acceleration),
             symmetric(limits.jerk),
         ];
-        for (quantity, range) in Quantity::ALL.into_iter().zip(ranges) {
+        for (quantity, range) in Quantity::MOTION.into_iter().zip(ranges) {
             let Some(range) = range else { continue };
             let bound = (problem.spec().form == Form::Paper).then(|| triangle_bound(problem, series, joint, quantity, range));
             all.extend(both_sides(series, joint, quantity, range, bound));
         }
     }
+    all.extend(torque_margins(problem, series));
     all
+}
+
+/// Samples per harmonic on which torques are looked at: a thousandth of a period of the fastest harmonic apart, where a torque changes by
+/// less than a percent of its range, and friction's jumps fall between two of them with both sides seen.
+pub(super) const TORQUE_SAMPLES: usize = 1000;
+
+fn torque_margins(problem: &Problem, series: &FourierSeries) -> Vec<Margin> {
+    if problem.torque().is_none() {
+        return Vec::new();
+    }
+    let samples = TORQUE_SAMPLES * series.order();
+    let variables = Variables::new(problem);
+    let peaks = Evaluator::new(problem, &variables, samples).torque_peaks_of(series);
+    let time = |sample: usize| sample as f64 * series.duration() / samples as f64;
+    let of = |(joint, peak): (usize, TorquePeak)| {
+        let side = |sign: f64, (torque, sample): (f64, usize)| {
+            let limit = sign * peak.allowed;
+            let certified_peak = torque + sign * 0.5 * peak.largest_smooth_step;
+            Margin {
+                joint,
+                quantity: Quantity::Torque,
+                limit,
+                peak: torque,
+                certified_peak,
+                at_s: time(sample),
+                margin: 1.0 - certified_peak / limit,
+                bound_used: None,
+            }
+        };
+        [side(-1.0, peak.lowest), side(1.0, peak.highest)]
+    };
+    let limited = peaks.into_iter().enumerate().filter(|(_, p)| p.allowed.is_finite());
+    limited.flat_map(of).collect()
 }
 
 /// Value of the derivative that `quantity` stands for.

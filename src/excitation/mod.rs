@@ -4,19 +4,24 @@
 
 mod criterion;
 mod descent;
+mod epoch;
 mod evaluator;
 mod gauge;
 mod margins;
 mod moves;
+mod path;
+mod pool;
 mod problem;
 mod report;
 mod search;
 mod solver;
+mod symmetry;
 mod variables;
 mod workspace;
 
 pub use criterion::Criteria;
 pub use margins::{Margin, Quantity, margins};
+pub use path::{DEFAULT_SAFETY_FACTOR, TorqueLimits};
 pub use problem::{Criterion, Form, Problem, ProblemSpec, Start};
 pub use report::{Design, Outcome, Predicted, StartReport, assess};
-pub use search::{Control, Halt, Progress, SearchOptions, search};
+pub use search::{Control, Halt, Progress, SearchOptions, search, search_from};

@@ -1,6 +1,7 @@
 //! What is asked: a robot, a Fourier series, a criterion, constraints.
 
-use crate::dynamics::Chain;
+use super::path::{TorqueLimits, TorqueSet};
+use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
 use crate::model::{FieldProblem, ModelError, Robot};
 use crate::parameters::{BaseParameters, Layout};
 use crate::trajectory::sample_count;
@@ -10,12 +11,21 @@ use crate::trajectory::sample_count;
 pub enum Criterion {
     /// `cond(Y_b) = sqrt(λ_max / λ_min)`, the paper's (13).
     ConditionNumber,
+    /// The condition number after scaling every column of Y_b to length one: does not depend on units.
+    ScaledConditionNumber,
     /// `det(M)^(−1/(2b))`: the geometric mean of the standard deviations along the principal directions.
     DOptimality,
     /// `sqrt(tr(M⁻¹)/b)`: the root-mean-square standard deviation of the base parameters.
     AOptimality,
     /// `sqrt(tr(M⁻¹ C)/n)`, C the mean of `Y_bᵀ Y_b` over random states inside the limits: the expected torque-prediction error.
     IOptimality,
+}
+
+impl Criterion {
+    /// Whether it is a ratio of singular values, which has kinks where they meet.
+    pub fn is_condition_number(self) -> bool {
+        matches!(self, Self::ConditionNumber | Self::ScaledConditionNumber)
+    }
 }
 
 /// How limits on the series become constraints.
@@ -51,6 +61,8 @@ pub struct ProblemSpec {
     /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies and the optimality criteria; for
     /// `None` one unit on every joint.
     pub torque_noise: Option<Vec<f64>>,
+    /// Limits on the torques that the robot's prior parameters predict.
+    pub torque: Option<TorqueLimits>,
 }
 
 /// A checked problem with all that follows from it.
@@ -62,6 +74,7 @@ pub struct Problem {
     base: BaseParameters,
     chain: Chain,
     samples: usize,
+    torque: Option<TorqueSet>,
 }
 
 /// More harmonics than any controller's bandwidth carries; keeps accidental requests from asking for hours.
@@ -79,11 +92,12 @@ impl Problem {
         limit_problems(&spec, &mut found);
         let start_position = start_position(&spec, &mut found);
         noise_problems(&spec, &mut found);
+        let layout = Layout::standard(&spec.robot);
+        let base = BaseParameters::exact(&spec.robot);
+        let torque = TorqueSet::new(&spec, &layout, &base, &mut found);
         if !found.is_empty() {
             return Err(ModelError(found));
         }
-        let layout = Layout::standard(&spec.robot);
-        let base = BaseParameters::exact(&spec.robot);
         let chain = Chain::new(&spec.robot);
         let samples = sample_count(1.0 / spec.fundamental_hz, spec.sample_rate_hz);
         size_problem(samples, spec.robot.joint_count(), base.len())?;
@@ -94,6 +108,7 @@ impl Problem {
             base,
             chain,
             samples,
+            torque,
         })
     }
 
@@ -130,6 +145,31 @@ impl Problem {
                 joint.name
             )
         })
+        .or_else(|| self.too_heavy_at_rest())
+    }
+
+    /// The first joint that exceeds its torque limit by holding the arm still, in words.
+    fn too_heavy_at_rest(&self) -> Option<String> {
+        let limits = self.torque.as_ref()?;
+        let joints = self.spec.robot.joint_count();
+        let prior = self.layout.prior(&self.spec.robot)?;
+        // Just moving, one way and the other: friction is there as soon as anything moves.
+        let still = Motion::from_fn(joints, 2, |j, s| [self.rest_position(j), [-1e-9, 1e-9][s], 0.0]);
+        let torques = inverse_dynamics_batch(&self.chain, &self.layout, prior.as_slice(), &still, Coulomb::Sign);
+        let at = |j: usize| torques[j * still.stride()].abs().max(torques[j * still.stride() + 1].abs());
+        let joint = (0..joints).find(|&j| at(j) >= limits.allowed[j])?;
+        Some(format!(
+            "joint `{}` needs {:.4} to hold the arm where the motion starts and to begin to move, and constraints.torque allows {:.4} N m or N: choose another \
+             start_position, a smaller safety_factor or larger limits",
+            self.spec.robot.joints()[joint].name,
+            at(joint),
+            limits.allowed[joint]
+        ))
+    }
+
+    /// Torque limits with the model that predicts torques.
+    pub(super) fn torque(&self) -> Option<&TorqueSet> {
+        self.torque.as_ref()
     }
 
     /// Standard deviation of the torque noise of every joint, as asked or one unit.

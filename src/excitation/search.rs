@@ -1,16 +1,22 @@
 //! Global search: local solves from random starts, then around the best points found.
 //!
-//! The search goes in epochs. An epoch opens with random starts, keeps a small pool of the best points and goes on from those until
-//! nothing has improved for a while; its best point is polished and kept as a champion. As soon as there are two, every second epoch starts from
-//! the champions instead. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job), and
-//! a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
+//! The search goes in epochs ([`super::epoch`]). An epoch opens with random starts, keeps a small pool of the best niches and hops on
+//! from those until nothing has improved for a while; its best point is a champion. As soon as there are two, every second epoch starts
+//! from the champions instead. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job),
+//! and a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
 //! of threads or on which finished first. Only time and cancellation end a round early.
 
-use super::descent::{Descended, Descent, FROM_NEIGHBOUR, FROM_RANDOM, POLISH};
-use super::moves::{from_pool, random_numbers, random_start};
-use super::problem::{Criterion, Problem};
+use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, FROM_RANDOM, POLISH, admissible};
+use super::epoch::{Epoch, Job, NOTICEABLE, Result};
+use super::evaluator::TorquePeak;
+use super::margins::TORQUE_SAMPLES;
+use super::moves::{hop, random_numbers, random_start, shake};
+use super::pool::{Point, is_near};
+use super::problem::Problem;
 use super::report::{Design, Outcome, StartReport, design, infeasible};
+use super::symmetry::Symmetries;
 use super::variables::Variables;
+use crate::trajectory::FourierSeries;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -34,7 +40,7 @@ impl Default for SearchOptions {
             seed: 1,
             starts: 64,
             max_evaluations: None,
-            jobs_per_round: 8,
+            jobs_per_round: 16,
             until_halted: false,
         }
     }
@@ -68,109 +74,10 @@ pub struct Progress {
     pub start: Option<StartReport>,
 }
 
-/// Points that stay in the pool of an epoch: enough for exchange between different basins, few enough to press on.
-const POOL: usize = 8;
-/// Rounds of random starts that open an epoch.
-const OPENING_ROUNDS: usize = 2;
-/// Rounds without improvement of the epoch's best by more than [`NOTICEABLE`] after which it ends: with eight jobs a round, some
-/// hundred local solves that led nowhere.
-const PATIENCE: usize = 12;
-/// Relative improvement that counts; a user cannot tell condition numbers closer than this.
-const NOTICEABLE: f64 = 1e-3;
-/// Points closer in value than this are one local minimum reached twice.
-const SAME: f64 = 1e-4;
-
-#[derive(Debug, Clone)]
-struct Point {
-    x: Vec<f64>,
-    /// Logarithm of the criterion.
-    value: f64,
-    polished: bool,
-}
-
-/// What a job is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Job {
-    Start,
-    Around,
-    /// Of the epoch's best.
-    Polish,
-}
-
-struct Epoch {
-    pool: Vec<Point>,
-    opening_rounds_left: usize,
-    rounds_without_gain: usize,
-}
-
-impl Epoch {
-    fn fresh() -> Self {
-        Self {
-            pool: Vec::new(),
-            opening_rounds_left: OPENING_ROUNDS,
-            rounds_without_gain: 0,
-        }
-    }
-
-    fn of_champions(champions: &[Point]) -> Self {
-        let mut pool = champions.to_vec();
-        keep_best(&mut pool);
-        Self {
-            pool,
-            opening_rounds_left: 0,
-            rounds_without_gain: 0,
-        }
-    }
-
-    fn job(&self, index: usize) -> Job {
-        if self.opening_rounds_left > 0 || self.pool.is_empty() {
-            Job::Start
-        } else if index == 0 && !self.pool[0].polished {
-            Job::Polish
-        } else {
-            Job::Around
-        }
-    }
-
-    fn best(&self) -> f64 {
-        self.pool.first().map_or(f64::INFINITY, |p| p.value)
-    }
-
-    /// Takes a round's results in; tells whether the epoch is over.
-    fn merge(&mut self, results: Vec<(Job, Point)>) -> bool {
-        let before = self.best();
-        for (job, point) in results {
-            if job == Job::Polish {
-                self.pool[0].polished = true;
-            }
-            self.pool.push(point);
-        }
-        keep_best(&mut self.pool);
-        self.opening_rounds_left = self.opening_rounds_left.saturating_sub(1);
-        let gained = self.best() < before - NOTICEABLE;
-        self.rounds_without_gain = if gained || self.opening_rounds_left > 0 {
-            0
-        } else {
-            self.rounds_without_gain + 1
-        };
-        self.rounds_without_gain >= PATIENCE && self.pool.first().is_some_and(|p| p.polished)
-    }
-}
-
-fn keep_best(pool: &mut Vec<Point>) {
-    pool.retain(|p| p.value.is_finite());
-    pool.sort_by(|a, b| a.value.total_cmp(&b.value));
-    pool.dedup_by(|later, kept| {
-        let same = later.value - kept.value < SAME;
-        kept.polished |= same && later.polished;
-        same
-    });
-    pool.truncate(POOL);
-}
-
 /// What the jobs of a search share.
 struct Run<'a> {
     variables: &'a Variables,
+    symmetries: Symmetries,
     descent: Descent<'a>,
     seed: u64,
     control: &'a dyn Control,
@@ -178,7 +85,17 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn round(&self, epoch: &Epoch, round: usize, jobs: usize) -> Vec<(Job, Point, Option<StartReport>)> {
+    /// A point brought within the limits, with its true value.
+    fn known(&self, x: Vec<f64>) -> Point {
+        let x = self.descent.admissible(x);
+        Point {
+            value: self.descent.true_value(&x),
+            x,
+            polished: false,
+        }
+    }
+
+    fn round(&self, epoch: &Epoch, round: usize, jobs: usize) -> Vec<(Result, Option<StartReport>)> {
         let results = (0..jobs).into_par_iter().map(|index| self.job(epoch, round, index)).collect();
         self.progress
             .lock()
@@ -187,39 +104,43 @@ impl Run<'_> {
         results
     }
 
-    fn job(&self, epoch: &Epoch, round: usize, index: usize) -> (Job, Point, Option<StartReport>) {
+    fn job(&self, epoch: &Epoch, round: usize, index: usize) -> (Result, Option<StartReport>) {
         let mut rng = random_numbers(self.seed, round, index);
         let job = epoch.job(index);
-        let (start, stages) = match job {
-            Job::Start => (random_start(self.variables, &mut rng), FROM_RANDOM),
-            Job::Polish => (epoch.pool[0].x.clone(), POLISH),
-            Job::Around => {
-                let pool: Vec<&[f64]> = epoch.pool.iter().map(|p| p.x.as_slice()).collect();
-                (from_pool(self.variables, &pool, &mut rng), FROM_NEIGHBOUR)
+        let points = epoch.pool.points();
+        let mut report = None;
+        let mut halfway = None;
+        let end = match job {
+            Job::Start => {
+                let start = random_start(self.variables, &mut rng);
+                let initial = self.descent.true_value(&start);
+                let end = self.descent.run(start, &FROM_RANDOM);
+                report = Some(StartReport {
+                    initial: initial.exp(),
+                    reached: end.value.exp(),
+                    evaluations: end.evaluations,
+                    converged: end.converged,
+                });
+                end
             }
+            Job::Hop => {
+                let start = hop(self.variables, &self.symmetries, points, &mut rng);
+                self.descent.run_while(start, &FROM_HOP, &mut |x, value| {
+                    let home = points.iter().any(|p| is_near(self.variables, &p.x, x));
+                    halfway = (!home).then_some(value);
+                    !home && value <= epoch.promising()
+                })
+            }
+            Job::Shake => self.descent.run(shake(self.variables, points, &mut rng), &FROM_NEAR),
+            Job::Polish(at) => self.descent.run(points[at].x.clone(), &POLISH),
         };
-        let initial = if job == Job::Start {
-            self.descent.true_value(&start)
-        } else {
-            0.0
-        };
-        let end = self.descent.run(start, &stages);
-        let report = (job == Job::Start).then(|| StartReport {
-            initial: initial.exp(),
-            reached: end.value.exp(),
-            evaluations: end.evaluations,
-            converged: end.converged,
-        });
         self.tell(&end, report);
-        (
-            job,
-            Point {
-                x: end.x,
-                value: end.value,
-                polished: job == Job::Polish,
-            },
-            report,
-        )
+        let point = Point {
+            x: end.x,
+            value: end.value,
+            polished: matches!(job, Job::Polish(_)),
+        };
+        (Result { job, point, halfway }, report)
     }
 
     fn tell(&self, end: &Descended, start: Option<StartReport>) {
@@ -237,6 +158,14 @@ impl Run<'_> {
 /// Ends when `control` says so, when evaluations run out, or, with neither limit in sight, when all starts are used and two epochs in
 /// a row have found nothing better. The result meets every constraint whatever ended the search.
 pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control) -> Design {
+    search_from(problem, options, None, control)
+}
+
+/// [`search`], going on from an earlier trajectory, which may come from another problem: it is brought within the limits of this one.
+///
+/// # Panics
+/// If `earlier` has another number of joints than the robot.
+pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&FourierSeries>, control: &dyn Control) -> Design {
     if let Some(reason) = problem.no_room() {
         return infeasible(problem, reason);
     }
@@ -252,25 +181,32 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
     let descent = Descent::new(problem, &variables, control);
     let run = Run {
         variables: &variables,
+        symmetries: Symmetries::of(problem, &variables),
         descent,
         seed: options.seed,
         control,
         progress: Mutex::new(progress),
     };
     let (mut champions, mut starts) = (Vec::<Point>::new(), Vec::new());
-    let mut epoch = Epoch::fresh();
+    if let Some(series) = earlier {
+        champions.push(run.known(variables.of_series(series)));
+    }
+    let mut epoch = match champions.is_empty() {
+        true => Epoch::fresh(),
+        false => Epoch::of_champions(&variables, &champions),
+    };
     let (mut best, mut epochs_without_gain, mut round) = (f64::INFINITY, 0, 0);
     let status = loop {
         let results = run.round(&epoch, round, options.jobs_per_round.max(1));
         round += 1;
-        starts.extend(results.iter().filter_map(|r| r.2));
-        let over = epoch.merge(results.into_iter().map(|(job, point, _)| (job, point)).collect());
+        starts.extend(results.iter().filter_map(|r| r.1));
+        let over = epoch.merge(&variables, results.into_iter().map(|r| r.0));
         if epoch.best() < best - NOTICEABLE {
             epochs_without_gain = 0;
         }
         best = best.min(epoch.best());
         if over {
-            champions.push(epoch.pool[0].clone());
+            champions.extend(epoch.pool.best().cloned());
             epochs_without_gain += 1;
         }
         let spent = options.max_evaluations.is_some_and(|most| run.descent.evaluations() >= most);
@@ -291,18 +227,18 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
         }
         if over {
             epoch = if champions.len() % 2 == 0 {
-                Epoch::of_champions(&champions)
+                Epoch::of_champions(&variables, &champions)
             } else {
                 Epoch::fresh()
             };
         }
     };
-    champions.extend(epoch.pool);
-    keep_best(&mut champions);
+    champions.extend(epoch.pool.best().cloned());
+    champions.sort_by(|a, b| a.value.total_cmp(&b.value));
     match champions.first().filter(|p| has_full_rank(problem, p.value)) {
         Some(best) => design(
             problem,
-            variables.series(&best.x),
+            variables.series(&certified(problem, &variables, best.x.clone())),
             status,
             starts,
             run.descent.evaluations(),
@@ -319,7 +255,13 @@ pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control)
     }
 }
 
+/// With limits along the path held between the samples too.
+fn certified(problem: &Problem, variables: &Variables, x: Vec<f64>) -> Vec<f64> {
+    let samples = TORQUE_SAMPLES * problem.spec().order;
+    admissible(problem, variables, x, samples, TorquePeak::used_between_samples)
+}
+
 /// A condition number at the floor that rounding sets, `1/sqrt(ε b)`, is that of a regressor with dependent columns.
 fn has_full_rank(problem: &Problem, log_value: f64) -> bool {
-    problem.spec().criterion != Criterion::ConditionNumber || log_value < -0.5 * (f64::EPSILON * problem.base().len() as f64).ln()
+    !problem.spec().criterion.is_condition_number() || log_value < -0.5 * (f64::EPSILON * problem.base().len() as f64).ln()
 }

@@ -96,14 +96,14 @@ pub struct PredictedDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct MarginDocument {
     pub joint: String,
-    /// `position`, `velocity`, `acceleration` or `jerk`.
+    /// `position`, `velocity`, `acceleration`, `jerk`, or with torque limits `torque`.
     pub quantity: &'static str,
     /// `lower` or `upper`.
     pub side: &'static str,
     pub limit: f64,
     /// Extreme value reached.
     pub peak: f64,
-    /// Proven bound on the extreme over all time.
+    /// Bound on the extreme over all time: proven for motions; for torques the extreme of a dense sampling and half its largest step.
     pub certified_peak: f64,
     /// Time of the extreme (s).
     pub at_s: f64,
@@ -233,9 +233,9 @@ fn margin_document(joint: &Joint, m: &Margin) -> MarginDocument {
 
 fn unit(joint: &Joint, quantity: Quantity) -> &'static str {
     let units = if joint.is_revolute() {
-        ["rad", "rad/s", "rad/s^2", "rad/s^3"]
+        ["rad", "rad/s", "rad/s^2", "rad/s^3", "N m"]
     } else {
-        ["m", "m/s", "m/s^2", "m/s^3"]
+        ["m", "m/s", "m/s^2", "m/s^3", "N"]
     };
     units[quantity as usize]
 }

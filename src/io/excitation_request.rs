@@ -3,8 +3,10 @@
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::Parsed;
 use super::robot::{NamedRobots, read_robot_or_name};
-use crate::excitation::{Criterion, Form, Problem, ProblemSpec, SearchOptions, Start};
+use super::warm_start::read_warm_start;
+use crate::excitation::{Criterion, DEFAULT_SAFETY_FACTOR, Form, Problem, ProblemSpec, SearchOptions, Start, TorqueLimits};
 use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, Mdh, Robot};
+use crate::trajectory::FourierSeries;
 use nalgebra::Vector3;
 use serde_json::Value;
 
@@ -13,6 +15,8 @@ use serde_json::Value;
 pub struct ExcitationRequest {
     pub problem: Problem,
     pub search: Search,
+    /// An earlier trajectory to go on from.
+    pub earlier: Option<FourierSeries>,
     /// What a user should know about how the robot was read.
     pub notes: Vec<String>,
     /// The request as it was made.
@@ -35,13 +39,16 @@ pub const REQUEST_FIELDS: &[&str] = &[
     "constraints",
     "torque_noise",
     "search",
+    "warm_start",
 ];
 pub const FOURIER_FIELDS: &[&str] = &["order", "fundamental_hz"];
-pub const CONSTRAINT_FIELDS: &[&str] = &["form", "start", "start_position"];
+pub const CONSTRAINT_FIELDS: &[&str] = &["form", "start", "start_position", "torque"];
+pub const TORQUE_FIELDS: &[&str] = &["limits", "safety_factor"];
 pub const SEARCH_FIELDS: &[&str] = &["seed", "starts", "time_limit_s", "max_evaluations", "jobs_per_round"];
 
 pub const CRITERIA: &[(&str, Criterion)] = &[
     ("condition_number", Criterion::ConditionNumber),
+    ("scaled_condition_number", Criterion::ScaledConditionNumber),
     ("d_optimality", Criterion::DOptimality),
     ("a_optimality", Criterion::AOptimality),
     ("i_optimality", Criterion::IOptimality),
@@ -77,6 +84,8 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
     let notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();
     let has_robot = robot.is_some();
     let search = read_search(&fields);
+    let joints = robot.as_ref().map(|r| r.robot.joint_count());
+    let earlier = fields.nullable("warm_start").and_then(|c| read_warm_start(&c, joints));
     let spec = read_spec(&fields, robot.map(|r| r.robot));
     let problem = match Problem::new(spec) {
         Ok(problem) => problem,
@@ -90,6 +99,7 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
     Some(ExcitationRequest {
         problem,
         search,
+        earlier,
         notes,
         document: cursor.value().clone(),
     })
@@ -98,7 +108,12 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
 /// What the core says about a stand-in robot is dropped; about a robot called by name or read from XML it is said of that field.
 fn placed(problem: FieldProblem, request: &Value, has_robot: bool) -> Option<FieldProblem> {
     let of_robot = problem.pointer.starts_with("/robot");
-    let per_joint = ["/robot", "/constraints/start_position", "/torque_noise"];
+    let per_joint = [
+        "/robot",
+        "/constraints/start_position",
+        "/constraints/torque",
+        "/torque_noise",
+    ];
     if !has_robot && per_joint.iter().any(|p| problem.pointer.starts_with(p)) {
         return None;
     }
@@ -141,7 +156,20 @@ fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
             .and_then(|f| f.nullable("start_position"))
             .and_then(|c| c.numbers(None)),
         torque_noise: fields.nullable("torque_noise").and_then(|c| c.numbers(None)),
+        torque: constraints
+            .as_ref()
+            .and_then(|f| f.nullable("torque"))
+            .and_then(|c| read_torque_limits(&c)),
     }
+}
+
+fn read_torque_limits(cursor: &Cursor) -> Option<TorqueLimits> {
+    let fields = cursor.fields(TORQUE_FIELDS)?;
+    let factor = fields.nullable("safety_factor").map(|c| c.number());
+    Some(TorqueLimits {
+        limits: fields.nullable("limits").and_then(|c| c.numbers(None)),
+        safety_factor: factor.unwrap_or(Some(DEFAULT_SAFETY_FACTOR))?,
+    })
 }
 
 fn read_search(fields: &Fields) -> Search {
@@ -278,6 +306,26 @@ mod tests {
         assert!(findings(&start)[0].starts_with("/constraints/start_position: has 1 values, the robot has 2 joints"));
         let noise = GOOD.replace("\"sample_rate_hz\"", "\"torque_noise\": [0, 1], \"sample_rate_hz\"");
         assert!(findings(&noise)[0].starts_with("/torque_noise/0: is 0"));
+        let warm = |start: &str| GOOD.replace("\"sample_rate_hz\"", &format!("\"warm_start\": {start}, \"sample_rate_hz\""));
+        let rows =
+            r#"{"coefficients": {"a": [[1, 2, 3]], "b": [[1, 2, 3], [1, 2, 3]]}, "offset": [0, 0], "fundamental_hz": 0.1}"#;
+        assert!(
+            findings(&warm(rows))[0]
+                .starts_with("/warm_start/coefficients/a: must have 2 rows, one per joint, with one number per harmonic")
+        );
+        let torque = GOOD.replace(
+            "\"sample_rate_hz\"",
+            "\"constraints\": {\"torque\": {\"limits\": [1, 0], \"safety_factor\": 0.5}}, \"sample_rate_hz\"",
+        );
+        let found = findings(&torque);
+        assert!(
+            found[0].starts_with("/constraints/torque/safety_factor: is 0.5; torques stay below"),
+            "{found:?}"
+        );
+        assert!(
+            found[1].starts_with("/constraints/torque/limits/1: is 0; a torque limit is a positive number"),
+            "{found:?}"
+        );
         let name = GOOD.replace("planar_two_link", "iiwa");
         assert_eq!(findings(&name), ["/robot: is `iiwa` (did you mean `iiwa14`?)"]);
         assert_eq!(findings("[]"), [": is an array, expected an object"]);

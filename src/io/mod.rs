@@ -20,6 +20,7 @@ mod robot;
 pub mod shipped;
 mod trajectory_table;
 mod validate_request;
+mod warm_start;
 
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};

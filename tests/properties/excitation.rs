@@ -1,8 +1,11 @@
 //! Designs meet every constraint, whoever evaluates them, and do not depend on threads.
 
 use crate::support::{iiwa14_limited, structured_arm};
+use dynident::dynamics::inverse_dynamics;
 use dynident::excitation::*;
+use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::model::{Limits, Robot};
+use dynident::parameters::Layout;
 use dynident::trajectory::Trajectory;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
@@ -32,6 +35,7 @@ fn problem(robot: Robot, form: Form, start: Start) -> Problem {
         start,
         start_position: None,
         torque_noise: None,
+        torque: None,
     })
     .unwrap()
 }
@@ -162,6 +166,77 @@ fn prop_a_joint_that_starts_on_its_limit_is_an_infeasible_outcome() {
         design.status
     );
     assert!(design.criteria.is_none());
+}
+
+/// Twenty thousand moments of one period by the recursive algorithm, which the search does not use.
+#[test]
+fn prop_torque_limits_bind_and_are_never_exceeded() {
+    let robot = Shipped.named("planar_two_link").unwrap().robot;
+    // Hanging down, so that no torque is needed at rest.
+    let hanging = ProblemSpec {
+        start_position: Some(vec![-TAU / 4.0, 0.0]),
+        ..problem(robot.clone(), Form::Paper, Start::Zero).spec().clone()
+    };
+    let free = Problem::new(hanging).unwrap();
+    let unlimited = search(&free, &options(3, 20_000), &never());
+    let spec = ProblemSpec {
+        // The first joint holds two links against gravity: 62 % of what it takes without limits, 1.5 times over.
+        torque: Some(TorqueLimits {
+            limits: Some(vec![1.5 * 0.62 * torque_peak(&robot, &unlimited), 1e4]),
+            safety_factor: 1.5,
+        }),
+        ..free.spec().clone()
+    };
+    let limited = search(&Problem::new(spec).unwrap(), &options(3, 20_000), &never());
+    let allowed = 0.62 * torque_peak(&robot, &unlimited);
+    let reached = torque_peak(&robot, &limited);
+    // Bisection stops within 0.1 % of the amplitude, and half a step between samples is left free.
+    assert!(reached <= allowed && reached > 0.98 * allowed, "{reached} of {allowed}");
+    let margin = limited
+        .margins
+        .iter()
+        .filter(|m| m.quantity == Quantity::Torque)
+        .map(|m| m.margin);
+    assert!(margin.clone().all(|m| m >= 0.0) && margin.fold(1.0, f64::min) < 0.02);
+    assert!(limited.criteria.unwrap().condition_number > unlimited.criteria.unwrap().condition_number);
+}
+
+fn torque_peak(robot: &Robot, design: &Design) -> f64 {
+    let layout = Layout::standard(robot);
+    let phi = layout.prior(robot).expect("the arm has parameters");
+    let torque = |k: usize| {
+        let t = k as f64 * design.series.duration() / 20_000.0;
+        let state = |j: usize| design.series.state(j, t);
+        let [q, qd, qdd] = [0, 1, 2].map(|d| (0..2).map(|j| state(j)[d]).collect::<Vec<f64>>());
+        inverse_dynamics(robot, &layout, phi.as_slice(), &q, &qd, &qdd)[0].abs()
+    };
+    (0..20_000).map(torque).fold(0.0, f64::max)
+}
+
+#[test]
+fn prop_a_search_goes_on_from_an_earlier_design() {
+    let problem = problem(iiwa14_limited(), Form::Paper, Start::Zero);
+    let earlier = search(&problem, &options(1, 4000), &never());
+    let on = search_from(&problem, &options(2, 100), Some(&earlier.series), &never());
+    let (before, after) = (
+        earlier.criteria.unwrap().condition_number,
+        on.criteria.unwrap().condition_number,
+    );
+    // The grid of the coefficients moves the value by less than a millionth.
+    assert!(after <= before * (1.0 + 1e-6), "{before} {after}");
+    let wider = ProblemSpec {
+        order: 6,
+        form: Form::Exact,
+        ..problem.spec().clone()
+    };
+    let on = search_from(
+        &Problem::new(wider).unwrap(),
+        &options(2, 400),
+        Some(&earlier.series),
+        &never(),
+    );
+    assert!(on.margins.iter().all(|m| m.margin >= 0.0));
+    assert!(on.criteria.unwrap().condition_number < before);
 }
 
 /// The paper's own result is 65; an eighth of a minute of one core is enough to be below it.

@@ -28,6 +28,18 @@ pub struct ExcitationRequestSchema {
     torque_noise: Option<Vec<f64>>,
     #[schema(required = false)]
     search: SearchSchema,
+    /// An earlier trajectory to go on from, as a design hands it out; of whatever problem for a robot with as many joints.
+    warm_start: Option<WarmStartSchema>,
+}
+
+/// An earlier trajectory.
+#[derive(Serialize, ToSchema)]
+#[schema(as = WarmStart)]
+pub struct WarmStartSchema {
+    coefficients: crate::io::Coefficients,
+    /// Position of every joint around which it moves [rad or m].
+    offset: Vec<f64>,
+    fundamental_hz: f64,
 }
 
 /// The finite Fourier series of every joint.
@@ -45,6 +57,7 @@ pub struct FourierSchema {
 #[schema(as = Criterion, rename_all = "snake_case")]
 pub enum CriterionSchema {
     ConditionNumber,
+    ScaledConditionNumber,
     DOptimality,
     AOptimality,
     IOptimality,
@@ -61,6 +74,19 @@ pub struct ConstraintsSchema {
     start: StartSchema,
     /// Position of every joint at the start [rad or m]; zero, or the middle of the range, if left out.
     start_position: Option<Vec<f64>>,
+    /// Limits on torques, predicted by the robot's prior link parameters; none if left out.
+    torque: Option<TorqueLimitsSchema>,
+}
+
+/// Torque limits along the trajectory.
+#[derive(Serialize, ToSchema)]
+#[schema(as = TorqueLimits)]
+pub struct TorqueLimitsSchema {
+    /// Largest torque of every joint [N·m or N]; the robot's `effort` limits if left out.
+    limits: Option<Vec<f64>>,
+    /// Predicted torques stay below the limit over this factor.
+    #[schema(default = 1.25, minimum = 1.0)]
+    safety_factor: Option<f64>,
 }
 
 #[derive(Serialize, ToSchema)]
@@ -92,9 +118,9 @@ pub struct SearchSchema {
     time_limit_s: Option<f64>,
     /// Evaluations of the criterion after which no new round begins.
     max_evaluations: Option<u64>,
-    /// Local solves per round, so many at most run at the same time: raise it on a machine with more than eight cores. Part of what
+    /// Local solves per round, so many at most run at the same time: raise it on a machine with more than sixteen cores. Part of what
     /// makes a run repeatable.
-    #[schema(default = 8)]
+    #[schema(default = 16)]
     jobs_per_round: Option<u32>,
 }
 
