@@ -65,12 +65,12 @@ function downloads(result) {
 }
 
 function margins(result) {
-  const kinds = ['position', 'velocity', 'acceleration', 'jerk'].filter((k) => result.margins.some((m) => m.quantity === k));
+  const kinds = ['position', 'velocity', 'acceleration', 'jerk', 'torque'].filter((k) => result.margins.some((m) => m.quantity === k));
   const chart = place('Share of every limit that the motion uses, per joint');
   plotLater(chart, () => ({
     traces: kinds.map((kind, i) => {
       const used = result.joints.map((joint) => Math.max(...result.margins.filter((m) => m.joint === joint && m.quantity === kind).map((m) => 100 * (1 - m.margin)), 0));
-      return { type: 'bar', name: kind, x: result.joints, y: used, marker: { color: colour(i), pattern: { shape: ['', '/', 'x', '.'][i] } }, hovertemplate: `%{y:.1f} % of the ${kind} limit<extra></extra>` };
+      return { type: 'bar', name: kind, x: result.joints, y: used, marker: { color: colour(i), pattern: { shape: ['', '/', 'x', '.', '-'][i] } }, hovertemplate: `%{y:.1f} % of the ${kind} limit<extra></extra>` };
     }),
     layout: { barmode: 'group', height: 280, yaxis: { title: 'used of the limit (%)', range: [0, 108] }, xaxis: { title: 'joint', type: 'category' }, hovermode: 'closest',
       shapes: [{ type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 100, y1: 100, line: { dash: 'dash', width: 1.5, color: colour(6) } }] },

@@ -6,6 +6,7 @@ import { showDesign } from './design-result.js';
 
 const CRITERIA = {
   condition_number: 'Ratio of the best to the worst determined direction. The usual choice, and the one of the published results.',
+  scaled_condition_number: 'The same with every column of the regressor at length one: does not depend on units.',
   i_optimality: 'Expected error of predicted torques over the whole workspace. Choose it when the model will be used for control.',
   d_optimality: 'Geometric mean of all deviations. Does not depend on units, and lets single parameters stay poor.',
   a_optimality: 'Mean variance of the parameters. Weighs large parameters most.',
