@@ -84,6 +84,8 @@ pub mod simulate;
 pub mod solver;
 pub mod spatial;
 pub mod trajectory;
+#[cfg(feature = "figures")]
+pub mod web;
 
 // Links the library that the semidefinite solver calls.
 use openblas_src as _;

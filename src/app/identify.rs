@@ -1,6 +1,8 @@
 //! Identify a robot from logs.
 
-use super::report::document;
+use super::provenance::provenance;
+use super::report::{document, physical_columns};
+use super::series::{Predictors, predictions};
 use super::trace::{add_effects, residual};
 use super::{CancelFlag, Code, Error};
 use crate::dynamics::inverse_dynamics;
@@ -121,6 +123,7 @@ pub fn identify(
         offset: request.offset,
         trace: request.trace,
     };
+    let (given_logs, given_validation) = (logs, validation);
     let ((logs, beside_logs), (validation, beside_validation)) = (
         split_companions(&request.columns, logs)?,
         split_companions(&request.columns, validation)?,
@@ -178,6 +181,17 @@ pub fn identify(
     if let (Some(files), Some(traced)) = (&mut model, &traced) {
         add_effects(files, traced);
     }
+    if request.prediction_points > 0 {
+        let columns = physical.as_ref().map(|fit| physical_columns(&base, fit.model()));
+        let by = Predictors {
+            base: &found.values,
+            physical: columns.as_ref(),
+            augmented: traced.as_ref().map(|t| &t.model),
+            residual: document.residual.as_ref(),
+        };
+        document.predictions = predictions(&request.robot, used.iter().chain(&held_out), &by, request.prediction_points);
+    }
+    document.provenance = Some(provenance(request, given_logs, given_validation)?);
     Ok(Identified {
         document,
         base,

@@ -3,13 +3,19 @@
 mod error;
 mod excite;
 mod identify;
+mod inspect;
+mod motion;
 mod problem;
+mod provenance;
 mod report;
+mod series;
 mod trace;
 mod validate;
 
 pub use error::{Code, Error};
 pub use excite::{CancelFlag, Excited, excite};
 pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};
+pub use inspect::inspect;
+pub use motion::motion;
 pub use problem::{FieldError, Problem};
 pub use validate::validate;

@@ -4,10 +4,10 @@ use super::identify::{UsedLog, reason};
 use crate::identification::physical::{
     ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
 };
-use crate::identification::{Estimate, Estimator, Quality, Validation, prediction, validate};
+use crate::identification::{Estimate, Estimator, Quality, Validation, validate};
 use crate::io::{
     BaseValue, Direction, Feasibility, FitStart, IdentifyDocument, IdentifyRequest, InertiaDocument, JointErrors, LogDocument,
-    LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue, PredictionDocument, QualityDocument, RmsDocument,
+    LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue, QualityDocument, RmsDocument,
 };
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
@@ -65,13 +65,9 @@ pub(super) fn document(
             .map(|(log, role)| LogDocument::new(&log.report, role, &log.prepared.choices))
             .collect(),
         residual: None,
-        predictions: match request.prediction_points {
-            0 => Vec::new(),
-            most => all()
-                .flat_map(|(log, _)| predictions(robot, log, &found.values, columns.as_ref(), most))
-                .collect(),
-        },
+        predictions: Vec::new(),
         notes: request.notes.clone(),
+        provenance: None,
     }
 }
 
@@ -290,26 +286,4 @@ fn noise(robot: &Robot, found: &Estimate) -> Vec<NoiseDocument> {
         effective_rows: fit.effective_rows,
     };
     robot.joints().iter().zip(&found.joints).map(one).collect()
-}
-
-fn predictions(
-    robot: &Robot,
-    log: &UsedLog,
-    base: &DVector<f64>,
-    physical: Option<&DVector<f64>>,
-    most: usize,
-) -> Vec<PredictionDocument> {
-    (0..robot.joint_count())
-        .map(|j| {
-            let series = prediction(&log.observation, j, base, most);
-            PredictionDocument {
-                log: log.report.file.clone(),
-                joint: robot.joints()[j].name.clone(),
-                time: series.samples.iter().map(|&s| log.prepared.time(s)).collect(),
-                measured: series.measured,
-                base: series.predicted,
-                physical: physical.map(|p| prediction(&log.observation, j, p, most).predicted),
-            }
-        })
-        .collect()
 }

@@ -2,10 +2,11 @@
 
 use super::identify::{LogFile, Reading, split_companions, use_log};
 use super::report::errors;
+use super::series::{Predictors, predictions};
 use super::trace::residual;
 use super::{CancelFlag, Code, Error};
-use crate::identification::{prediction, validate as prediction_errors};
-use crate::io::{LogDocument, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
+use crate::identification::validate as prediction_errors;
+use crate::io::{LogDocument, ValidateDocument, ValidateRequest, ValidatedLog};
 use crate::parameters::{BaseParameters, Layout};
 use nalgebra::DVector;
 
@@ -63,16 +64,15 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         document
             .log_report
             .push(LogDocument::new(&log.report, "validation", &log.prepared.choices));
-        for (j, joint) in robot.joints().iter().enumerate().filter(|_| request.prediction_points > 0) {
-            let series = prediction(&log.observation, j, &values, request.prediction_points);
-            document.predictions.push(PredictionDocument {
-                log: name.clone(),
-                joint: joint.name.clone(),
-                time: series.samples.iter().map(|&s| log.prepared.time(s)).collect(),
-                measured: series.measured,
-                base: series.predicted,
+        if request.prediction_points > 0 {
+            let by = Predictors {
+                base: &values,
                 physical: None,
-            });
+                augmented: None,
+                residual: None,
+            };
+            let series = predictions(robot, std::iter::once(&log), &by, request.prediction_points);
+            document.predictions.extend(series);
         }
         used.push(log);
     }

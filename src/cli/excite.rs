@@ -1,11 +1,13 @@
 //! `dynident excite`.
 
+use super::plots::{PictureKind, write_picture};
 use super::{Ending, files, render};
 use crate::app::{CancelFlag, Code, Error, Excited, excite};
 use crate::excitation::Progress;
 use crate::io::shipped::Shipped;
 use crate::io::{ExcitationRequest, Parsed, read_excitation_request, trajectory_csv};
 use crate::model::FieldProblem;
+use crate::web::figures::design_figure;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -27,6 +29,9 @@ pub struct Arguments {
     /// Samples per second of that file; the rate of the request if left out.
     #[arg(long, value_name = "HZ", requires = "trajectory", value_parser = positive)]
     rate_hz: Option<f64>,
+    /// Also draw positions, velocities and accelerations: SVG, or PNG if the name ends so.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -44,6 +49,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let bar = progress_bar(&request);
     let excited = excite(&request, &cancel, &|p| show(&bar, p));
     bar.finish_and_clear();
+    if let (Some(path), Some(series)) = (&arguments.plot, &excited.series) {
+        write_picture(path, PictureKind::of(path), &design_figure(request.problem.robot(), series))?;
+    }
     write_results(arguments, json, &excited)?;
     Ok(match excited.document.status {
         "Infeasible" => Ending::Infeasible,
@@ -113,7 +121,7 @@ fn write_results(arguments: &Arguments, json: bool, excited: &Excited) -> Result
     }
     if let (Some(path), Some(series)) = (&arguments.trajectory, &excited.series) {
         let rate = arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz);
-        files::write(path, &trajectory_csv(series, rate, 1))?;
+        files::write(path, trajectory_csv(series, rate, 1))?;
     }
     if arguments.out.is_none() {
         return Ok(());

@@ -13,16 +13,16 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
 }
 
 /// Writes to a file beside the target and renames it: whoever looks finds the old content or the new, never half of it.
-pub fn write(path: &Path, content: &str) -> Result<(), Error> {
+pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
     let unwritable = |e: std::io::Error| Error::new(Code::FileUnwritable, format!("cannot write {}: {e}", path.display()));
     // Pipes and devices (`/dev/stdout`) cannot be replaced.
     if path.exists() && !path.is_file() {
-        return std::fs::write(path, content).map_err(unwritable);
+        return std::fs::write(path, content.as_ref()).map_err(unwritable);
     }
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
-    let written = std::fs::write(&part, content).and_then(|()| std::fs::rename(&part, path));
+    let written = std::fs::write(&part, content.as_ref()).and_then(|()| std::fs::rename(&part, path));
     written.inspect_err(|_| drop(std::fs::remove_file(&part))).map_err(unwritable)
 }
 

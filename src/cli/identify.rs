@@ -1,10 +1,12 @@
 //! `dynident identify`.
 
 use super::excite::{cancel_on_interrupt, put_robot};
+use super::plots::{PictureKind, pictures, write_picture};
 use super::{Ending, files, render};
-use crate::app::{Error, Identified, LogFile, identify};
+use crate::app::{Code, Error, Identified, LogFile, identify};
 use crate::io::shipped::Shipped;
 use crate::io::{IdentifyRequest, NoExcitations, Parsed, read_identify_request};
+use crate::web::{Circumstances, report};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::path::PathBuf;
@@ -32,7 +34,19 @@ pub struct Arguments {
     /// Where the identified model goes as URDF.
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
+    /// Where the report goes: one HTML file that stands alone and prints.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Folder for pictures of torques, parameters and errors.
+    #[arg(long, value_name = "FOLDER")]
+    plots: Option<PathBuf>,
+    /// Kind of those pictures.
+    #[arg(long, value_enum, default_value_t = PictureKind::Svg, requires = "plots")]
+    plot_format: PictureKind,
 }
+
+/// Points of every drawn series, where the request has fewer: more than a page shows.
+const DRAWN_POINTS: usize = 2000;
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let request = read_request(arguments)?;
@@ -67,13 +81,17 @@ fn read_request(arguments: &Arguments) -> Result<IdentifyRequest, Error> {
     if let Some(robot) = &arguments.robot {
         put_robot(&mut parsed, files::robot(robot)?);
     }
-    read_identify_request(&parsed, &Shipped, &NoExcitations).map_err(|errors| {
+    let mut request = read_identify_request(&parsed, &Shipped, &NoExcitations).map_err(|errors| {
         let error = Error::invalid("the identification request", errors);
         arguments
             .request
             .as_ref()
             .map_or(error.clone(), |path| files::in_file(path, error))
-    })
+    })?;
+    if arguments.report.is_some() || arguments.plots.is_some() {
+        request.prediction_points = request.prediction_points.max(DRAWN_POINTS);
+    }
+    Ok(request)
 }
 
 fn write_results(arguments: &Arguments, json: bool, found: &Identified) -> Result<(), Error> {
@@ -86,14 +104,48 @@ fn write_results(arguments: &Arguments, json: bool, found: &Identified) -> Resul
     if arguments.model.is_some() || arguments.urdf.is_some() {
         let model = found.model()?;
         if let Some(path) = &arguments.model {
-            files::write(path, &files::pretty(&model.json))?;
+            files::write(path, files::pretty(&model.json))?;
         }
         if let Some(path) = &arguments.urdf {
             files::write(path, &model.urdf)?;
         }
     }
+    draw(arguments, found)?;
     if !json {
         files::print(&render::identification(&found.document))?;
+    }
+    Ok(())
+}
+
+/// The report and the pictures that were asked for.
+fn draw(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
+    if arguments.report.is_none() && arguments.plots.is_none() {
+        return Ok(());
+    }
+    let document = serde_json::to_value(&found.document).expect("documents are plain data");
+    if let Some(path) = &arguments.report {
+        let page = report(
+            &document,
+            &Circumstances {
+                design: document["provenance"]["request"]
+                    .get("excitation")
+                    .filter(|e| e.is_object())
+                    .cloned(),
+                ..Circumstances::default()
+            },
+        );
+        files::write(path, page)?;
+    }
+    let Some(folder) = &arguments.plots else { return Ok(()) };
+    let unwritable = |e: std::io::Error| {
+        Error::new(
+            Code::FileUnwritable,
+            format!("cannot make the folder {}: {e}", folder.display()),
+        )
+    };
+    std::fs::create_dir_all(folder).map_err(unwritable)?;
+    for (name, figure) in pictures(&document) {
+        write_picture(&folder.join(name), arguments.plot_format, &figure)?;
     }
     Ok(())
 }

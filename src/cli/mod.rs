@@ -9,6 +9,7 @@ mod files;
 mod identify;
 #[cfg(feature = "service")]
 mod openapi;
+mod plots;
 mod render;
 #[cfg(feature = "service")]
 mod serve;

@@ -80,6 +80,22 @@ pub fn identification(found: &IdentifyDocument) -> String {
             f.status, f.rms_ratio
         );
     }
+    error_table(&mut text, found);
+    if let Some(residual) = &found.residual {
+        left_over(&mut text, residual);
+    }
+    for log in &found.log_report {
+        for f in &log.findings {
+            let _ = writeln!(text, "  {}: {} {}: {}", log.file, f.count, f.code, f.detail);
+        }
+    }
+    text
+}
+
+/// Errors per joint of every log and model, and the noise floor below them.
+fn error_table(text: &mut String, found: &IdentifyDocument) {
+    let head: String = found.joints.iter().map(|j| format!(" {j:>9}")).collect();
+    let _ = writeln!(text, "  RMS error (N m or N){:16}{head}       sum", "");
     let logs = found
         .rms
         .identification
@@ -88,17 +104,64 @@ pub fn identification(found: &IdentifyDocument) -> String {
         .chain(found.rms.validation.iter().map(|l| ("validation", l)));
     for (role, log) in logs {
         let _ = writeln!(text, "  {role} {}", log.name);
-        errors(&mut text, "base", &log.base);
-        if let Some(physical) = &log.physical {
-            errors(&mut text, "physical", physical);
+        for (model, e) in [("base", Some(&log.base)), ("physical", log.physical.as_ref())] {
+            let Some(e) = e else { continue };
+            let values: String = e.rms.iter().map(|r| format!(" {r:9.4}")).collect();
+            let _ = writeln!(text, "    {model:34}{values} {:9.4}", e.sum);
         }
     }
-    for log in &found.log_report {
-        for f in &log.findings {
-            let _ = writeln!(text, "  {}: {} {}: {}", log.file, f.count, f.code, f.detail);
+}
+
+/// What tracing found: verdict, findings with their figures, the error before and after.
+fn left_over(text: &mut String, residual: &serde_json::Value) {
+    let word = |v: &serde_json::Value| v.as_str().unwrap_or_default().replace('_', " ");
+    let list = |v: &serde_json::Value| {
+        let items = v.as_array().into_iter().flatten();
+        items.map(&word).collect::<Vec<_>>().join(", ")
+    };
+    let row = |v: &serde_json::Value| {
+        let items = v.as_array().into_iter().flatten();
+        items
+            .map(|x| format!(" {:9.4}", x.as_f64().unwrap_or(f64::NAN)))
+            .collect::<String>()
+    };
+    let _ = writeln!(text, "  left over: {}", word(&residual["verdict"]));
+    let _ = writeln!(text, "    {:34}{}", "noise floor", row(&residual["noise_floor"]));
+    for (key, kind) in [("identification", "identification"), ("held_out", "held out")] {
+        if residual["rms_before"][key].as_array().is_some_and(|r| !r.is_empty()) {
+            let _ = writeln!(
+                text,
+                "    {:34}{}",
+                format!("{kind}, declared model"),
+                row(&residual["rms_before"][key])
+            );
+            let _ = writeln!(
+                text,
+                "    {:34}{}",
+                format!("{kind}, with effects found"),
+                row(&residual["rms_after"][key])
+            );
         }
     }
-    text
+    for f in residual["findings"].as_array().into_iter().flatten() {
+        let _ = writeln!(text, "    {} on {}", word(&f["effect"]), list(&f["joints"]));
+        for p in f["parameters"].as_array().into_iter().flatten() {
+            let number = |key: &str| p[key].as_f64().unwrap_or(f64::NAN);
+            let (value, deviation) = (number("value"), number("std_dev"));
+            let _ = writeln!(
+                text,
+                "      {} {value:.5} ± {deviation:.2e} {}",
+                word(&p["name"]),
+                p["unit"].as_str().unwrap_or_default()
+            );
+        }
+        for r in f["rivals"].as_array().into_iter().flatten() {
+            let _ = writeln!(text, "      not excluded: {} on {}", word(&r["effect"]), list(&r["joints"]));
+        }
+    }
+    if let Some(note) = residual["remainder"]["note"].as_str() {
+        let _ = writeln!(text, "    unexplained: {note}");
+    }
 }
 
 /// A validation in a few lines.

@@ -71,6 +71,8 @@ pub struct Progress {
     pub starts: usize,
     pub evaluations: u64,
     pub rounds_finished: usize,
+    /// The random start that has just ended; `None` after local solves around known points.
+    pub start: Option<StartReport>,
 }
 
 /// What the jobs of a search share.
@@ -133,7 +135,7 @@ impl Run<'_> {
             Job::Shake => self.descent.run(shake(self.variables, points, &mut rng), &FROM_NEAR),
             Job::Polish(at) => self.descent.run(points[at].x.clone(), &POLISH),
         };
-        self.tell(&end, job);
+        self.tell(&end, report);
         let point = Point {
             x: end.x,
             value: end.value,
@@ -142,10 +144,11 @@ impl Run<'_> {
         (Result { job, point, halfway }, report)
     }
 
-    fn tell(&self, end: &Descended, job: Job) {
+    fn tell(&self, end: &Descended, start: Option<StartReport>) {
         let mut progress = self.progress.lock().expect("holders of the lock do not panic");
         progress.best = progress.best.min(end.value.exp());
-        progress.starts_finished += usize::from(job == Job::Start);
+        progress.starts_finished += usize::from(start.is_some());
+        progress.start = start;
         progress.evaluations = self.descent.evaluations();
         self.control.progress(&progress);
     }
@@ -174,6 +177,7 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
         starts: options.starts,
         evaluations: 0,
         rounds_finished: 0,
+        start: None,
     };
     let descent = Descent::new(problem, &variables, control);
     let run = Run {

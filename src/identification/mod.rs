@@ -19,6 +19,7 @@ pub mod preprocess;
 mod quality;
 mod robust;
 mod solution;
+mod thin;
 mod validation;
 
 pub use least_squares::{Estimate, Estimator, JointFit, estimate};
@@ -29,4 +30,5 @@ pub use observation::{JointRows, Observation};
 pub use preprocess::{PreparedLog, PreprocessOptions, prepare};
 pub use quality::{Quality, Verdict, quality};
 pub use solution::{RANK_TOLERANCE, Solution};
+pub use thin::keep_peaks;
 pub use validation::{PredictionSeries, Validation, prediction, validate};

@@ -1,6 +1,6 @@
 //! How well parameters predict a log that they may never have seen: the paper's Table 4.
 
-use super::Observation;
+use super::{Observation, keep_peaks};
 use nalgebra::DVector;
 
 /// Prediction errors of one parameter set on one log.
@@ -18,7 +18,10 @@ pub struct PredictionSeries {
     /// Sample of the prepared log that every point stands for.
     pub samples: Vec<usize>,
     pub measured: Vec<f64>,
-    pub predicted: Vec<f64>,
+    /// One series per parameter set.
+    pub predicted: Vec<Vec<f64>>,
+    /// Row of the observation that every point is.
+    pub rows: Vec<usize>,
 }
 
 /// Errors of `values` (one per model column) over the used rows of every joint. A joint without rows has NaN.
@@ -33,19 +36,24 @@ pub fn validate(observation: &Observation, values: &DVector<f64>) -> Validation 
     Validation { rms, percent }
 }
 
-/// At most `most` evenly spaced points of joint `j`.
-pub fn prediction(observation: &Observation, j: usize, values: &DVector<f64>, most: usize) -> PredictionSeries {
+/// About `most` points of joint `j` for each of several parameter sets, at the same samples; peaks of torque and residual are kept.
+pub fn prediction(observation: &Observation, j: usize, sets: &[&DVector<f64>], most: usize) -> PredictionSeries {
     let rows = &observation.joints[j];
-    let predicted = rows.predict(values);
+    let predicted: Vec<DVector<f64>> = sets.iter().map(|values| rows.predict(values)).collect();
     let used: Vec<usize> = (0..rows.used.len()).filter(|&r| rows.used[r]).collect();
-    let picked: Vec<usize> = used
+    let measured: Vec<f64> = used.iter().map(|&r| rows.torque[r]).collect();
+    let residual: Vec<f64> = used
         .iter()
-        .copied()
-        .step_by(used.len().div_ceil(most.max(1)).max(1))
+        .map(|&r| rows.torque[r] - predicted.first().map_or(0.0, |p| p[r]))
+        .collect();
+    let picked: Vec<usize> = keep_peaks(&[&measured, &residual], most)
+        .into_iter()
+        .map(|i| used[i])
         .collect();
     PredictionSeries {
         samples: picked.iter().map(|&r| observation.samples[r]).collect(),
         measured: picked.iter().map(|&r| rows.torque[r]).collect(),
-        predicted: picked.iter().map(|&r| predicted[r]).collect(),
+        predicted: predicted.iter().map(|p| picked.iter().map(|&r| p[r]).collect()).collect(),
+        rows: picked,
     }
 }

@@ -197,7 +197,7 @@ impl DesignDocument {
                     asked: c.asked,
                 })
                 .collect(),
-            starts: design.starts.iter().map(start_document).collect(),
+            starts: design.starts.iter().map(StartDocument::of).collect(),
             base_parameters: problem.base().names.clone(),
             search: SearchDocument {
                 seed: request.search.options.seed,
@@ -275,12 +275,14 @@ fn unit(joint: &Joint, quantity: Quantity) -> &'static str {
     units[quantity as usize]
 }
 
-fn start_document(s: &crate::excitation::StartReport) -> StartDocument {
-    StartDocument {
-        initial: finite(s.initial),
-        reached: finite(s.reached),
-        evaluations: s.evaluations,
-        converged: s.converged,
+impl StartDocument {
+    pub fn of(s: &crate::excitation::StartReport) -> Self {
+        Self {
+            initial: finite(s.initial),
+            reached: finite(s.reached),
+            evaluations: s.evaluations,
+            converged: s.converged,
+        }
     }
 }
 

@@ -28,6 +28,8 @@ pub struct IdentifyDocument {
     pub residual: Option<Value>,
     pub predictions: Vec<PredictionDocument>,
     pub notes: Vec<String>,
+    /// Request, robot, version and logs: what is needed to do it again.
+    pub provenance: Option<Provenance>,
 }
 
 /// Whether the log is good enough for the model.
@@ -245,9 +247,42 @@ pub struct PredictionDocument {
     pub joint: String,
     /// (s), on the log's own clock.
     pub time: Vec<f64>,
+    /// Position, velocity and acceleration of the joint at those times [rad or m, and per second].
+    pub q: Vec<f64>,
+    pub qd: Vec<f64>,
+    pub qdd: Vec<f64>,
     pub measured: Vec<f64>,
     pub base: Vec<f64>,
     pub physical: Option<Vec<f64>>,
+    /// By the declared model with the effects found, where tracing was asked for.
+    pub augmented: Option<Vec<f64>>,
+}
+
+/// What is needed to do an identification again.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct Provenance {
+    /// Version of the program.
+    pub version: &'static str,
+    /// The request as it was made.
+    #[cfg_attr(feature = "service", schema(value_type = Object))]
+    pub request: Value,
+    /// The robot in full, whatever the request called it.
+    #[cfg_attr(feature = "service", schema(value_type = Object))]
+    pub robot: Value,
+    pub logs: Vec<LogOrigin>,
+}
+
+/// A log file, by its content.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct LogOrigin {
+    pub file: String,
+    /// `identification` or `validation`.
+    pub role: &'static str,
+    pub bytes: u64,
+    /// SHA-256 of the file as it was sent, in hexadecimal.
+    pub sha256: String,
 }
 
 impl LogDocument {

@@ -13,9 +13,11 @@ mod design_document;
 mod excitation_request;
 mod identify_document;
 mod identify_request;
+mod inspect_document;
 mod json;
 pub mod log;
 mod model_document;
+mod motion_document;
 mod path_limits;
 mod robot;
 pub mod shipped;
@@ -32,8 +34,10 @@ pub use design_document::{
 pub use excitation_request::{ExcitationRequest, Search, read_excitation_request};
 pub use identify_document::*;
 pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
+pub use inspect_document::{InspectDocument, InspectedJoint, InspectedLog};
 pub use json::{Malformed, Parsed, parse};
 pub use model_document::{robot_value, urdf};
+pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
 pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_json};
 pub use validate_request::{ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
@@ -45,6 +49,8 @@ pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
     ("Constraints", excitation_request::CONSTRAINT_FIELDS),
     ("Search", excitation_request::SEARCH_FIELDS),
     ("IdentifyRequest", identify_request::IDENTIFY_FIELDS),
+    ("MotionRequest", motion_document::MOTION_FIELDS),
+    ("Series", motion_document::SERIES_FIELDS),
     ("ValidateRequest", validate_request::VALIDATE_FIELDS),
     ("Model", validate_request::MODEL_FIELDS),
     ("AugmentedModel", augmented_document::AUGMENTED_FIELDS),

@@ -3,6 +3,7 @@
 use super::work::Told;
 use crate::app::Step;
 use crate::excitation::Progress;
+use crate::io::StartDocument;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,6 +21,8 @@ pub struct ProgressDocument {
     pub evaluations: u64,
     pub rounds_finished: usize,
     pub elapsed_s: f64,
+    /// Random starts that have ended since the news before.
+    pub ended: Vec<StartDocument>,
 }
 
 /// Where an identification stands.
@@ -41,12 +44,13 @@ impl ProgressDocument {
             evaluations: p.evaluations,
             rounds_finished: p.rounds_finished,
             elapsed_s: elapsed.as_secs_f64(),
+            ended: p.start.iter().map(StartDocument::of).collect(),
         }
     }
 }
 
-/// The last that was told of a search and of an identification.
-type Latest = (Option<Value>, Option<Value>);
+/// The last that was told of a search, with all starts that ended since it was asked for, and of an identification.
+type Latest = (Option<ProgressDocument>, Option<Value>);
 
 /// What was told since it was last asked for. Clones share.
 #[derive(Clone, Default)]
@@ -56,12 +60,20 @@ impl News {
     pub fn tell(&self, told: Told, elapsed: Duration) {
         let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match told {
-            Told::Search(p) => latest.0 = Some(json!(ProgressDocument::of(&p, elapsed))),
+            Told::Search(p) => {
+                let mut news = ProgressDocument::of(&p, elapsed);
+                if let Some(before) = latest.0.take() {
+                    news.ended.splice(..0, before.ended);
+                }
+                latest.0 = Some(news);
+            }
             Told::Step(Step { what, done, of }) => latest.1 = Some(json!(StepDocument { what, done, of })),
         }
     }
 
-    pub fn take(&self) -> Latest {
-        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    /// Progress of a search and step of an identification, as documents.
+    pub fn take(&self) -> (Option<Value>, Option<Value>) {
+        let (search, step) = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        (search.map(|p| json!(p)), step)
     }
 }

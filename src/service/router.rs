@@ -13,7 +13,6 @@ use axum::extract::DefaultBodyLimit;
 use axum::http::Uri;
 use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use utoipa::OpenApi;
@@ -46,6 +45,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
     let uploads = OpenApiRouter::new()
         .routes(routes!(api::identify::post))
         .routes(routes!(api::identify::post_validation))
+        .routes(routes!(api::inspect::post))
         // Logs are streamed to disk: their bound is not that of documents, which are held in memory.
         .layer(DefaultBodyLimit::max(largest_upload));
     let open = OpenApiRouter::new()
@@ -59,6 +59,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
         .merge(uploads)
         .routes(routes!(api::identify::get))
         .routes(routes!(api::identify::model))
+        .routes(routes!(api::report::get))
         .routes(routes!(api::identify::get_validation))
         .routes(routes!(api::jobs::list))
         .routes(routes!(api::jobs::get, api::jobs::cancel))
@@ -66,6 +67,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
         .routes(routes!(api::robots::list, api::robots::post))
         .routes(routes!(api::robots::get, api::robots::put, api::robots::delete))
         .routes(routes!(api::robots::base_parameters))
+        .routes(routes!(api::motion::post))
         .routes(routes!(api::health::metrics))
         .split_for_parts();
     say_what_any_may_answer(&mut document);
@@ -128,7 +130,7 @@ pub fn router(service: Service) -> Router {
     };
     routes
         .merge(open)
-        .route("/", get(api::pages::landing))
+        .merge(crate::web::pages())
         .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
         .fallback(nothing_here)
         .method_not_allowed_fallback(method_not_allowed)

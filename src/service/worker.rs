@@ -285,7 +285,8 @@ async fn prepare(service: &Service, job: &Claimed, class: Class) -> Result<Prepa
     })
 }
 
-async fn local(service: &Service, logs: &[StoredLog]) -> Result<Vec<LogFile>, Error> {
+/// Files that have come with a request, by their paths here.
+pub(super) async fn local(service: &Service, logs: &[StoredLog]) -> Result<Vec<LogFile>, Error> {
     let mut files = Vec::new();
     for log in logs {
         files.push(LogFile {

@@ -228,3 +228,110 @@ fn bad_requests_and_bad_logs_are_told_with_all_that_is_wrong() {
     );
     assert_eq!(server.post_json("/identify", &good).status, 415);
 }
+
+/// SHA-256 of two logs, as `sha256sum` prints it, and series that belong together sample by sample.
+#[test]
+fn a_result_says_where_it_comes_from_and_has_series_to_draw() {
+    let server = Server::start();
+    let found = identify(&server);
+    let origin = &found["provenance"];
+    assert_eq!(
+        origin["request"],
+        json!({"robot": "planar_two_link", "prediction_points": 20})
+    );
+    assert_eq!(origin["robot"]["joints"].as_array().unwrap().len(), 2);
+    let logs = origin["logs"].as_array().unwrap();
+    assert_eq!(logs.len(), 2);
+    assert_eq!(logs[0]["bytes"], log(0.3).len());
+    assert_ne!(logs[0]["sha256"], logs[1]["sha256"]);
+    let numbers = |value: &Value| serde_json::from_value::<Vec<f64>>(value.clone()).unwrap();
+    for series in found["predictions"].as_array().unwrap() {
+        let (time, measured) = (numbers(&series["time"]), numbers(&series["measured"]));
+        assert!(time.len() <= 20 && time.len() > 10 && time.is_sorted(), "{series}");
+        for model in ["base", "physical", "augmented"] {
+            let predicted = numbers(&series[model]);
+            assert_eq!(predicted.len(), time.len());
+            // Twice the bound of the noise: the model is that of the arm that made the log.
+            let worst = predicted
+                .iter()
+                .zip(&measured)
+                .map(|(p, m)| (p - m).abs())
+                .fold(0.0f64, f64::max);
+            assert!(worst < 0.02, "{model}: {worst}");
+        }
+        for state in ["q", "qd", "qdd"] {
+            assert_eq!(numbers(&series[state]).len(), time.len());
+        }
+    }
+}
+
+#[test]
+fn a_log_is_understood_before_it_is_used() {
+    let server = Server::start();
+    let request = json!({"robot": "planar_two_link"}).to_string();
+    let turned: String = log(0.3)
+        .lines()
+        .enumerate()
+        .map(|(i, line)| match line.rsplit_once(',') {
+            Some((rest, tau)) if i > 0 => format!("{rest},{}\n", -tau.parse::<f64>().unwrap()),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    let parts = [
+        ("request", "", request.as_str()),
+        ("log", "run.csv", &log(0.3)),
+        ("validation", "turned.csv", &turned),
+    ];
+    let answer = post(&server, "/identify/preview", false, &parts);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    let seen = answer.json();
+    let (good, wrong) = (&seen["logs"][0], &seen["logs"][1]);
+    assert_eq!((good["rows"].as_u64(), good["periods"].as_u64()), (Some(1500), Some(3)));
+    assert!((good["period_s"].as_f64().unwrap() - 5.0).abs() < 1e-9 && good["sample_rate_hz"].as_f64() == Some(100.0));
+    assert_eq!(good["columns"]["position"], json!(["q1", "q2"]));
+    assert_eq!(good["columns"]["torque"], json!(["tau1", "tau2"]));
+    assert_eq!(good["faults"], json!([]));
+    assert_eq!(good["joints"][1]["joint"], "J2");
+    assert_eq!(
+        (wrong["role"].as_str(), wrong["faults"][0]["code"].as_str()),
+        (Some("validation"), Some("torque_sign"))
+    );
+    let bad = post(
+        &server,
+        "/identify/preview",
+        false,
+        &[("request", "", &request), ("log", "x.csv", "time,a,b\n1,2,3\n")],
+    );
+    assert_eq!(bad.problem()["code"], "invalid_log");
+    assert!(
+        server.get("/jobs").json()["jobs"].as_array().unwrap().is_empty(),
+        "looking leaves nothing behind"
+    );
+}
+
+#[test]
+fn the_report_is_one_file_with_all_that_is_needed() {
+    let server = Server::start();
+    let found = identify(&server);
+    let page = server.get(&format!("/identify/{}/report", found["id"].as_str().unwrap()));
+    assert_eq!(page.status, 200);
+    assert!(page.header("content-type").unwrap().starts_with("text/html"));
+    let hash = found["provenance"]["logs"][1]["sha256"].as_str().unwrap();
+    for needed in [
+        hash,
+        "other.csv",
+        "robot.json",
+        "Margins to what is physically possible",
+        "<svg",
+        "@media print",
+    ] {
+        assert!(page.text.contains(needed), "{needed}");
+    }
+    for outside in ["src=", "<script", "<link"] {
+        assert!(!page.text.contains(outside), "{outside} reaches outside the file");
+    }
+    assert_eq!(
+        server.get("/identify/nothing/report").problem()["code"],
+        "unknown_identification"
+    );
+}

@@ -8,6 +8,7 @@ mod identify;
 mod identify_faults;
 mod jobs;
 mod openapi;
+mod pages;
 mod queue;
 mod readme;
 mod robots;

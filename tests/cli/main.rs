@@ -281,3 +281,72 @@ fn val_an_independent_program_agrees_with_the_designs() {
         assert!(stdout(&check).contains("all agree"));
     }
 }
+
+/// The virtual arm has a spring that nobody declares: the table names it, the pictures and the report show it.
+#[test]
+fn an_identification_is_a_table_pictures_and_a_report() {
+    let folder = Folder::new("pictures");
+    let simulation = json!({
+        "trajectory": {"fourier": {"fundamental_hz": 0.2, "a": [[0.5, -0.3, 0.2], [0.2, 0.4, -0.6]], "b": [[0.1, 0.4, -0.3], [-0.4, 0.2, 0.3]]}},
+        "periods": 4, "sample_rate_hz": 100, "noise": {"torque": [0.5, 0.3]}, "seed": 1,
+        "effects": [{"effect": "joint_spring", "joint": "J2", "stiffness": 20.0, "rest": 0.1}]
+    });
+    let request = folder.write("simulation.json", &simulation.to_string());
+    let log = folder.file("log.csv");
+    assert!(
+        run(&["simulate", "--robot", "planar_two_link", "--request", &request, "--out", &log])
+            .status
+            .success()
+    );
+    let (report, plots, result) = (folder.file("report.html"), folder.file("plots"), folder.file("result.json"));
+    let output = run(&[
+        "identify",
+        "--robot",
+        "planar_two_link",
+        "--log",
+        &log,
+        "--out",
+        &result,
+        "--report",
+        &report,
+        "--plots",
+        &plots,
+        "--plot-format",
+        "png",
+    ]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = stdout(&output);
+    for needed in [
+        "left over: explained",
+        "joint spring on J2",
+        "stiffness",
+        "noise floor",
+        "RMS error",
+    ] {
+        assert!(table.contains(needed), "{needed} not in\n{table}");
+    }
+    for name in [
+        "errors",
+        "before_after",
+        "parameters_1",
+        "torque_log1_joint1",
+        "torque_log1_joint2",
+    ] {
+        let picture = std::fs::read(format!("{plots}/{name}.png")).unwrap();
+        assert!(picture.starts_with(b"\x89PNG") && picture.len() > 2000, "{name}");
+    }
+    let page = folder.read("report.html");
+    assert!(page.contains("joint spring on J2") && page.contains("SHA-256") && page.ends_with("</html>\n"));
+}
+
+#[test]
+fn a_design_is_drawn_as_svg_or_png() {
+    let folder = Folder::new("drawn");
+    let request = folder.write("request.json", &quick().to_string());
+    for (name, start) in [("motion.svg", &b"<svg"[..]), ("motion.png", &b"\x89PNG"[..])] {
+        let (out, plot) = (folder.file("design.json"), folder.file(name));
+        let output = run(&["excite", "--request", &request, "--out", &out, "--plot", &plot]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(std::fs::read(&plot).unwrap().starts_with(start), "{name}");
+    }
+}

@@ -17,7 +17,8 @@ const LAYERS: &[&[&str]] = &[
     &["residual", "simulate"],
     &["io"],
     &["app"],
-    &["service", "web"],
+    &["web"],
+    &["service"],
     &["cli"],
 ];
 

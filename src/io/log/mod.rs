@@ -5,11 +5,13 @@
 
 mod columns;
 mod error;
+mod header;
 mod reader;
 mod report;
 mod time_base;
 
 pub use columns::{Columns, JointColumns, TimeUnit, Transformation};
 pub use error::LogError;
+pub use header::{FoundColumns, found_columns};
 pub use reader::{Source, read_joined_log, read_log, read_log_file};
 pub use report::{Finding, FindingKind, LogReport};

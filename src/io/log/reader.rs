@@ -198,7 +198,7 @@ fn header_part(bytes: &mut impl BufRead) -> io::Result<Vec<u8>> {
 }
 
 /// The delimiter that the header line has most of.
-fn delimiter(start: &[u8]) -> u8 {
+pub(super) fn delimiter(start: &[u8]) -> u8 {
     let line = start.split(|&b| b == b'\n').find(|l| !l.starts_with(b"#")).unwrap_or(start);
     let count = |d: u8| line.iter().filter(|&&b| b == d).count();
     [b',', b';', b'\t', b' ']
@@ -232,16 +232,22 @@ fn csv_error(file: &str, line: u64, e: csv::Error) -> LogError {
 }
 
 /// Field numbers of everything that is read.
-struct Places {
-    time: Option<usize>,
-    q: Vec<usize>,
+pub(super) struct Places {
+    pub time: Option<usize>,
+    pub q: Vec<usize>,
     /// Empty when the file has no velocities.
-    qd: Vec<usize>,
-    tau: Vec<usize>,
+    pub qd: Vec<usize>,
+    pub tau: Vec<usize>,
 }
 
 impl Places {
-    fn find(file: &str, header: &[String], columns: &Columns, joints: &[String], is_wanted: &Wanted) -> Result<Self, LogError> {
+    pub fn find(
+        file: &str,
+        header: &[String],
+        columns: &Columns,
+        joints: &[String],
+        is_wanted: &Wanted,
+    ) -> Result<Self, LogError> {
         let n = joints.len();
         let example = format!("`time,q1,…,q{n},tau1,…,tau{n}`");
         if header.is_empty() || header.iter().all(String::is_empty) {
@@ -318,7 +324,7 @@ impl Places {
         Ok(Self { time, q, qd, tau })
     }
 
-    fn all(&self) -> impl Iterator<Item = usize> {
+    pub fn all(&self) -> impl Iterator<Item = usize> {
         self.q.iter().chain(&self.qd).chain(&self.tau).copied()
     }
 }

@@ -3,9 +3,11 @@
 pub mod excitation;
 pub mod health;
 pub mod identify;
+pub mod inspect;
 pub mod jobs;
-pub mod pages;
+pub mod motion;
 pub mod query;
+pub mod report;
 pub mod results;
 pub mod robots;
 pub mod schemas;

@@ -1,0 +1,100 @@
+//! What is understood of logs, before anything is estimated.
+
+use super::{Code, Error, LogFile};
+use crate::identification::{Log, PreparedLog, keep_peaks, prepare};
+use crate::io::log::{found_columns, read_log_file};
+use crate::io::{FindingDocument, IdentifyRequest, InspectDocument, InspectedJoint, InspectedLog, LogDocument};
+use crate::model::Joint;
+use crate::residual::{DataFault, RawLog, column_faults, sample_faults};
+
+/// Points of every series: as many as a small plot shows.
+const POINTS: usize = 600;
+
+/// Reads and prepares the logs of a request.
+///
+/// # Errors
+/// `invalid_log` with what is wrong with which file.
+pub fn inspect(request: &IdentifyRequest, logs: &[LogFile], validation: &[LogFile]) -> Result<InspectDocument, Error> {
+    if logs.is_empty() && validation.is_empty() {
+        let error = Error::new(Code::InvalidLog, "there is no log to look at");
+        return Err(error.with_hint("send at least one part called `log`"));
+    }
+    let with_role = |role: &'static str| move |log| one(request, log, role);
+    let logs = logs
+        .iter()
+        .map(with_role("identification"))
+        .chain(validation.iter().map(with_role("validation")));
+    Ok(InspectDocument {
+        robot: request.robot.name().to_string(),
+        logs: logs.collect::<Result<_, _>>()?,
+        notes: request.notes.clone(),
+    })
+}
+
+fn one(request: &IdentifyRequest, file: &LogFile, role: &'static str) -> Result<InspectedLog, Error> {
+    let robot = &request.robot;
+    let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
+    let invalid = |e: String| Error::new(Code::InvalidLog, e);
+    let columns = found_columns(&file.path, &file.name, &request.columns, &names).map_err(|e| invalid(e.to_string()))?;
+    let (mut log, mut report) =
+        read_log_file(&file.path, &request.columns, &names).map_err(|e| invalid(e.named(&file.name).to_string()))?;
+    log.name.clone_from(&file.name);
+    report.file.clone_from(&file.name);
+    let prepared = prepare(&log, names.len(), &request.preprocess).map_err(|e| invalid(e.to_string()))?;
+    let joints = robot
+        .joints()
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| inspected(joint, j, &log, &prepared))
+        .collect();
+    let raw = RawLog {
+        time: Vec::new(),
+        q: log.q,
+        tau: log.tau,
+    };
+    let faults = sample_faults(robot, &raw)
+        .into_iter()
+        .chain(column_faults(robot, &prepared.motion, &prepared.torque));
+    Ok(InspectedLog {
+        log: LogDocument::new(&report, role, &prepared.choices),
+        columns,
+        period_s: prepared.periods.as_ref().map(|p| p.period_s),
+        periods: prepared.periods.as_ref().map_or(0, |p| p.count),
+        faults: faults.map(fault).collect(),
+        joints,
+    })
+}
+
+fn fault(fault: DataFault) -> FindingDocument {
+    FindingDocument {
+        code: fault.fault.code(),
+        count: fault.joints.len().max(1),
+        lines: Vec::new(),
+        detail: fault.detail,
+    }
+}
+
+fn range(values: &[f64]) -> [f64; 2] {
+    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| {
+        [low.min(v), high.max(v)]
+    })
+}
+
+fn inspected(joint: &Joint, j: usize, log: &Log, prepared: &PreparedLog) -> InspectedJoint {
+    let (q, tau) = (&log.q[j], &log.tau[j]);
+    let picked = keep_peaks(&[q, tau], POINTS);
+    let position_range = range(q);
+    let travel = position_range[1] - position_range[0];
+    InspectedJoint {
+        joint: joint.name.clone(),
+        position_unit: joint.position_unit(),
+        effort_unit: joint.effort_unit(),
+        position_range,
+        range_used: joint.limits.position.map(|[low, high]| travel / (high - low)),
+        top_speed: prepared.motion.velocities(j).iter().fold(0.0f64, |a, v| a.max(v.abs())),
+        torque_range: range(tau),
+        time: picked.iter().map(|&s| log.start_s + s as f64 / log.rate_hz).collect(),
+        position: picked.iter().map(|&s| q[s]).collect(),
+        torque: picked.iter().map(|&s| tau[s]).collect(),
+    }
+}

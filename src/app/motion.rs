@@ -1,0 +1,138 @@
+//! What a robot looks like, and what a motion asks of it.
+
+use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
+use crate::io::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion};
+use crate::model::{Joint, Robot};
+use crate::parameters::Layout;
+use crate::spatial::Transform;
+use crate::trajectory::{FourierSeries, Trajectory};
+use nalgebra::Matrix3;
+
+/// Draws the robot of a request and samples its trajectory.
+pub fn motion(request: &MotionRequest) -> MotionDocument {
+    let robot = &request.robot.robot;
+    MotionDocument {
+        robot: robot.name().to_string(),
+        gravity: robot.gravity().into(),
+        joints: robot.joints().iter().map(drawn).collect(),
+        motion: request.series.as_ref().map(|series| sampled(robot, series, request.samples)),
+        notes: request.robot.notes.clone(),
+    }
+}
+
+fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    std::array::from_fn(|r| std::array::from_fn(|c| m[(r, c)]))
+}
+
+fn drawn(joint: &Joint) -> DrawnJoint {
+    DrawnJoint {
+        name: joint.name.clone(),
+        kind: if joint.is_revolute() { "revolute" } else { "prismatic" },
+        rotation: rows(&joint.placement.rotation),
+        translation: joint.placement.translation.into(),
+        description_frame: rows(&joint.description_frame),
+        position_limits: joint.limits.position,
+        velocity_limit: joint.limits.velocity,
+        acceleration_limit: joint.limits.acceleration,
+        jerk_limit: joint.limits.jerk,
+        effort_limit: joint.limits.effort,
+        position_unit: joint.position_unit(),
+        effort_unit: joint.effort_unit(),
+        prior: joint.prior.map(|prior| DrawnLink {
+            mass: prior.inertia.mass,
+            center_of_mass: prior.inertia.center_of_mass.into(),
+            inertia: rows(&prior.inertia.inertia),
+        }),
+    }
+}
+
+fn sampled(robot: &Robot, series: &FourierSeries, samples: usize) -> SampledMotion {
+    let n = robot.joint_count();
+    // The last sample is the first of the next period: curves close.
+    let time: Vec<f64> = (0..samples)
+        .map(|s| series.duration() * s as f64 / (samples - 1) as f64)
+        .collect();
+    let motion = Motion::from_fn(n, samples, |j, s| series.state(j, time[s]));
+    let layout = Layout::standard(robot);
+    let each = |of: &dyn Fn(usize) -> Vec<f64>| (0..n).map(of).collect::<Vec<_>>();
+    let torque = layout.prior(robot).map(|phi| {
+        let all = inverse_dynamics_batch(&Chain::new(robot), &layout, phi.as_slice(), &motion, Coulomb::Sign);
+        each(&|j| all[j * motion.stride()..j * motion.stride() + samples].to_vec())
+    });
+    let end = |s: usize| {
+        let poses = robot
+            .joints()
+            .iter()
+            .enumerate()
+            .map(|(j, joint)| joint.pose(motion.get(j, s)[0]));
+        poses
+            .fold(Transform::identity(), |to_here, pose| to_here * pose)
+            .translation
+            .into()
+    };
+    SampledMotion {
+        end: (0..samples).map(end).collect(),
+        q: each(&|j| motion.positions(j).to_vec()),
+        qd: each(&|j| motion.velocities(j).to_vec()),
+        qdd: each(&|j| motion.accelerations(j).to_vec()),
+        torque,
+        time,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::inverse_dynamics;
+    use crate::io::shipped::Shipped;
+    use crate::io::{parse, read_motion_request};
+
+    #[test]
+    fn a_motion_is_sampled_with_the_torque_of_single_states() {
+        let text = r#"{"robot": "planar_two_link", "samples": 11, "trajectory": {"fundamental_hz": 0.5, "offset": [0.1, -0.2],
+            "coefficients": {"a": [[0.3, 0.1], [0.2, -0.4]], "b": [[0.1, 0.0], [0.0, 0.2]]}}}"#;
+        let request = read_motion_request(&parse(text.as_bytes()).unwrap(), &Shipped).unwrap();
+        let robot = &request.robot.robot;
+        let drawn = motion(&request).motion.unwrap();
+        let layout = Layout::standard(robot);
+        let phi = layout.prior(robot).expect("the shipped arm has priors");
+        let at = |of: &Vec<Vec<f64>>, s: usize| vec![of[0][s], of[1][s]];
+        for s in 0..11 {
+            let alone = inverse_dynamics(
+                robot,
+                &layout,
+                phi.as_slice(),
+                &at(&drawn.q, s),
+                &at(&drawn.qd, s),
+                &at(&drawn.qdd, s),
+            );
+            for j in 0..2 {
+                let torque = drawn.torque.as_ref().unwrap()[j][s];
+                assert!(
+                    (torque - alone[j]).abs() < 1e-12 * (1.0 + alone[j].abs()),
+                    "{torque} {}",
+                    alone[j]
+                );
+            }
+        }
+        // One period later the arm is where it was.
+        let gap: f64 = (0..3).map(|i| (drawn.end[0][i] - drawn.end[10][i]).abs()).sum();
+        assert!(gap < 1e-12 && drawn.time[10] == 2.0);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let text = r#"{"robot": "planar_two_link", "trajectory": {"fundamental_hz": -1, "offset": [0],
+            "coefficients": {"a": [[1, 2]], "b": [[1], [2]]}}}"#;
+        let found = read_motion_request(&parse(text.as_bytes()).unwrap(), &Shipped).unwrap_err();
+        let pointers: Vec<&str> = found.iter().map(|p| p.pointer.as_str()).collect();
+        assert_eq!(
+            pointers,
+            [
+                "/trajectory/fundamental_hz",
+                "/trajectory/offset",
+                "/trajectory/coefficients/a"
+            ]
+        );
+    }
+}

@@ -1,0 +1,153 @@
+//! Robots and motions as they are drawn.
+
+use super::cursor::{Cursor, Fields, Findings};
+use super::json::Parsed;
+use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
+use crate::model::FieldProblem;
+use crate::trajectory::FourierSeries;
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+pub const MOTION_FIELDS: &[&str] = &["robot", "trajectory", "samples"];
+pub const SERIES_FIELDS: &[&str] = &["fundamental_hz", "coefficients", "offset"];
+pub const COEFFICIENT_FIELDS: &[&str] = &["a", "b"];
+
+/// Samples of one period beyond which no screen shows more.
+const MOST_SAMPLES: u64 = 20_000;
+const USUAL_SAMPLES: u64 = 1_000;
+
+/// A checked request.
+#[derive(Debug, Clone)]
+pub struct MotionRequest {
+    pub robot: RobotDocument,
+    pub series: Option<FourierSeries>,
+    pub samples: usize,
+}
+
+/// A robot as it is drawn, and what a motion asks of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Motion))]
+pub struct MotionDocument {
+    pub robot: String,
+    /// In the base frame [m/s²].
+    pub gravity: [f64; 3],
+    pub joints: Vec<DrawnJoint>,
+    pub motion: Option<SampledMotion>,
+    /// What to know about how the robot was read.
+    pub notes: Vec<String>,
+}
+
+/// A joint: it turns about, or slides along, the z axis of its frame.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct DrawnJoint {
+    pub name: String,
+    /// `revolute` or `prismatic`.
+    pub kind: &'static str,
+    /// Pose of the joint's frame in the one before it at q = 0: rows of the rotation.
+    pub rotation: [[f64; 3]; 3],
+    /// (m)
+    pub translation: [f64; 3],
+    /// Rotation from this frame to the link frame of the robot's description, in which link parameters are given.
+    pub description_frame: [[f64; 3]; 3],
+    pub position_limits: Option<[f64; 2]>,
+    pub velocity_limit: Option<f64>,
+    pub acceleration_limit: Option<f64>,
+    pub jerk_limit: Option<f64>,
+    pub effort_limit: Option<f64>,
+    #[cfg_attr(feature = "service", schema(example = "rad"))]
+    pub position_unit: &'static str,
+    #[cfg_attr(feature = "service", schema(example = "N m"))]
+    pub effort_unit: &'static str,
+    /// What was known of the link beforehand, in this frame.
+    pub prior: Option<DrawnLink>,
+}
+
+/// A link as a body, in the frame of its joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct DrawnLink {
+    /// (kg)
+    pub mass: f64,
+    /// (m)
+    pub center_of_mass: [f64; 3],
+    /// About the centre of mass [kg m²].
+    pub inertia: [[f64; 3]; 3],
+}
+
+/// One period, sampled evenly; every list has one entry per joint, in it one per sample.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct SampledMotion {
+    /// (s)
+    pub time: Vec<f64>,
+    pub q: Vec<Vec<f64>>,
+    pub qd: Vec<Vec<f64>>,
+    pub qdd: Vec<Vec<f64>>,
+    /// Expected torque from the robot's prior parameters; null where a link has none.
+    pub torque: Option<Vec<Vec<f64>>>,
+    /// Origin of the last frame in the base frame (m), per sample.
+    pub end: Vec<[f64; 3]>,
+}
+
+/// Reads a request.
+///
+/// # Errors
+/// Everything that is wrong with it and its robot.
+pub fn read_motion_request(parsed: &Parsed, known: &dyn NamedRobots) -> Result<MotionRequest, Vec<FieldProblem>> {
+    let findings = Findings::new(parsed.problems.clone());
+    let read = read(&Cursor::root(&parsed.value, &findings), known);
+    match read {
+        Some(request) if findings.is_empty() => Ok(request),
+        _ => Err(findings.into_list()),
+    }
+}
+
+fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<MotionRequest> {
+    let fields = cursor.fields(MOTION_FIELDS)?;
+    let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, known));
+    let samples = fields.nullable("samples").and_then(|c| c.whole(2, MOST_SAMPLES));
+    let joints = robot.as_ref().map(|r| r.robot.joint_count());
+    let series = fields
+        .nullable("trajectory")
+        .and_then(|c| read_series(&c.fields(SERIES_FIELDS)?, joints));
+    Some(MotionRequest {
+        robot: robot?,
+        series,
+        samples: samples.unwrap_or(USUAL_SAMPLES) as usize,
+    })
+}
+
+fn read_series(fields: &Fields, joints: Option<usize>) -> Option<FourierSeries> {
+    let fundamental = fields.required("fundamental_hz").and_then(|c| {
+        let hz = c.number()?;
+        if hz <= 0.0 {
+            c.complain(format!("is {hz}, expected a frequency above zero"));
+        }
+        Some(hz)
+    });
+    let offset = fields.required("offset").and_then(|c| c.numbers(joints));
+    let coefficients = fields.required("coefficients")?.fields(COEFFICIENT_FIELDS)?;
+    let a = coefficients.required("a").and_then(|c| read_matrix(&c, joints, None));
+    let order = a.as_ref().map(DMatrix::ncols);
+    let b = coefficients.required("b").and_then(|c| read_matrix(&c, joints, order));
+    Some(FourierSeries {
+        fundamental_hz: fundamental?,
+        offset: offset?,
+        a: a?,
+        b: b?,
+    })
+}
+
+/// One row per joint, all of the same length.
+fn read_matrix(cursor: &Cursor, rows: Option<usize>, columns: Option<usize>) -> Option<DMatrix<f64>> {
+    let items = cursor.items()?;
+    if rows.is_some_and(|n| n != items.len()) || items.is_empty() {
+        cursor.complain(format!("has {} rows, expected one per joint", items.len()));
+        return None;
+    }
+    let first = columns.or_else(|| items[0].value().as_array().map(Vec::len));
+    let values: Vec<Option<Vec<f64>>> = items.iter().map(|c| c.numbers(first)).collect();
+    let values: Vec<Vec<f64>> = values.into_iter().collect::<Option<_>>()?;
+    Some(DMatrix::from_fn(values.len(), values[0].len(), |r, c| values[r][c]))
+}

@@ -1,0 +1,48 @@
+//! `/identify/preview`: what is understood of logs, before anything is estimated.
+
+use super::results::not_multipart;
+use super::schemas::IdentifyUpload;
+use crate::app::{Error, Problem, inspect};
+use crate::io::{InspectDocument, read_identify_request};
+use crate::service::access::Access;
+use crate::service::known::Known;
+use crate::service::problem::{Failure, internal_error};
+use crate::service::state::Service;
+use crate::service::upload::Upload;
+use crate::service::worker::local;
+use axum::Json;
+use axum::extract::multipart::MultipartRejection;
+use axum::extract::{Multipart, State};
+
+/// What is understood of logs.
+///
+/// The body is that of `POST /identify`. Columns, rate, periods, gaps and garbage, inverted signs and mixed-up units, and every joint's
+/// motion in SI units; nothing is estimated and nothing is kept.
+#[utoipa::path(
+    post, path = "/identify/preview", tag = "identification", operation_id = "preview_logs",
+    request_body(content = IdentifyUpload, content_type = "multipart/form-data"),
+    responses(
+        (status = 200, body = InspectDocument),
+        (status = 400, description = "No multipart body with a JSON part", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "Logs too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "Not multipart/form-data", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them; or a log that cannot be used", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn post(
+    State(service): State<Service>,
+    access: Access,
+    body: Result<Multipart, MultipartRejection>,
+) -> Result<Json<InspectDocument>, Failure> {
+    let upload = Upload::read(body.map_err(not_multipart)?, true, service.files()).await?;
+    let known = Known::of(&upload.request.value, &service, &access).await?;
+    let logs = local(&service, &upload.logs).await?;
+    let validation = local(&service, &upload.validation).await?;
+    let work = move || {
+        let request = read_identify_request(&upload.request, &known, &known);
+        let request = request.map_err(|e| Error::invalid("the identification request", e))?;
+        inspect(&request, &logs, &validation)
+    };
+    let seen = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())?;
+    Ok(Json(seen?))
+}

@@ -1,0 +1,59 @@
+//! `/motion`: what a robot looks like, and what a motion asks of it.
+
+use super::schemas::RobotOrName;
+use crate::app::{Error, Problem, motion};
+use crate::io::{Coefficients, MotionDocument, read_motion_request};
+use crate::service::access::Access;
+use crate::service::document::JsonBody;
+use crate::service::known::Known;
+use crate::service::problem::{Failure, internal_error};
+use crate::service::state::Service;
+use axum::Json;
+use axum::extract::State;
+use serde::Serialize;
+
+/// A robot, and a Fourier series to move it by.
+#[derive(Serialize, utoipa::ToSchema)]
+#[schema(as = MotionRequest)]
+pub struct MotionRequestSchema {
+    robot: RobotOrName,
+    trajectory: Option<SeriesSchema>,
+    /// Samples of one period, its end included.
+    #[schema(default = 1000, minimum = 2, maximum = 20000)]
+    samples: Option<u32>,
+}
+
+/// As in the answer of `POST /excitation`.
+#[derive(Serialize, utoipa::ToSchema)]
+#[schema(as = Series)]
+pub struct SeriesSchema {
+    #[schema(exclusive_minimum = 0)]
+    fundamental_hz: f64,
+    coefficients: Coefficients,
+    offset: Vec<f64>,
+}
+
+/// What a robot looks like, and what a motion asks of it.
+///
+/// The frames of its joints with their limits; with `trajectory` one period of it: q, qd, qdd, the path of the last frame, and the
+/// torques to be expected where the robot has prior link parameters.
+#[utoipa::path(
+    post, path = "/motion", tag = "robots", operation_id = "draw_motion",
+    request_body(content = MotionRequestSchema, content_type = "application/json"),
+    responses(
+        (status = 200, body = MotionDocument),
+        (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn post(State(service): State<Service>, access: Access, body: JsonBody) -> Result<Json<MotionDocument>, Failure> {
+    let known = Known::of(&body.parsed.value, &service, &access).await?;
+    let work = move || {
+        let request = read_motion_request(&body.parsed, &known).map_err(|errors| Error::invalid("the motion request", errors))?;
+        Ok(motion(&request))
+    };
+    let drawn: Result<MotionDocument, Error> = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())?;
+    Ok(Json(drawn?))
+}

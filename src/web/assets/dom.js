@@ -1,0 +1,94 @@
+// Elements, numbers and words.
+
+/** An element: `h('p', {class: 'soft', onclick: f}, 'text', child)`. Text is text: nothing is ever read as HTML. */
+export function h(tag, properties = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value === true ? '' : value);
+  }
+  element.append(...children.flat(Infinity).filter((c) => c !== null && c !== undefined && c !== false));
+  return element;
+}
+
+export const find = (selector, within = document) => within.querySelector(selector);
+
+export function fill(element, ...children) {
+  element.replaceChildren(...children.flat(Infinity).filter((c) => c !== null && c !== undefined && c !== false));
+  return element;
+}
+
+/** A number to `digits` significant digits, without exponents for sizes that people read. */
+export function number(value, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size >= 1e6 || size < 1e-4) return value.toExponential(Math.max(digits - 1, 0)).replace('e', ' · 10^').replace(/\^\+?(-?)(\d+)/, (_, s, d) => superscript(s + d));
+  return String(Number(value.toPrecision(digits))).replace('-', '−');
+}
+
+/** `value ± deviation` to the second digit of the deviation. */
+export function measured(value, deviation) {
+  const decimals = 1 - Math.floor(Math.log10(deviation));
+  if (!(deviation > 0) || decimals > 8 || Math.abs(value) >= 1e6) return `${number(value, 3)} ± ${number(deviation, 2)}`;
+  const fixed = (v) => v.toFixed(Math.max(decimals, 0)).replace('-', '−');
+  return `${fixed(value)} ± ${fixed(deviation)}`;
+}
+
+const superscript = (text) => [...text].map((c) => '⁰¹²³⁴⁵⁶⁷⁸⁹'['0123456789'.indexOf(c)] ?? '⁻').join('');
+
+/** Units as people write them: `kg m^2` → `kg·m²`. */
+export const unit = (text) => (text ?? '').replaceAll(' ', '·').replaceAll('^2', '²').replaceAll('^3', '³');
+
+export const perSecond = (positionUnit, times) => unit(positionUnit) + ['', '/s', '/s²', '/s³'][times];
+
+export function time(text) {
+  const then = new Date(text);
+  const today = then.toDateString() === new Date().toDateString();
+  const clock = then.toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
+  return today ? clock : `${then.toLocaleDateString([], { day: 'numeric', month: 'short' })} ${clock}`;
+}
+
+export function seconds(value) {
+  if (value < 90) return `${number(value, value < 10 ? 2 : 3)} s`;
+  return `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
+}
+
+/** `stribeck_friction` → `Stribeck friction`, `BudgetExhausted` → `Budget exhausted`. */
+export function words(code) {
+  const text = (code ?? '').replaceAll('_', ' ').replace(/([a-z])([A-Z])/g, (_, a, b) => `${a} ${b.toLowerCase()}`);
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+/** A key figure: name over value. */
+export const figure = (name, value, note) =>
+  h('div', { class: 'figure' }, h('dt', {}, name), h('dd', {}, value, note ? [' ', h('small', {}, note)] : null));
+
+/** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, title}. */
+export function table(columns, rows, { caption, sort } = {}) {
+  const body = h('tbody');
+  const show = (list) => fill(body, list.map((row) => h('tr', {}, columns.map((c) => h('td', { class: c.number ? 'number' : null }, c.cell(row))))));
+  const heads = columns.map((column) => {
+    const head = h('th', { scope: 'col', class: column.number ? 'number' : null, title: column.title });
+    if (column.sort) head.append(h('button', { type: 'button', onclick: () => order(column, head) }, column.head));
+    else head.append(column.head);
+    return head;
+  });
+  function order(column, head, direction) {
+    const way = direction ?? (head.getAttribute('aria-sort') === 'ascending' ? 'descending' : 'ascending');
+    heads.forEach((other) => other.removeAttribute('aria-sort'));
+    head.setAttribute('aria-sort', way);
+    const sign = way === 'ascending' ? 1 : -1;
+    const last = (v) => v === null || v === undefined || Number.isNaN(v);
+    show([...rows].sort((a, b) => {
+      const [x, y] = [column.sort(a), column.sort(b)];
+      if (last(x) || last(y)) return last(x) - last(y);
+      return sign * (typeof x === 'string' ? x.localeCompare(y, undefined, { numeric: true }) : x - y);
+    }));
+  }
+  show(rows);
+  if (sort) order(columns[sort.column], heads[sort.column], sort.way);
+  return h('div', { class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': caption ?? 'Table' },
+    h('table', {}, caption ? h('caption', {}, caption) : null, h('thead', {}, h('tr', {}, heads)), body));
+}

@@ -1,0 +1,34 @@
+// The header that all pages share: where one is, light or dark, the access token.
+import { keepToken, token } from './api.js';
+import { find } from './dom.js';
+
+const page = document.body.dataset.page;
+find(`header nav [data-name="${page}"]`)?.setAttribute('aria-current', 'page');
+
+find('#theme-button').addEventListener('click', () => {
+  const root = document.documentElement;
+  const system = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
+  const now = root.dataset.theme ?? system;
+  root.dataset.theme = now === 'dark' ? 'light' : 'dark';
+  localStorage.setItem('dynident.theme', root.dataset.theme);
+  document.dispatchEvent(new CustomEvent('theme'));
+});
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => document.dispatchEvent(new CustomEvent('theme')));
+
+const dialog = find('#token-dialog');
+const field = find('#token-field');
+
+function ask() {
+  if (dialog.open) return;
+  field.value = token() ?? '';
+  dialog.returnValue = '';
+  dialog.showModal();
+}
+
+find('#token-button').addEventListener('click', ask);
+document.addEventListener('token-wanted', ask);
+dialog.addEventListener('close', () => {
+  if (!['keep', 'forget'].includes(dialog.returnValue)) return;
+  keepToken(dialog.returnValue === 'keep' ? field.value.trim() : null);
+  location.reload();
+});

@@ -1,0 +1,151 @@
+// Identification: logs in, what was understood of them, the result.
+import { Refused, explain, follow, getJson, send, unmark } from './api.js';
+import { fill, find, h, number, time } from './dom.js';
+import { showPreview } from './log-preview.js';
+import { showIdentification, showValidation } from './identify-result.js';
+
+const value = (id) => find(`#${id}`).value.trim();
+const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
+const numbers = (text) => (text ? text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(numeric) : undefined);
+const headers = (text) => (text ? text.split(',').map((t) => t.trim()).filter(Boolean) : undefined);
+const some = (object) => (Object.values(object).some((v) => v !== undefined) ? object : undefined);
+
+/** Points of every plotted series: more than any screen shows, thinned by the server with all peaks kept. */
+const POINTS = 6000;
+const files = { log: [], validation: [] };
+
+function request() {
+  const columns = some({
+    time: value('c-time') || undefined, time_unit: value('c-time-unit') === 's' ? undefined : value('c-time-unit'), sample_rate_hz: numeric(value('c-rate')),
+    position: some({ headers: headers(value('c-position')), unit: value('c-position-unit') || undefined }),
+    torque: some({ headers: headers(value('c-torque')), unit: value('c-torque-unit') || undefined, scale: numbers(value('c-scale')), sign: numbers(value('c-sign')) }),
+  });
+  return {
+    robot: value('robot'), excitation: value('excitation') || undefined, period_s: numeric(value('period')), columns,
+    preprocess: some({ method: value('method') || undefined }), estimator: value('estimator'),
+    offset: find('#offset').checked || undefined, trace: find('#trace').checked, feasible: { method: find('#feasible').checked ? 'consistent' : 'none' }, prediction_points: POINTS,
+  };
+}
+
+function body() {
+  const form = new FormData();
+  form.append('request', JSON.stringify(request()));
+  for (const kind of ['log', 'validation']) files[kind].forEach((f) => form.append(kind, f, f.name));
+  return form;
+}
+
+function take(kind, list) {
+  files[kind] = [...list];
+  const size = (bytes) => (bytes > 1e6 ? `${number(bytes / 1e6, 3)} MB` : `${Math.ceil(bytes / 1e3)} kB`);
+  fill(find(`#${kind}-names`), files[kind].map((f) => h('li', {}, `${f.name} (${size(f.size)})`)));
+  preview();
+}
+
+let looking = null;
+/** Asks what is understood of the logs; anew whenever the form changes. */
+async function preview() {
+  if (!files.log.length && !files.validation.length) return;
+  looking?.abort();
+  looking = new AbortController();
+  const { signal } = looking;
+  unmark(find('#form'));
+  fill(find('#form-trouble'));
+  find('#work').classList.add('with-result');
+  fill(find('#result'), h('section', { class: 'card' }, h('p', { class: 'soft' }, 'Reading the logs …'), h('progress')));
+  try {
+    const seen = await (await send('/identify/preview', { method: 'POST', body: body(), signal })).json();
+    await showPreview(find('#result'), seen);
+  } catch (error) {
+    if (signal.aborted) return;
+    fill(find('#result'));
+    explain(find('#trouble'), error, find('#form'));
+    return;
+  }
+  fill(find('#trouble'));
+}
+
+let waiting = null;
+function previewSoon() {
+  clearTimeout(waiting);
+  waiting = setTimeout(preview, 600);
+}
+
+async function watch(id) {
+  const live = find('#live');
+  find('#work').classList.add('with-result');
+  fill(find('#trouble'));
+  try {
+    const job = await getJson(`/jobs/${id}`);
+    if (['queued', 'running'].includes(job.state)) {
+      fill(find('#result'));
+      live.hidden = false;
+      live.scrollIntoView({ block: 'center' });
+      await follow(id, (now) => showStep(live, now));
+    }
+    live.hidden = true;
+    const answer = await send(`/identify/${id}`);
+    await showIdentification(find('#result'), await answer.json());
+    if (scrollY > 0) find('#result').scrollIntoView({ block: 'start' });
+  } catch (error) {
+    live.hidden = true;
+    explain(find('#trouble'), error);
+  }
+}
+
+async function validation(id) {
+  find('#work').classList.add('with-result');
+  const job = await getJson(`/jobs/${id}`);
+  if (['queued', 'running'].includes(job.state)) await follow(id, (now) => showStep(find('#live'), now));
+  find('#live').hidden = true;
+  showValidation(find('#result'), await getJson(`/validate/${id}`));
+}
+
+function showStep(live, job) {
+  live.hidden = false;
+  const step = job.step;
+  const text = job.state === 'queued' ? 'Waiting for its turn' : step ? step.what : 'Beginning';
+  const cancel = h('button', { type: 'button', onclick: () => send(`/jobs/${job.id}`, { method: 'DELETE' }).catch((e) => explain(find('#trouble'), e)) }, 'Cancel');
+  fill(live, h('div', { class: 'row spread' }, h('h2', {}, text.charAt(0).toUpperCase() + text.slice(1)), cancel), h('progress', { value: step?.done ?? 0, max: step?.of ?? 1, 'aria-label': text }));
+}
+
+async function prepare(query) {
+  const [{ robots }, { jobs }] = await Promise.all([getJson('/robots'), getJson('/jobs')]);
+  const chosen = query.get('robot') ?? 'iiwa14';
+  fill(find('#robot'), robots.map((r) => h('option', { value: r.id, selected: r.id === chosen }, `${r.name} (${r.joints.length} joints)`)));
+  const designs = jobs.filter((j) => j.kind === 'excitation' && ['finished', 'cancelled'].includes(j.state) && j.outcome !== 'Infeasible');
+  find('#excitation').append(...designs.map((j) => h('option', { value: j.id, selected: j.id === query.get('excitation') }, `${time(j.finished_at)}, best ${number(j.progress?.best)}`)));
+}
+
+for (const kind of ['log', 'validation']) {
+  const zone = find(`[data-drop=${kind}]`);
+  find(`#${kind}`).addEventListener('change', (e) => take(kind, e.target.files));
+  zone.addEventListener('dragover', (e) => { e.preventDefault(); zone.classList.add('over'); });
+  zone.addEventListener('dragleave', () => zone.classList.remove('over'));
+  zone.addEventListener('drop', (e) => { e.preventDefault(); zone.classList.remove('over'); take(kind, e.dataTransfer.files); });
+}
+find('#form').addEventListener('change', (e) => e.target.type !== 'file' && previewSoon());
+find('#form').addEventListener('submit', async (event) => {
+  event.preventDefault();
+  clearTimeout(waiting);
+  looking?.abort();
+  unmark(event.target);
+  fill(find('#form-trouble'));
+  const go = find('#go');
+  go.disabled = true;
+  try {
+    if (!files.log.length) throw new Refused({ detail: 'There is no log to identify from.', hint: 'Choose one above, or drop it there.' });
+    const job = await (await send('/identify', { method: 'POST', body: body() })).json();
+    history.pushState(null, '', `/identification?id=${job.id}`);
+    await watch(job.id);
+  } catch (error) {
+    explain(find('#form-trouble'), error, event.target);
+  } finally {
+    go.disabled = false;
+  }
+});
+addEventListener('popstate', () => location.reload());
+
+const query = new URLSearchParams(location.search);
+prepare(query)
+  .then(() => (query.get('id') ? watch(query.get('id')) : query.get('validation') && validation(query.get('validation'))))
+  .catch((e) => explain(find('#trouble'), e));

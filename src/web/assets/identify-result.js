@@ -1,0 +1,98 @@
+// The result of an identification.
+import { download, postJson, save, send, token } from './api.js';
+import { fill, figure, h, number, table, unit, words } from './dom.js';
+import { parameters } from './parameters.js';
+import { physical } from './physical.js';
+import { torquePlots } from './torque-plots.js';
+
+export const VERDICTS = {
+  good: ['good', 'Good data'], poor_excitation: ['warn', 'Poor excitation'], unidentifiable: ['bad', 'Not identifiable'],
+};
+export const RESIDUAL = {
+  nothing_missing: ['good', 'Nothing is missing: what is left is noise.'], explained: ['good', 'What was left is explained.'],
+  partly_explained: ['warn', 'A part of what is left is explained.'], unexplained: ['bad', 'Something is left that nothing explains.'],
+};
+const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
+
+/** Units of torque per joint, from the robot that stands in the result. */
+async function drawnRobot(result) {
+  return result.provenance ? postJson('/motion', { robot: result.provenance.robot }) : null;
+}
+
+export async function showIdentification(target, result) {
+  const drawn = await drawnRobot(result);
+  const effort = result.joints.map((_, j) => unit(drawn?.joints[j].effort_unit ?? 'N m'));
+  const parts = [['summary', 'Summary'], ['torques', 'Torques'], ['parameters', 'Parameters'], ['physical', 'Physical'], ['errors', 'Errors'], ['logs', 'Logs']];
+  fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
+    summary(result), notes(result), torquePlots(result, effort), parameters(result), physical(result, drawn), errors(result, effort), logs(result));
+}
+
+/** The result of a validation: a model held against logs. */
+export function showValidation(target, result) {
+  const rows = result.logs.map((log) => ({ log: log.name, ...log }));
+  const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
+  fill(target, section('errors', `${result.robot}: a model against logs`, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints); below it the share of the torque’s own.'),
+    table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' })),
+  torquePlots(result, result.joints.map(() => 'N·m or N')), logs(result));
+}
+
+function notes(result) {
+  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, n))) : null;
+}
+
+function summary(result) {
+  const q = result.quality;
+  const [kind, name] = VERDICTS[q.verdict] ?? ['', words(q.verdict)];
+  const residual = result.residual;
+  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, name), ' ', q.reason),
+    h('dl', { class: 'figures' }, figure('Base parameters', result.base_parameters.length), figure('Determined', `${q.rank} of ${q.columns}`), figure('Condition number', number(q.condition_number, 3)),
+      result.feasibility ? figure('Physical fit', number(result.feasibility.rms_ratio, 4), '× that of the base parameters') : null),
+    residual ? foundIn(result) : null, files(result));
+}
+
+function foundIn(result) {
+  const [kind, text] = RESIDUAL[result.residual.verdict] ?? ['', words(result.residual.verdict)];
+  const findings = result.residual.findings.map((f) => `${words(f.effect)} (${f.joints.join(', ')})`);
+  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}` }, h('p', {}, h('strong', {}, text), findings.length ? ` ${findings.join('; ')}.` : ''),
+    h('p', {}, h('a', { class: 'button primary', id: 'to-loop', href: `/loop?id=${result.id}` }, 'See what the model lacks')));
+}
+
+function files(result) {
+  const model = result.physical_parameters ? [['URDF', 'urdf'], ['Model (JSON)', 'json']].map(([label, format]) => download(label, `/identify/${result.id}/model?format=${format}`, `model-${result.id}.${format}`)) : null;
+  return h('div', { id: 'downloads' }, h('h3', {}, 'Download'), h('div', { class: 'row' }, reportLink(result), model, download('Result (JSON)', `/identify/${result.id}`, `identification-${result.id}.json`)));
+}
+
+/** The report opens in a tab of its own; with a token it is fetched with it and saved. */
+export function reportLink(result) {
+  const address = `/identify/${result.id}/report`;
+  const link = h('a', { class: 'button', id: 'report', href: address, target: '_blank', rel: 'noopener' }, 'Report');
+  link.addEventListener('click', async (event) => {
+    if (!token()) return;
+    event.preventDefault();
+    save(await (await send(address)).blob(), `report-${result.id}.html`);
+  });
+  return link;
+}
+
+function errors(result, effort) {
+  const rows = [...result.rms.identification.map((l) => ['identification', l]), ...result.rms.validation.map((l) => ['held out', l])].flatMap(([role, log]) =>
+    [['base', log.base], ['physical', log.physical]].filter(([, e]) => e).map(([model, e]) => ({ role, log: log.name, model, ...e })));
+  const joint = (name, j) => ({ head: `${name} (${effort[j]})`, number: true, cell: (r) => h('span', { title: `${number(r.percent[j], 3)} % of its own RMS` }, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
+  const none = result.rms.validation.length ? null : h('div', { class: 'notice' }, h('p', {}, 'There was no log to validate with: these errors are those on the data that made the model.'));
+  return section('errors', 'Errors per joint', none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'),
+    table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, { head: 'Model', cell: (r) => r.model, sort: (r) => r.model }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' }),
+    h('h3', {}, 'Noise'), table([
+      { head: 'Joint', cell: (n) => n.joint, sort: (n) => n.joint }, { head: 'Residual RMS', number: true, cell: (n) => number(n.residual_rms, 3), sort: (n) => n.residual_rms },
+      { head: 'Noise', number: true, cell: (n) => number(n.noise_std, 3), sort: (n) => n.noise_std, title: 'Of the fitted rows, from the scatter between periods' }, { head: 'Misfit', number: true, cell: (n) => number(n.misfit, 3), sort: (n) => n.misfit, title: 'Residual mean square over what noise alone would leave' },
+      { head: 'Rows', number: true, cell: (n) => n.rows.toLocaleString(), sort: (n) => n.rows }, { head: 'Worth', number: true, cell: (n) => number(n.effective_rows, 3), sort: (n) => n.effective_rows, title: 'Independent values that the rows are worth' },
+    ], result.noise, { caption: 'Noise of the fitted rows, per joint' }));
+}
+
+function logs(result) {
+  const one = (log) => h('div', {}, h('h3', {}, log.file), h('p', { class: 'soft' }, `${log.rows_used.toLocaleString()} of ${log.rows.toLocaleString()} rows, ${number(log.sample_rate_hz)} Hz, ${number(log.duration_s)} s, ${log.role}`),
+    log.findings.length ? h('div', { class: 'notice' }, log.findings.map((f) => h('p', {}, h('strong', {}, words(f.code)), `, ${f.count}: ${f.detail}`))) : null,
+    h('details', {}, h('summary', {}, 'How it was prepared'), table([{ head: 'What', cell: (c) => words(c.what) }, { head: 'How', cell: (c) => c.value }, { head: 'Why', cell: (c) => c.why }], log.choices, { caption: 'Decisions of the preparation' })));
+  const origin = result.provenance ? h('details', {}, h('summary', {}, 'To do it again'), table([{ head: 'File', cell: (l) => l.file }, { head: 'Bytes', number: true, cell: (l) => l.bytes.toLocaleString() }, { head: 'SHA-256', cell: (l) => h('span', { class: 'mono' }, l.sha256) }], result.provenance.logs, { caption: `dynident ${result.provenance.version}` }),
+    h('pre', { tabindex: 0 }, JSON.stringify(result.provenance.request, null, 1))) : null;
+  return section('logs', 'Logs', result.log_report.map(one), origin);
+}

@@ -1,0 +1,144 @@
+// Lab: what runs now, what came out lately, which robots there are.
+import { explain, follow, getJson, send, unmark } from './api.js';
+import { fill, find, h, number, seconds, table, time } from './dom.js';
+
+const LIVE = ['queued', 'running'];
+const followed = new Set();
+const NAMES = { excitation: 'Design', identification: 'Identification', validation: 'Validation' };
+
+/** The page that shows a job. */
+function page(job) {
+  if (job.kind === 'excitation') return `/design?id=${job.id}`;
+  if (job.kind === 'identification') return `/identification?id=${job.id}`;
+  return `/identification?validation=${job.id}`;
+}
+
+export function state(job) {
+  const kinds = { queued: '', running: 'live', finished: 'good', cancelled: 'warn', failed: 'bad' };
+  const text = job.state === 'finished' && job.outcome === 'Infeasible' ? 'infeasible' : job.state;
+  return h('span', { class: `tag ${text === 'infeasible' ? 'bad' : kinds[job.state] ?? ''}` }, text);
+}
+
+function progress(job) {
+  if (job.state === 'queued') return 'waits for its turn';
+  if (job.step) return h('span', {}, `${job.step.what} `, h('progress', { value: job.step.done, max: job.step.of, 'aria-label': job.step.what }));
+  const p = job.progress;
+  if (!p) return 'begins';
+  return `best ${number(p.best)} after ${seconds(p.elapsed_s)}, ${p.starts_finished} starts`;
+}
+
+function running(job) {
+  const cancel = h('button', { type: 'button', onclick: async () => {
+    cancel.disabled = true;
+    await send(`/jobs/${job.id}`, { method: 'DELETE' }).catch((e) => explain(find('#trouble'), e));
+  } }, 'Cancel');
+  return h('li', { class: 'row spread' }, h('span', {}, state(job), ' ', h('a', { href: page(job) }, NAMES[job.kind] ?? job.kind), job.robot ? ` for ${job.robot}` : null, ' ',
+    h('span', { class: 'soft' }, progress(job))), cancel);
+}
+
+function showJobs(jobs) {
+  const live = jobs.filter((j) => LIVE.includes(j.state)).reverse();
+  fill(find('#now'), live.length ? h('ul', { class: 'list' }, live.map(running)) : h('p', { class: 'soft' }, 'Nothing runs, nothing waits.'));
+  live.filter((j) => !followed.has(j.id)).forEach(keepUp);
+  const ended = jobs.filter((j) => !LIVE.includes(j.state)).slice(0, 50);
+  fill(find('#recent'), ended.length ? results(ended) : h('p', { class: 'soft' }, 'No results yet. A design takes half a minute.'));
+}
+
+function results(jobs) {
+  return table([
+    { head: 'What', cell: (j) => h('a', { href: page(j) }, NAMES[j.kind] ?? j.kind), sort: (j) => j.kind },
+    { head: 'Robot', cell: (j) => names.get(j.id) ?? j.robot ?? '–', sort: (j) => names.get(j.id) ?? '' },
+    { head: 'Result', cell: (j) => outcome(j) },
+    { head: 'State', cell: state, sort: (j) => j.state },
+    { head: 'Ended', cell: (j) => time(j.finished_at ?? j.created_at), sort: (j) => j.finished_at ?? j.created_at },
+  ], jobs);
+}
+
+/** Robot of a job, and what came out in a few words: from its result, which never changes, asked for once per browser. */
+const KEPT = 'dynident.results';
+const names = new Map();
+const outcomes = new Map();
+for (const [id, name, text] of JSON.parse(sessionStorage.getItem(KEPT) ?? '[]')) remember(id, name, text);
+
+function remember(id, name, text) {
+  names.set(id, name);
+  if (text) outcomes.set(id, text);
+}
+
+function outcome(job) {
+  if (job.error) return h('span', { class: 'soft' }, job.error.detail);
+  return outcomes.get(job.id) ?? h('span', { class: 'soft' }, job.progress?.best ? `best ${number(job.progress.best)}` : '–');
+}
+
+/** Learns of results not seen yet, one after the other: some are megabytes. */
+async function learn(jobs) {
+  const unknown = jobs.filter((j) => ['finished', 'cancelled'].includes(j.state) && !names.has(j.id)).slice(0, 12);
+  for (const job of unknown) {
+    if (names.has(job.id)) continue;
+    const result = await getJson(job.links.result).catch(() => null);
+    remember(job.id, result?.robot ?? '–', told(job, result));
+    showJobs(jobs);
+  }
+  sessionStorage.setItem(KEPT, JSON.stringify([...names].slice(-200).map(([id, name]) => [id, name, outcomes.get(id)])));
+}
+
+function told(job, result) {
+  if (job.kind === 'excitation' && result?.condition_number) return `condition number ${number(result.condition_number)}`;
+  if (job.kind === 'validation' && result?.logs) return `${result.logs.length} log${result.logs.length > 1 ? 's' : ''}`;
+  return result?.quality ? identified(result) : null;
+}
+
+function identified(result) {
+  const findings = result.residual?.findings?.length;
+  const quality = { good: 'good data', poor_excitation: 'poor excitation', unidentifiable: 'not identifiable' }[result.quality.verdict] ?? result.quality.verdict;
+  return `${quality}${result.residual ? `, ${findings ? `${findings} finding${findings > 1 ? 's' : ''}` : 'nothing found'}` : ''}`;
+}
+
+async function keepUp(job) {
+  followed.add(job.id);
+  // A job tells many times a second; nobody reads faster than this.
+  let due = 0;
+  await follow(job.id, () => {
+    if (performance.now() < due) return;
+    due = performance.now() + 500;
+    refresh();
+  }).catch(() => {});
+  followed.delete(job.id);
+  refresh();
+}
+
+async function refresh() {
+  const { jobs } = await getJson('/jobs');
+  showJobs(jobs);
+  await learn(jobs);
+}
+
+async function showRobots() {
+  const { robots } = await getJson('/robots');
+  fill(find('#robots'), table([
+    { head: 'Name', cell: (r) => h('a', { href: `/robot?id=${encodeURIComponent(r.id)}` }, r.name), sort: (r) => r.name },
+    { head: 'Called', cell: (r) => h('span', { class: 'mono' }, r.id), sort: (r) => r.id },
+    { head: 'Joints', number: true, cell: (r) => r.joints.length, sort: (r) => r.joints.length },
+    { head: '', cell: (r) => (r.shipped ? h('span', { class: 'tag' }, 'comes with dynident') : r.notes.length ? h('span', { class: 'tag warn', title: r.notes.join('\n') }, `${r.notes.length} notes`) : '') },
+    { head: '', cell: (r) => h('a', { href: `/design?robot=${encodeURIComponent(r.id)}` }, 'Design') },
+    { head: '', cell: (r) => h('a', { href: `/identification?robot=${encodeURIComponent(r.id)}` }, 'Identify') },
+  ], robots));
+}
+
+find('#add-form').addEventListener('submit', async (event) => {
+  event.preventDefault();
+  unmark(event.target);
+  const place = find('#add-trouble');
+  try {
+    const text = await find('#robot-file').files[0].text();
+    const xml = text.trimStart().startsWith('<');
+    const kept = await (await send('/robots', { method: 'POST', headers: { 'content-type': xml ? 'application/xml' : 'application/json' }, body: text })).json();
+    fill(place, h('div', { class: 'notice good', role: 'status' }, h('p', {}, `${kept.name} is kept as `, h('a', { href: `/robot?id=${kept.id}` }, kept.id), '.'), kept.notes.map((n) => h('p', {}, n))));
+    await showRobots();
+  } catch (error) {
+    explain(place, error);
+  }
+});
+
+Promise.all([refresh(), showRobots()]).catch((e) => explain(find('#trouble'), e));
+setInterval(() => document.visibilityState === 'visible' && followed.size === 0 && refresh().catch(() => {}), 5000);

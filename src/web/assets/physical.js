@@ -1,0 +1,64 @@
+// Physical parameters: bodies on the arm, a table, margins to what is possible.
+import { ArmView, ellipsoid } from './arm.js';
+import { h, number, table, words } from './dom.js';
+import { colour, plotLater } from './plot.js';
+
+const turnBack = (m, v) => [0, 1, 2].map((c) => m[0][c] * v[0] + m[1][c] * v[1] + m[2][c] * v[2]);
+const matrix = (i) => [[i.xx, i.xy, i.xz], [i.xy, i.yy, i.yz], [i.xz, i.yz, i.zz]];
+/** `Tᵀ M T`: from the frame of the description to that of the joint. */
+const turnMatrix = (t, m) => [0, 1, 2].map((r) => [0, 1, 2].map((c) => [0, 1, 2].reduce((sum, k) => sum + [0, 1, 2].reduce((s, l) => s + t[k][r] * m[k][l] * t[l][c], 0), 0)));
+
+export function physical(result, drawn) {
+  const card = h('section', { class: 'card', id: 'physical', 'aria-labelledby': 'physical-title' }, h('h2', { id: 'physical-title' }, 'Physical parameters'));
+  const links = result.physical_parameters;
+  if (!links) {
+    card.append(h('p', { class: 'soft' }, result.feasibility ? `None that are a robot were found (${words(result.feasibility.status).toLowerCase()}).` : 'None were asked for.'));
+    return card;
+  }
+  if (drawn) card.append(bodies(links, drawn));
+  const free = h('p', { class: 'soft' }, 'Base parameters determine only combinations of these; where they leave a choice, the one nearest to what was known beforehand is taken.');
+  card.append(free, table([
+    { head: 'Link', cell: (l) => `${l.link} ${l.name}`, sort: (l) => l.link }, { head: 'Mass (kg)', number: true, cell: (l) => number(l.mass), sort: (l) => l.mass },
+    ...['x', 'y', 'z'].map((axis, i) => ({ head: `${axis} (m)`, number: true, cell: (l) => number(l.center_of_mass[i], 3), sort: (l) => l.center_of_mass[i], title: 'Centre of mass' })),
+    ...['xx', 'yy', 'zz', 'xy', 'xz', 'yz'].map((k) => ({ head: `I${k} (kg·m²)`, number: true, cell: (l) => number(l.inertia[k], 3), sort: (l) => l.inertia[k], title: 'About the centre of mass' })),
+    { head: 'viscous', number: true, cell: (l) => number(l.viscous, 3), sort: (l) => l.viscous }, { head: 'Coulomb', number: true, cell: (l) => number(l.coulomb, 3), sort: (l) => l.coulomb },
+  ], links, { caption: 'Per link, in the frames of the robot’s description' }));
+  if (result.feasibility) card.append(margins(result.feasibility));
+  return card;
+}
+
+function bodies(links, drawn) {
+  const canvas = h('canvas', { class: 'arm', 'aria-label': 'Every link as the solid ellipsoid that has its mass and inertia. Arrow keys turn the view.' });
+  const view = new ArmView(canvas, drawn.joints, drawn.gravity);
+  view.bodies = links.map((link, j) => {
+    const turn = drawn.joints[j].description_frame;
+    return { joint: j, centre: turnBack(turn, link.center_of_mass), shape: ellipsoid(link.mass, turnMatrix(turn, matrix(link.inertia))), label: String(link.link) };
+  });
+  // Bent, so that links on one line can be told apart.
+  view.q = drawn.joints.map((joint, j) => bent(joint, j));
+  view.frameArm();
+  return h('div', {}, canvas, h('p', { class: 'help' }, 'Each link as the solid ellipsoid of even density with its mass, centre of mass and inertia; the number is the link’s. Drag to turn.'));
+}
+
+function bent(joint, j) {
+  const [low, high] = joint.position_limits ?? [-1, 1];
+  const wanted = joint.kind === 'prismatic' ? (low + high) / 2 : [0.3, 0.6, 0, -1.2, 0, 0.9, 0][j % 7];
+  return Math.min(high, Math.max(low, wanted));
+}
+
+function margins(feasibility) {
+  const chart = h('div', { class: 'plot flat', 'data-label': 'Margins of the physical parameters to what is possible' });
+  const names = [...new Set(feasibility.margins.map((m) => m.constraint))];
+  const positive = feasibility.margins.every((m) => m.margin > 0);
+  plotLater(chart, () => ({
+    traces: names.map((name, i) => {
+      const own = feasibility.margins.filter((m) => m.constraint === name);
+      return { type: 'scatter', mode: 'markers', name: words(name), x: own.map((m) => `link ${m.link}`), y: own.map((m) => m.margin), marker: { color: colour(i), size: 10, symbol: i }, hovertemplate: `${words(name)}: %{y:.3g}<extra>%{x}</extra>` };
+    }),
+    layout: { height: 300, hovermode: 'closest', xaxis: { type: 'category', title: 'link' }, yaxis: { type: positive ? 'log' : 'linear', title: 'margin (above 0: possible)' } },
+  }));
+  const table_ = table([
+    { head: 'Link', number: true, cell: (m) => m.link, sort: (m) => m.link }, { head: 'Constraint', cell: (m) => words(m.constraint), sort: (m) => m.constraint }, { head: 'Margin', number: true, cell: (m) => number(m.margin), sort: (m) => m.margin },
+  ], feasibility.margins, { caption: 'Margins to what is physically possible', sort: { column: 2, way: 'ascending' } });
+  return h('div', {}, h('h3', {}, 'Margins to what is possible'), chart, h('details', {}, h('summary', {}, 'As a table'), table_));
+}

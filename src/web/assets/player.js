@@ -1,0 +1,44 @@
+// The arm playing a motion, with the path of its last frame.
+import { ArmView } from './arm.js';
+import { h, number } from './dom.js';
+
+export function player({ joints, gravity, motion }) {
+  const canvas = h('canvas', { class: 'arm', 'aria-label': 'The arm in its motion, with the path of its last frame. Arrow keys turn the view.' });
+  const last = motion.time.length - 1;
+  const slider = h('input', { type: 'range', min: 0, max: last, value: 0, 'aria-label': 'Time in the period' });
+  const button = h('button', { type: 'button', 'aria-pressed': 'false' }, '▶ Play');
+  const clock = h('output', { class: 'number', style: 'min-width:9rem' });
+  const view = new ArmView(canvas, joints, gravity);
+  view.path = motion.end;
+  const show = (sample) => {
+    slider.value = sample;
+    clock.textContent = `${motion.time[sample].toFixed(2)} s of ${number(motion.time[last])} s`;
+    view.set(motion.q.map((q) => q[sample]));
+  };
+  let begun = null;
+  const step = (now) => {
+    if (begun === null || !canvas.isConnected) return;
+    const at = ((now - begun) / 1000) % motion.time[last];
+    show(Math.round((at / motion.time[last]) * last));
+    requestAnimationFrame(step);
+  };
+  button.addEventListener('click', () => {
+    const playing = begun === null;
+    begun = playing ? performance.now() - 1000 * motion.time[slider.value] : null;
+    button.textContent = playing ? '❚❚ Pause' : '▶ Play';
+    button.setAttribute('aria-pressed', String(playing));
+    if (playing) requestAnimationFrame(step);
+  });
+  slider.addEventListener('input', () => {
+    if (begun !== null) begun = performance.now() - 1000 * motion.time[slider.value];
+    show(Number(slider.value));
+  });
+  show(0);
+  const box = ['x', 'y', 'z'].map((name, i) => {
+    const values = motion.end.map((p) => p[i]);
+    return `${name} ${number(Math.min(...values), 3)} … ${number(Math.max(...values), 3)} m`;
+  });
+  return h('section', { class: 'card', id: 'path', 'aria-labelledby': 'path-title' }, h('h2', { id: 'path-title' }, 'Path of the last frame'), canvas,
+    h('div', { class: 'row', style: 'margin-top:.6rem' }, button, h('span', { style: 'flex:1;min-width:8rem' }, slider), clock),
+    h('p', { class: 'help' }, `In real time. Drag to turn. The grid is 0.25 m; the path keeps within ${box.join(', ')} in the base frame. Check it against your cell: floor and obstacles are not part of the search unless the request has them.`));
+}

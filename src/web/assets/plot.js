@@ -1,0 +1,131 @@
+// Plots: plotly.js with the colours of the page, units on every axis, and long series thinned without losing their peaks.
+
+/** Okabe and Ito's colours, which people with any kind of colour vision tell apart, and a dash each for those who see none. */
+const COLOURS = {
+  light: ['#0072b2', '#d55e00', '#009e73', '#b3589b', '#b07d00', '#3a9ad1', '#222222'],
+  dark: ['#4da6dd', '#ff8a3d', '#2fc79a', '#e39bc8', '#e8c04a', '#9bd4f5', '#f2f2f2'],
+};
+const DASHES = ['solid', 'dash', 'dot', 'dashdot', 'longdash', '8px 3px', '2px 4px'];
+
+export const isDark = () => getComputedStyle(document.documentElement).colorScheme === 'dark';
+export const variable = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+export const colour = (index) => COLOURS[isDark() ? 'dark' : 'light'][index % 7];
+export const dash = (index) => DASHES[index % 7];
+
+let loading = null;
+/** plotly.js, fetched when the first plot asks for it. */
+function plotly() {
+  loading ??= new Promise((done, failed) => {
+    const script = document.createElement('script');
+    script.src = '/assets/plotly.js';
+    script.onload = () => done(window.Plotly);
+    script.onerror = () => failed(new Error('plotly.js could not be loaded'));
+    document.head.append(script);
+  });
+  return loading;
+}
+
+const drawn = new Map();
+document.addEventListener('theme', () => drawn.forEach((draw) => draw()));
+
+/**
+ * Draws a plot into `place`, again after a change of theme. `make()` hands back `{traces, layout}`: called anew, because colours
+ * belong to the theme.
+ */
+export async function plot(place, make, options = {}) {
+  const Plotly = await plotly();
+  const draw = () => {
+    const { traces, layout } = make();
+    return Plotly.react(place, traces, dressed(layout, place), { responsive: true, displaylogo: false, modeBarButtonsToRemove: ['lasso2d', 'select2d'], ...options });
+  };
+  if (place.dataset.label) {
+    place.setAttribute('role', 'img');
+    place.setAttribute('aria-label', place.dataset.label);
+  }
+  drawn.set(place, () => place.isConnected ? draw() : drawn.delete(place));
+  return draw();
+}
+
+/** As `plot`, once the place comes near the screen: pages with many plots open at once. */
+export function plotLater(place, make, options) {
+  const watch = new IntersectionObserver((entries) => {
+    if (!entries.some((e) => e.isIntersecting)) return;
+    watch.disconnect();
+    plot(place, make, options);
+  }, { rootMargin: '400px' });
+  watch.observe(place);
+}
+
+function dressed(layout, place) {
+  const [ink, soft, grid] = ['--ink', '--soft', '--grid'].map(variable);
+  const narrow = place.clientWidth < 520;
+  const axis = { gridcolor: grid, linecolor: soft, zerolinecolor: grid, ticks: 'outside', ticklen: 4, tickcolor: grid, automargin: true, title: { standoff: 8 } };
+  const full = {
+    paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: { family: 'system-ui, sans-serif', size: narrow ? 11 : 12.5, color: ink },
+    margin: { l: narrow ? 48 : 64, r: narrow ? 8 : 18, t: narrow ? 34 : 12, b: 44 }, hovermode: 'x unified', hoverlabel: { bgcolor: variable('--card'), font: { color: ink } },
+    // On a phone the top belongs to the buttons that zoom, the legend goes below.
+    legend: narrow ? { orientation: 'h', y: 0, yref: 'container', yanchor: 'bottom', x: 0 } : { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 }, modebar: { bgcolor: 'rgba(0,0,0,0)', color: soft }, dragmode: narrow ? false : 'zoom',
+    ...layout,
+  };
+  if (narrow) Object.assign(full, { height: (layout.height ?? 300) + 60, margin: { ...full.margin, b: 96 } });
+  for (const name of Object.keys(full).concat(['xaxis', 'yaxis']).filter((k) => /^[xy]axis/.test(k))) {
+    const own = full[name] ?? {};
+    full[name] = { ...axis, ...own, title: { ...axis.title, ...(typeof own.title === 'string' ? { text: own.title } : own.title) } };
+  }
+  return full;
+}
+
+/**
+ * At most about `most` indices of `y` between `from` and `to` (indices): the lowest and the highest of every bucket, so that no peak is lost.
+ */
+export function thin(y, most, from = 0, to = y.length) {
+  const count = to - from;
+  if (count <= most) return Array.from({ length: count }, (_, i) => from + i);
+  const picked = [];
+  const buckets = Math.max(1, Math.floor(most / 2));
+  for (let b = 0; b < buckets; b += 1) {
+    const [start, end] = [from + Math.floor((b * count) / buckets), from + Math.floor(((b + 1) * count) / buckets)];
+    let [low, high] = [start, start];
+    for (let i = start; i < end; i += 1) {
+      if (y[i] < y[low]) low = i;
+      if (y[i] > y[high]) high = i;
+    }
+    picked.push(Math.min(low, high));
+    if (low !== high) picked.push(Math.max(low, high));
+  }
+  return picked;
+}
+
+/**
+ * A time plot of long series: thinned to what the screen shows, anew at every zoom. `series`: {x, y, trace}, x ascending.
+ */
+export async function plotLong(place, series, layout) {
+  const most = 2400;
+  let range = null;
+  const bound = (x, value) => {
+    let [low, high] = [0, x.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (x[middle] < value) low = middle + 1; else high = middle;
+    }
+    return low;
+  };
+  const make = () => {
+    const traces = series.map(({ x, y, trace }) => {
+      const [from, to] = range ? [Math.max(0, bound(x, range[0]) - 1), Math.min(x.length, bound(x, range[1]) + 1)] : [0, x.length];
+      const picked = thin(y, most, from, to);
+      return { type: 'scatter', mode: 'lines', ...trace(), x: picked.map((i) => x[i]), y: picked.map((i) => y[i]) };
+    });
+    const made = layout();
+    if (range) made.xaxis = { ...made.xaxis, range };
+    return { traces, layout: made };
+  };
+  await plot(place, make);
+  place.on('plotly_relayout', (change) => {
+    const wanted = change['xaxis.autorange'] ? null : [change['xaxis.range[0]'] ?? change['xaxis.range']?.[0], change['xaxis.range[1]'] ?? change['xaxis.range']?.[1]];
+    if (wanted && wanted[0] === undefined) return;
+    if (JSON.stringify(wanted) === JSON.stringify(range)) return;
+    range = wanted;
+    plot(place, make);
+  });
+}

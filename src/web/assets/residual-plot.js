@@ -1,0 +1,112 @@
+// What is left, against the variable that explains it: before and after.
+import { fill, h, perSecond } from './dom.js';
+import { colour, plot } from './plot.js';
+
+/** The variable an effect is a function of; own joint unless `remainder.depends_on` says which. */
+const VARIABLE = {
+  stribeck_friction: 'qd', nonlinear_viscous_friction: 'qd', asymmetric_viscous_friction: 'qd', presliding_hysteresis: 'q', load_dependent_friction: 'qd', rotor_inertia: 'qdd', transmission_coupling: 'qd',
+  joint_spring: 'q', position_ripple: 'q', encoder_offset: 'q', base_tilt: 'q', joint_elasticity: 'q', payload: 'q', torque_gain: 'tau', torque_crosstalk: 'tau',
+};
+
+export function residualPlot(context) {
+  const { result, report } = context;
+  const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, 'What is left, against what explains it'));
+  const series = result.predictions;
+  if (!series.length || !series[0].augmented) {
+    card.append(h('p', { class: 'soft' }, 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
+    return card;
+  }
+  const [first] = suggestions(result, report);
+  const log = select('Log', [...new Set(series.map((s) => s.log))]);
+  const joint = select('Joint', result.joints, first.joint ?? result.joints[0]);
+  const across = select('Against', variables(result), first.variable);
+  const along = select('and', ['nothing else', ...variables(result)], first.second ?? 'nothing else');
+  const holder = h('div');
+  const draw = () => {
+    const place = h('div', { class: 'plot', 'data-label': 'Residual before and after against a variable' });
+    fill(holder, place);
+    const data = collect(context, series, log.value, joint.value, across.value, along.value);
+    plot(place, () => (data.second ? map(context, data) : scatter(context, data)));
+  };
+  [log, joint, across, along].forEach((c) => c.addEventListener('change', draw));
+  card.append(h('div', { class: 'row' }, [log, joint, across, along].map((c) => c.parentElement)), holder);
+  queueMicrotask(draw);
+  return card;
+}
+
+function select(name, options, chosen) {
+  const field = h('select', { class: 'narrow' }, options.map((o) => h('option', { selected: o === chosen }, o)));
+  h('label', { class: 'inline' }, name, field);
+  return field;
+}
+
+const variables = (result) => ['time', ...['q', 'qd', 'qdd', 'tau'].flatMap((k) => result.joints.map((j) => `${k} ${j}`))];
+
+/** What to show first: the first finding, else the remainder, else the joint with the greatest lack of fit over time. */
+function suggestions(result, report) {
+  const named = (text) => {
+    const [, kind, number] = /^(q|qd|qdd|load)(\d+)$/.exec(text) ?? [];
+    return kind ? `${kind === 'load' ? 'tau' : kind} ${result.joints[number - 1]}` : 'time';
+  };
+  const r = report.remainder;
+  const most = r ? r.joints[r.rms.indexOf(Math.max(...r.rms))] : null;
+  const left = r ? [{ joint: most, variable: named(r.depends_on[0] ?? ''), second: r.depends_on[1] ? named(r.depends_on[1]) : undefined }] : [];
+  const found = report.findings.map((f) => ({ joint: f.joints[0], variable: VARIABLE[f.effect] ? `${VARIABLE[f.effect]} ${f.joints[0]}` : 'time' }));
+  const worst = [...report.lack_of_fit].sort((a, b) => b.statistic - a.statistic)[0];
+  return [...found, ...left, { joint: worst?.joint ?? result.joints[0], variable: 'time' }];
+}
+
+/** Linear interpolation of (x, y) at `at`, both ascending. */
+function interpolated(x, y, at) {
+  let k = 0;
+  return at.map((t) => {
+    while (k + 2 < x.length && x[k + 1] < t) k += 1;
+    const share = (t - x[k]) / (x[k + 1] - x[k] || 1);
+    return y[k] + Math.min(1, Math.max(0, share)) * (y[k + 1] - y[k]);
+  });
+}
+
+function collect(context, series, log, joint, across, along) {
+  const one = series.find((s) => s.log === log && s.joint === joint);
+  const of = (name) => {
+    if (name === 'time') return one.time;
+    const [kind, other] = [name.slice(0, name.indexOf(' ')), name.slice(name.indexOf(' ') + 1)];
+    const source = series.find((s) => s.log === log && s.joint === other);
+    const values = kind === 'tau' ? source.measured : source[kind];
+    return other === joint ? values : interpolated(source.time, values, one.time);
+  };
+  // As many as an eye can tell apart: evenly taken, peaks and all.
+  const step = Math.max(1, Math.floor(one.time.length / 2500));
+  const picked = (list) => list.filter((_, i) => i % step === 0);
+  const rest = (model) => picked(one.measured.map((m, i) => m - model[i]));
+  return { joint, across, along, x: picked(of(across)), second: along === 'nothing else' ? null : picked(of(along)), before: rest(one.base), after: rest(one.augmented) };
+}
+
+function title(context, name) {
+  if (name === 'time') return 'time (s)';
+  const at = name.indexOf(' ');
+  const [kind, j] = [name.slice(0, at), context.result.joints.indexOf(name.slice(at + 1))];
+  const units = { q: perSecond(context.position[j], 0), qd: perSecond(context.position[j], 1), qdd: perSecond(context.position[j], 2), tau: context.effort[j] };
+  return `${name} (${units[kind]})`;
+}
+
+function scatter(context, { joint, across, x, before, after }) {
+  const unit = context.effort[context.result.joints.indexOf(joint)];
+  const dots = (name, y, axis, tone) => ({ type: 'scatter', mode: 'markers', name, x, y, xaxis: axis ? 'x2' : 'x', yaxis: axis ? 'y2' : 'y', marker: { color: tone, size: 3.5, opacity: 0.55 }, hovertemplate: '%{x:.3g}, %{y:.3g}<extra></extra>' });
+  const widest = 1.08 * Math.max(...before.map(Math.abs), ...after.map(Math.abs));
+  const narrow = innerWidth < 640;
+  const layout = narrow
+    ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `left of ${joint} (${unit})` }, height: 480 }
+    : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
+  return { traces: [dots('declared model', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, hovermode: 'closest' } };
+}
+
+/** Over two variables: the residual as colour. Blue and brown, told apart by all, white for nothing left. */
+function map(context, { joint, across, along, x, second, before }) {
+  const unit = context.effort[context.result.joints.indexOf(joint)];
+  const widest = Math.max(...before.map(Math.abs));
+  return {
+    traces: [{ type: 'scatter', mode: 'markers', x, y: second, text: before.map((v) => v.toPrecision(3)), hovertemplate: `%{text} ${unit}<extra></extra>`, marker: { size: 7, color: before, cmin: -widest, cmax: widest, colorscale: [[0, '#01665e'], [0.5, '#f5f5f5'], [1, '#8c510a']], colorbar: { title: { text: `left of ${joint}<br>(${unit})` }, thickness: 12 }, line: { width: 0.3, color: '#777' } } }],
+    layout: { height: 420, hovermode: 'closest', xaxis: { title: title(context, across) }, yaxis: { title: title(context, along) } },
+  };
+}

@@ -1,0 +1,43 @@
+// Measured and predicted torque on top of each other, the residual below, one joint at a time.
+import { fill, h, number } from './dom.js';
+import { colour, plotLong, variable } from './plot.js';
+
+export const MODELS = { base: 'base parameters', physical: 'physical parameters', augmented: 'with the effects found' };
+
+export function torquePlots(result, effort) {
+  const card = h('section', { class: 'card', id: 'torques', 'aria-labelledby': 'torques-title' }, h('h2', { id: 'torques-title' }, 'Measured and predicted torque'));
+  const series = result.predictions;
+  if (!series.length) {
+    card.append(h('p', { class: 'soft' }, 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
+    return card;
+  }
+  const logs = [...new Set(series.map((s) => s.log))];
+  const models = Object.keys(MODELS).filter((m) => series[0][m] && (m !== 'augmented' || result.residual?.findings.length));
+  const log = h('select', { class: 'narrow', id: 'torque-log' }, logs.map((l) => h('option', {}, l)));
+  const joint = h('select', { class: 'narrow', id: 'torque-joint' }, result.joints.map((j) => h('option', {}, j)));
+  const model = h('select', { class: 'narrow', id: 'torque-model' }, models.map((m) => h('option', { value: m }, MODELS[m])));
+  const chart = h('div', { class: 'plot', style: 'min-height:26rem', 'data-label': 'Measured and predicted torque over time, and their difference' });
+  const text = h('p', { class: 'soft', 'aria-live': 'polite' });
+  const draw = () => {
+    const one = series.find((s) => s.log === log.value && s.joint === joint.value);
+    const started = performance.now();
+    // A fresh place: what listened to the old plot goes with it.
+    const place = chart.cloneNode(false);
+    fill(holder, place);
+    const residual = one.measured.map((m, i) => m - one[model.value][i]);
+    const rms = Math.sqrt(residual.reduce((sum, r) => sum + r * r, 0) / residual.length);
+    const unit = effort[result.joints.indexOf(joint.value)];
+    text.textContent = `Difference of the drawn points: ${number(rms, 3)} ${unit} root mean square. ${innerWidth < 640 ? 'The buttons above the plot zoom.' : 'Drag over the plot to zoom, double-click to go back.'}`;
+    plotLong(place, [
+      { x: one.time, y: one.measured, trace: () => ({ name: 'measured', line: { color: variable('--soft'), width: 2.4 } }) },
+      { x: one.time, y: one[model.value], trace: () => ({ name: 'predicted', line: { color: colour(1), width: 1.3 } }) },
+      { x: one.time, y: residual, trace: () => ({ name: 'measured − predicted', yaxis: 'y2', line: { color: colour(0), width: 1 } }) },
+    ], () => ({ height: 430, yaxis: { domain: [0.4, 1], title: `torque (${unit})` }, yaxis2: { domain: [0, 0.33], title: `difference<br>(${unit})` }, xaxis: { title: 'time (s)', anchor: 'y2' } }))
+      .then(() => { card.dataset.drawnMs = Math.round(performance.now() - started); });
+  };
+  const holder = h('div');
+  [log, joint, model].forEach((c) => c.addEventListener('change', draw));
+  card.append(h('div', { class: 'row' }, h('label', { class: 'inline' }, 'Log', log), h('label', { class: 'inline' }, 'Joint', joint), h('label', { class: 'inline' }, 'Predicted by', model)), holder, text);
+  queueMicrotask(draw);
+  return card;
+}

@@ -1,0 +1,69 @@
+//! Figures as SVG or PNG: for the command line and for reports.
+//!
+//! A [`Figure`] is a stack of panels over one horizontal axis; what it shows is built
+//! from the documents that everybody else gets, too.
+
+mod design;
+mod draw;
+mod identification;
+mod residual;
+
+pub use design::design_figure;
+pub use identification::{error_figure, parameter_figures, torque_figure};
+pub use residual::before_after_figure;
+
+/// What cannot be drawn.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the figure could not be drawn: {0}")]
+pub struct FigureError(pub String);
+
+/// Panels over one another with a common horizontal axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    pub title: String,
+    /// Name and unit of the horizontal axis.
+    pub x: String,
+    /// Names of places 0, 1, … on the horizontal axis, where it is no number.
+    pub places: Vec<String>,
+    pub panels: Vec<Panel>,
+    /// Pixels.
+    pub size: (u32, u32),
+}
+
+/// One pair of axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Name and unit of the vertical axis.
+    pub y: String,
+    pub series: Vec<Series>,
+}
+
+/// One set of values; points that are not finite are left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// In the legend; none if empty.
+    pub name: String,
+    pub mark: Mark,
+    /// Number in the palette.
+    pub colour: usize,
+    pub points: Vec<(f64, f64)>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Mark {
+    Line,
+    /// A bar from zero to y; `of` bars stand beside each other, this is number `at`.
+    Bar {
+        at: usize,
+        of: usize,
+    },
+    /// A dot, and whiskers of this length to both sides.
+    Dot(Vec<f64>),
+    /// A short stroke at y.
+    Level,
+}
+
+/// Where a unit is written for people: `kg m^2` becomes `kg m²`.
+pub(super) fn unit(text: &str) -> String {
+    text.replace("^2", "²").replace("^3", "³")
+}

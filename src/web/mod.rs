@@ -1,0 +1,15 @@
+//! What people look at: the pages that the binary serves, figures, and the report of an identification.
+//!
+//! Pages are plain HTML, ES modules and one style sheet, embedded in the program: no build step, no network. They use the HTTP
+//! interface like any other client; nothing in them is privileged.
+
+#[cfg(feature = "service")]
+mod assets;
+pub mod figures;
+#[cfg(feature = "service")]
+mod pages;
+mod report;
+
+#[cfg(feature = "service")]
+pub use pages::pages;
+pub use report::{Circumstances, report};

@@ -1,0 +1,168 @@
+//! Writing HTML: whatever comes from documents is escaped on its way in.
+
+use crate::web::figures::{Figure, FigureError};
+use serde_json::Value;
+
+/// A page that grows.
+#[derive(Debug, Default)]
+pub(super) struct Html(pub String);
+
+/// `text` as it may stand in HTML.
+pub(super) fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+/// The text of a value: strings as they are, whole numbers in full, others to four digits, a dash for nothing.
+pub(super) fn text(value: &Value) -> String {
+    match value {
+        Value::String(s) => s.clone(),
+        Value::Number(n) if n.is_f64() => number(n.as_f64().unwrap_or(f64::NAN)),
+        Value::Number(n) => n.to_string(),
+        Value::Bool(b) => b.to_string(),
+        _ => "–".into(),
+    }
+}
+
+/// Four significant digits.
+pub(super) fn number(v: f64) -> String {
+    if !v.is_finite() {
+        return "–".into();
+    }
+    if v == 0.0 {
+        return "0".into();
+    }
+    let size = v.abs().log10().floor() as i32;
+    let written = match (-4..6).contains(&size) {
+        true => format!("{v:.*}", (3 - size).max(0) as usize),
+        false => format!("{v:.3e}"),
+    };
+    written.replace('-', "−")
+}
+
+pub(super) fn items(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().into_iter().flatten()
+}
+
+/// `stribeck_friction` → `stribeck friction`.
+pub(super) fn words(value: &Value) -> String {
+    text(value).replace('_', " ")
+}
+
+/// Names as people list them.
+pub(super) fn listed(value: &Value) -> String {
+    items(value).map(text).collect::<Vec<_>>().join(", ")
+}
+
+impl Html {
+    pub fn heading(&mut self, level: u8, words: &str) {
+        self.0.push_str(&format!("<h{level}>{}</h{level}>\n", escaped(words)));
+    }
+
+    pub fn paragraph(&mut self, class: &str, words: &str) {
+        self.0.push_str(&format!("<p class=\"{class}\">{}</p>\n", escaped(words)));
+    }
+
+    /// `heads` that begin with `#` are of numbers, which stand to the right.
+    pub fn table(&mut self, caption: &str, heads: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+        let class = |k: usize| {
+            if heads.get(k).is_some_and(|h| h.starts_with('#')) {
+                " class=\"n\""
+            } else {
+                ""
+            }
+        };
+        let cells = |tag: &str, row: &[String]| {
+            let one = |(k, cell): (usize, &String)| format!("<{tag}{}>{}</{tag}>", class(k), escaped(cell));
+            row.iter().enumerate().map(one).collect::<String>()
+        };
+        let names: Vec<String> = heads.iter().map(|h| h.trim_start_matches('#').to_string()).collect();
+        self.0.push_str(&format!(
+            "<div class=\"wide\"><table><caption>{}</caption><thead><tr>{}</tr></thead><tbody>\n",
+            escaped(caption),
+            cells("th", &names)
+        ));
+        for row in rows {
+            self.0.push_str(&format!("<tr>{}</tr>\n", cells("td", &row)));
+        }
+        self.0.push_str("</tbody></table></div>\n");
+    }
+
+    /// A picture with its caption; in its place the reason where it cannot be drawn.
+    pub fn figure(&mut self, figure: &Figure, caption: &str) {
+        match figure.svg() {
+            Ok(svg) => {
+                let scaled = with_view_box(&svg, figure.size);
+                let label = escaped(caption);
+                self.0.push_str(&format!(
+                    "<figure role=\"img\" aria-label=\"{label}\">{scaled}<figcaption>{label}</figcaption></figure>\n"
+                ));
+            }
+            Err(FigureError(reason)) => self.paragraph("soft", &format!("{caption}: not drawn, {reason}")),
+        }
+    }
+
+    pub fn document(&mut self, value: &Value) {
+        self.0.push_str(&format!("<pre>{}</pre>\n", escaped(&laid_out(value, 0))));
+    }
+}
+
+/// JSON with lists of numbers and words on one line each: matrices look like matrices.
+fn laid_out(value: &Value, depth: usize) -> String {
+    let (inner, outer) = (" ".repeat(depth + 1), " ".repeat(depth));
+    let nested = |v: &Value| v.is_object() || v.is_array();
+    match value {
+        Value::Object(fields) if !fields.is_empty() => {
+            let line =
+                |(name, v): (&String, &Value)| format!("{inner}{}: {}", Value::from(name.as_str()), laid_out(v, depth + 1));
+            format!("{{\n{}\n{outer}}}", fields.iter().map(line).collect::<Vec<_>>().join(",\n"))
+        }
+        Value::Array(list) if list.iter().any(nested) => {
+            let line = |v: &Value| format!("{inner}{}", laid_out(v, depth + 1));
+            format!("[\n{}\n{outer}]", list.iter().map(line).collect::<Vec<_>>().join(",\n"))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// Pictures have pixels; a page scales them.
+fn with_view_box(svg: &str, (width, height): (u32, u32)) -> String {
+    let sized = format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"");
+    svg.replacen(&sized, &format!("<svg viewBox=\"0 0 {width} {height}\""), 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn documents_are_laid_out_without_a_change() {
+        let value = json!({"a": [[1.5, -2e-7], [3, 4]], "b": {"c": [], "d": {}, "e": "x\"y"}, "f": [{"g": null}]});
+        let text = laid_out(&value, 0);
+        assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
+        assert!(text.contains("  [1.5,-2e-7],\n  [3,4]"), "{text}");
+    }
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        for (value, shown) in [
+            (0.0, "0"),
+            (1234.5678, "1235"),
+            (-0.0012345, "−0.001234"),
+            (2.0e-9, "2.000e−9"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(number(value), shown);
+        }
+    }
+}

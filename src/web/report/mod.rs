@@ -1,0 +1,97 @@
+//! The report of an identification: one HTML file that stands alone, prints, and holds what is needed to do it again.
+
+mod html;
+mod parts;
+
+use html::{Html, escaped};
+use serde_json::Value;
+
+const STYLE: &str = include_str!("style.css");
+
+/// What the report says beside the result.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Circumstances {
+    /// Id of the identification.
+    pub id: Option<String>,
+    /// When it ended, in words.
+    pub ended: Option<String>,
+    /// The design that was executed, as `POST /excitation` answered it.
+    pub design: Option<Value>,
+}
+
+/// The report of `result`, an answer of `POST /identify` (schema `Identification`).
+///
+/// Pictures are there where the result has their series (`prediction_points` above zero) and can be drawn.
+pub fn report(result: &Value, circumstances: &Circumstances) -> String {
+    let mut page = Html::default();
+    parts::heading(&mut page, result, circumstances);
+    parts::summary(&mut page, result);
+    parts::logs(&mut page, result);
+    parts::parameters(&mut page, result);
+    parts::errors(&mut page, result);
+    parts::loop_closed(&mut page, result);
+    parts::torques(&mut page, result);
+    parts::physical(&mut page, result);
+    parts::again(&mut page, result, circumstances);
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+        escaped(&format!("Identification of {}", html::text(&result["robot"]))),
+        page.0
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn result() -> Value {
+        json!({
+            "robot": "a <b>arm</b>", "joints": ["J1", "J2"], "estimator": "wls",
+            "quality": {"verdict": "good", "reason": "fine & well", "condition_number": 12.5, "rank": 2, "columns": 2},
+            "base_parameters": [
+                {"name": "ZZR1", "expression": "ZZ1 + ZZ2", "value": 1.5, "std_dev": 0.01, "relative_std_dev_percent": 0.7, "unit": "kg m^2"},
+                {"name": "MX2", "expression": "MX2", "value": null, "std_dev": null, "relative_std_dev_percent": null, "unit": "kg m"}],
+            "undetermined": [], "physical_parameters": null, "feasibility": null,
+            "rms": {"identification": [{"name": "a.csv", "base": {"rms": [0.1, 0.2], "percent": [1, 2], "sum": 0.3}, "physical": null}], "validation": []},
+            "noise": [], "log_report": [], "residual": null, "predictions": [
+                {"log": "a.csv", "joint": "J1", "time": [0.0, 1.0], "measured": [1.0, 2.0], "base": [1.1, 1.9], "physical": null, "augmented": null}],
+            "notes": [],
+            "provenance": {"version": "0.1.0", "request": {"robot": "x</pre><script>"}, "robot": {"name": "x"},
+                "logs": [{"file": "a.csv", "role": "identification", "bytes": 3, "sha256": "ba78"}]}
+        })
+    }
+
+    #[test]
+    fn a_report_stands_alone_and_escapes_what_it_quotes() {
+        let design = json!({"request": {"search": {"seed": 7}}, "coefficients": {"a": [[1.0]]}});
+        let circumstances = Circumstances {
+            id: Some("some-id".into()),
+            ended: None,
+            design: Some(design),
+        };
+        let page = report(&result(), &circumstances);
+        assert!(!page.contains("<b>arm") && !page.contains("<script") && page.contains("a &lt;b&gt;arm"));
+        for outside in ["src=", "href=\"http", "@import", "url("] {
+            assert!(!page.contains(outside), "{outside} reaches outside the file");
+        }
+        for needed in [
+            "ba78",
+            "0.1.0",
+            "some-id",
+            "&quot;seed&quot;: 7",
+            "ZZR1",
+            "not determined",
+            "fine &amp; well",
+            "<svg",
+        ] {
+            assert!(page.contains(needed), "{needed}");
+        }
+    }
+
+    #[test]
+    fn a_result_with_little_in_it_has_a_report() {
+        assert!(report(&json!({"robot": "r"}), &Circumstances::default()).contains("Identification of r"));
+    }
+}

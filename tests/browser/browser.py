@@ -1,0 +1,114 @@
+"""Debian's Chromium, with what every page must keep to."""
+
+import argparse
+import contextlib
+import json
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+from playwright.sync_api import sync_playwright
+
+# Of text on its ground in both themes (WCAG 2, level AA).
+LEAST_CONTRAST = 4.5
+PAIRS = [("--ink", "--ground"), ("--ink", "--card"), ("--soft", "--card"), ("--soft", "--ground"), ("--soft", "--sunk"), ("--accent", "--card"),
+         ("--accent", "--accent-soft"), ("--on-accent", "--accent"), ("--good", "--good-soft"), ("--warn", "--warn-soft"), ("--bad", "--bad-soft"), ("--ink", "--bad-soft")]
+
+
+def arguments():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--server", required=True)
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--width", type=int, default=1366)
+    parser.add_argument("--height", type=int, default=768)
+    parser.add_argument("--pictures", type=Path, help="folder to put pictures of the pages into")
+    return parser.parse_args()
+
+
+@contextlib.contextmanager
+def browser_page(options):
+    """A page that fails on errors of scripts and on anything it asks of another server."""
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
+        # --no-sandbox: containers run as root. No GPU: the same pictures everywhere.
+        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu"])
+        phone = options.width < 500
+        context = browser.new_context(viewport={"width": options.width, "height": options.height}, is_mobile=phone, has_touch=phone, accept_downloads=True)
+        page = context.new_page()
+        page.set_default_timeout(60_000)
+        page.trouble = []
+        page.folder = Path(folder)
+        page.on("pageerror", lambda e: page.trouble.append(f"script: {e}"))
+        page.on("console", lambda m: page.trouble.append(f"console: {m.text}") if m.type == "error" else None)
+        context.on("request", lambda r: page.trouble.append(f"outside: {r.url}") if not r.url.startswith((options.server, "blob:", "data:")) else None)
+        yield page
+        browser.close()
+        assert not page.trouble, page.trouble
+
+
+def settle(page):
+    """Every plot of the page is scrolled to and drawn."""
+    height = page.evaluate("document.documentElement.scrollHeight")
+    for y in range(0, height, 700):
+        page.evaluate(f"window.scrollTo(0, {y})")
+        page.wait_for_timeout(60)
+    page.wait_for_function("() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.closest('[hidden]') === null).every(p => p.querySelector('.main-svg'))")
+    page.evaluate("window.scrollTo(0, 0)")
+
+
+def check(page, name):
+    """What every page must keep to: nothing wider than the screen, labels on all controls, units on all axes."""
+    page.wait_for_timeout(150)
+    wide = page.evaluate("""() => { const width = document.documentElement.clientWidth;
+        return document.documentElement.scrollWidth > width ? [...document.querySelectorAll('main *')].filter(e => e.getBoundingClientRect().right > width + 1 && !e.closest('.scroll, .toc, nav, pre')).map(e => e.outerHTML.slice(0, 120)).slice(0, 5).concat('page') : [] }""")
+    assert not wide, f"{name}: wider than the screen: {wide}"
+    unnamed = page.evaluate("""() => [...document.querySelectorAll('input, select, textarea, button, canvas, img, a')].filter(e => e.closest('.modebar') === null).filter(e => {
+        const named = e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || (e.labels && e.labels.length && e.labels[0].textContent.trim());
+        return !(named || (e.tagName === 'IMG' && e.hasAttribute('alt')) || (['BUTTON', 'A'].includes(e.tagName) && e.textContent.trim())) }).map(e => e.outerHTML.slice(0, 120))""")
+    assert not unnamed, f"{name}: controls without a name: {unnamed}"
+    axes = page.evaluate("""() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.querySelector('.main-svg')).map(p =>
+        [p.dataset.label, [...p.querySelectorAll('.infolayer text')].filter(t => /^[xy]\\d*title/.test(t.getAttribute('class') ?? '')).map(t => t.textContent)])""")
+    for label, titles in axes:
+        assert label, f"{name}: a plot without a label for those who do not see it"
+        assert len(titles) >= 2, f"{name}: {label}: axes without titles: {titles}"
+        for title in titles:
+            counted = re.search(r"joint|parameter|link|start, best|evaluations|identification|criterion|condition number|margin|ratio", title)
+            assert counted or re.search(r"\(.+\)", title), f"{name}: {label}: no unit in `{title}`"
+    return axes
+
+
+def check_contrast(page):
+    for theme in ["light", "dark"]:
+        page.evaluate(f"document.documentElement.dataset.theme = '{theme}'")
+        values = page.evaluate("names => Object.fromEntries(names.map(n => [n, getComputedStyle(document.documentElement).getPropertyValue(n).trim()]))", sorted({n for pair in PAIRS for n in pair}))
+        for front, ground in PAIRS:
+            ratio = contrast(values[front], values[ground])
+            assert ratio >= LEAST_CONTRAST, f"{theme}: {front} on {ground} has a contrast of {ratio:.2f}"
+    page.evaluate("delete document.documentElement.dataset.theme")
+
+
+def contrast(one, other):
+    def luminance(colour):
+        parts = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
+        linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    light, dark = sorted([luminance(one), luminance(other)], reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def picture(page, options, name, at=None):
+    """What is on the screen, or would be with the part `at` at its top."""
+    if options.pictures:
+        if at:
+            page.locator(at).evaluate("part => part.scrollIntoView({behavior: 'instant'})")
+            page.wait_for_timeout(300)
+        options.pictures.mkdir(parents=True, exist_ok=True)
+        page.screenshot(path=options.pictures / f"{name}-{options.width}.png")
+
+
+def simulate(options, robot, request, out):
+    """A log of a virtual robot."""
+    document = out.with_suffix(".request.json")
+    document.write_text(json.dumps(request))
+    subprocess.run([options.program, "simulate", "--robot", robot, "--request", str(document), "--out", str(out)], check=True, capture_output=True)
+    return out

@@ -1,0 +1,54 @@
+//! A newcomer's whole path through the pages, in Debian's Chromium, at the width of a laptop and of a phone.
+//!
+//! `newcomer.py` does what a person would do; this starts the server and hands it the addresses. Playwright is installed by
+//! `scripts/setup` into `target/browser`, and drives the system's Chromium: no browser is downloaded.
+
+#[path = "../support/server.rs"]
+mod server;
+
+use server::Server;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+
+/// One browser at a time: the last test measures how long drawing takes.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn python() -> PathBuf {
+    let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser/bin/python");
+    assert!(python.exists(), "{} is missing: run scripts/setup", python.display());
+    python
+}
+
+fn run(script: &str, arguments: &[&str]) {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let server = Server::start();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
+    let output = Command::new(python())
+        .arg(folder.join(script))
+        .args(["--server", &server.url(""), "--program", env!("CARGO_BIN_EXE_dynident")])
+        .args(arguments)
+        .output()
+        .expect("python starts");
+    assert!(
+        output.status.success(),
+        "{}\n{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn a_newcomer_gets_from_the_lab_to_the_report_on_a_laptop() {
+    run("newcomer.py", &["--width", "1366", "--height", "768"]);
+}
+
+#[test]
+fn a_newcomer_gets_from_the_lab_to_the_report_on_a_phone() {
+    run("newcomer.py", &["--width", "390", "--height", "844"]);
+}
+
+#[test]
+fn a_log_of_160_000_rows_is_drawn_in_under_a_second_and_zooms_smoothly() {
+    run("long_log.py", &[]);
+}
