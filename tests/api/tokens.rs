@@ -20,10 +20,10 @@ impl Guarded {
             tokens_required: true,
             ..Config::default()
         };
-        Self {
-            server: Server::with(config),
-            folder,
-        }
+        let server = Server::with(config);
+        // Its folder is there when it answers.
+        assert_eq!(server.get("/health/live").status, 200);
+        Self { server, folder }
     }
 
     fn in_store<T>(&self, work: impl AsyncFnOnce(Store) -> T) -> T {
