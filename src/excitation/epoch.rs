@@ -79,7 +79,7 @@ impl Epoch {
         }
         let polish = self.worth_polishing().nth(index / POLISHING_SHARE);
         match polish {
-            Some(at) if index % POLISHING_SHARE == 0 => Job::Polish(at),
+            Some(at) if index.is_multiple_of(POLISHING_SHARE) => Job::Polish(at),
             _ if index % SHAKING_SHARE == 1 => Job::Shake,
             _ => Job::Hop,
         }
