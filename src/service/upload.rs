@@ -8,6 +8,8 @@ use crate::io::{Parsed, parse};
 use axum::extract::Multipart;
 use axum::extract::multipart::{Field, MultipartError};
 use sha2::{Digest, Sha256};
+use std::time::Duration;
+use tokio::time::timeout;
 
 /// A multipart request, its files on disk. Those of a request that is not finished, or not accepted, are swept later.
 pub struct Upload {
@@ -18,12 +20,23 @@ pub struct Upload {
     pub body: String,
 }
 
+/// How long the rest of a refused upload is listened to.
+const DRAINING: Duration = Duration::from_secs(10);
 /// The JSON part is small; a log is not.
 const LARGEST_REQUEST: usize = 8 << 20;
 
 impl Upload {
     /// Reads the parts `request` (JSON), `log` and, where `validation` says so, `validation` (files).
     pub async fn read(mut body: Multipart, validation: bool, files: &Files) -> Result<Self, Failure> {
+        let read = Self::parts(&mut body, validation, files).await;
+        if read.is_err() {
+            // A client that is still sending when the connection closes never sees the answer.
+            let _ = timeout(DRAINING, drain(&mut body)).await;
+        }
+        read
+    }
+
+    async fn parts(body: &mut Multipart, validation: bool, files: &Files) -> Result<Self, Failure> {
         let (mut request, mut logs, mut held_out) = (None, Vec::new(), Vec::new());
         let mut hasher = Sha256::new();
         while let Some(field) = body.next_field().await.map_err(broken)? {
@@ -48,6 +61,13 @@ impl Upload {
             validation: held_out,
             body: hex(&hasher.finalize()),
         })
+    }
+}
+
+/// Takes in what is still coming, and keeps nothing of it.
+async fn drain(body: &mut Multipart) {
+    while let Ok(Some(mut field)) = body.next_field().await {
+        while let Ok(Some(_)) = field.chunk().await {}
     }
 }
 

@@ -20,10 +20,10 @@ impl Guarded {
             tokens_required: true,
             ..Config::default()
         };
-        Self {
-            server: Server::with(config),
-            folder,
-        }
+        let server = Server::with(config);
+        // Its folder is there when it answers.
+        assert_eq!(server.get("/health/live").status, 200);
+        Self { server, folder }
     }
 
     fn in_store<T>(&self, work: impl AsyncFnOnce(Store) -> T) -> T {
@@ -104,7 +104,7 @@ fn body(path: &str, robot: &str) -> (&'static str, String) {
     let mut excitation = quick_request();
     excitation["robot"] = json!(robot);
     match path {
-        "/identify" => ("multipart/form-data; boundary=b", multipart(&json!({"robot": robot}))),
+        "/identify" | "/identify/preview" => ("multipart/form-data; boundary=b", multipart(&json!({"robot": robot}))),
         "/validate" => ("multipart/form-data; boundary=b", multipart(&json!({"model": robot}))),
         "/excitation" => ("application/json", excitation.to_string()),
         "/robots" | "/robots/{id}" => ("application/json", arm(robot).to_string()),

@@ -213,10 +213,11 @@ fn a_stopped_server_puts_its_work_back() {
     wait_until("it runs again", || server.state(&id) == "running");
     assert_eq!(server.send("DELETE", &format!("/jobs/{id}"), &[], "").0, 202);
     wait_until("it is cancelled", || server.state(&id) == "cancelled");
-    // What the first had found is not lost.
+    // What the first had found is not lost. What is handed out keeps clear of the limits by 1e-8 of them: its value differs from that of
+    // the search by a few times as much.
     let result = server.get(&format!("/excitation/{id}")).1;
     assert!(
-        result["condition_number"].as_f64().unwrap() <= found * (1.0 + 1e-9),
+        result["condition_number"].as_f64().unwrap() <= found * (1.0 + 1e-6),
         "{found} then {result}"
     );
 }

@@ -7,7 +7,9 @@ use crate::io::{InspectDocument, read_identify_request};
 use crate::service::access::Access;
 use crate::service::known::Known;
 use crate::service::problem::{Failure, internal_error};
+use crate::service::rows;
 use crate::service::state::Service;
+use crate::service::store::Role;
 use crate::service::upload::Upload;
 use crate::service::worker::local;
 use axum::Json;
@@ -34,14 +36,20 @@ pub async fn post(
     access: Access,
     body: Result<Multipart, MultipartRejection>,
 ) -> Result<Json<InspectDocument>, Failure> {
+    access.require(Role::Run)?;
+    // Logs that no job names are swept away later.
     let upload = Upload::read(body.map_err(not_multipart)?, true, service.files()).await?;
     let known = Known::of(&upload.request.value, &service, &access).await?;
-    let logs = local(&service, &upload.logs).await?;
-    let validation = local(&service, &upload.validation).await?;
+    let (logs, held_out) = (
+        local(&service, &upload.logs).await?,
+        local(&service, &upload.validation).await?,
+    );
+    let most_rows = service.config().most_rows;
     let work = move || {
         let request = read_identify_request(&upload.request, &known, &known);
         let request = request.map_err(|e| Error::invalid("the identification request", e))?;
-        inspect(&request, &logs, &validation)
+        logs.iter().chain(&held_out).try_for_each(|log| rows::check(log, most_rows))?;
+        inspect(&request, &logs, &held_out)
     };
     let seen = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())?;
     Ok(Json(seen?))

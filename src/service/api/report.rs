@@ -1,16 +1,17 @@
 //! `/identify/{id}/report`: an identification to print and to keep.
 
+use super::jobs::JobDocument;
 use super::results::{document, find};
-use crate::app::Problem;
+use crate::app::{Code, Error, Problem};
 use crate::service::access::Access;
 use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
+use crate::service::store::JobRow;
 use crate::service::work::Kind;
 use crate::web::{Circumstances, report};
 use axum::extract::{Path, State};
 use axum::response::Html;
 use serde_json::Value;
-use std::time::{Duration, SystemTime};
 
 /// The report of an identification.
 ///
@@ -27,31 +28,30 @@ use std::time::{Duration, SystemTime};
 )]
 pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Html<String>, Failure> {
     let job = find(&service, &access, &id, Kind::Identification).await?;
-    let result = value(&document(&service, &job).await?)?;
+    if !job.state.is_final() {
+        return Err(Failure(Error::new(Code::NoResult, "the identification goes on")));
+    }
+    let result = read(&service, &job).await?;
     let executed = result["provenance"]["request"]["excitation"].clone();
     let design = match &executed {
-        Value::String(id) => design_of(&service, &access, id).await,
+        Value::String(id) => match service.find_job(id, &access).await? {
+            Some(job) => read(&service, &job).await.ok(),
+            None => None,
+        },
         Value::Object(_) => Some(executed),
         _ => None,
     };
-    let ended = |us: i64| SystemTime::UNIX_EPOCH + Duration::from_micros(us.max(0) as u64);
     let circumstances = Circumstances {
         id: Some(id),
-        ended: job
-            .finished_us
-            .map(|us| humantime::format_rfc3339_seconds(ended(us)).to_string()),
+        ended: JobDocument::of(&job).finished_at,
         design,
     };
     let page = tokio::task::spawn_blocking(move || report(&result, &circumstances)).await;
     Ok(Html(page.map_err(|_| internal_error())?))
 }
 
-/// The design that was executed, where it is still kept and whoever asks may see it.
-async fn design_of(service: &Service, access: &Access, id: &str) -> Option<Value> {
-    let job = find(service, access, id, Kind::Excitation).await.ok()?;
-    value(&document(service, &job).await.ok()?).ok()
-}
-
-fn value(document: &[u8]) -> Result<Value, Failure> {
-    Ok(serde_json::from_slice(document).map_err(|_| internal_error())?)
+/// The stored result of a job.
+async fn read(service: &Service, job: &JobRow) -> Result<Value, Failure> {
+    let bytes = document(service, job).await?;
+    Ok(serde_json::from_slice(&bytes).map_err(|_| internal_error())?)
 }
