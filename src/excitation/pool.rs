@@ -16,7 +16,7 @@ pub(super) struct Point {
 /// Niches kept: enough to exchange joints between different basins, few enough to press on.
 const NICHES: usize = 10;
 /// Distance below which two points belong to one niche. On the paper's problem local solves that came back to the point they were
-/// disturbed from ended within 0.2 of it, all others beyond 0.3.
+/// disturbed from ended within 0.2 of it, nearly all others beyond 0.3.
 const RADIUS: f64 = 0.25;
 
 /// Best first; no two points of one niche.
