@@ -3,10 +3,10 @@
 use super::criterion::Criteria;
 use super::margins::{Margin, margins};
 use super::problem::Problem;
+use super::rivals::ExpectedEvidence;
 use super::space::{Clearance, certified_clearances};
 use super::workspace::workspace_gram;
-use crate::dynamics::{ColumnSet, Coulomb, RowBlocks};
-use crate::trajectory::{FourierSeries, Trajectory};
+use crate::trajectory::FourierSeries;
 use nalgebra::{DMatrix, DVector};
 
 /// How a search ended. Outcomes are values: every one but [`Outcome::Infeasible`] comes with a trajectory that meets all constraints.
@@ -47,13 +47,15 @@ pub struct StartReport {
     pub converged: bool,
 }
 
-/// Accuracy to be expected of an identification with this trajectory, one period.
+/// Accuracy to be expected of an identification with this trajectory, as many periods as asked for, and what is given.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predicted {
     /// Torque noise assumed, one standard deviation per joint [N·m or N].
     pub torque_noise: Vec<f64>,
     /// Standard deviation of every base parameter with weighted least squares: `diag((Σ_j A_jᵀ A_j / σ_j²)⁻¹)^½`.
     pub std_dev: DVector<f64>,
+    /// Covariance of the parameters of effects, in the order of their columns.
+    pub of_effects: DMatrix<f64>,
     /// `100 σ / |π_b|` where all links have prior parameters.
     pub relative_std_dev_percent: Option<DVector<f64>>,
 }
@@ -67,6 +69,8 @@ pub struct Design {
     /// Of the true Y_b (true sign) on the asked samples, computed afresh from `series`; `None` without a trajectory.
     pub criteria: Option<Criteria>,
     pub predicted: Option<Predicted>,
+    /// How well two rivals are told apart, where there are two.
+    pub rivals: Option<RivalReport>,
     pub margins: Vec<Margin>,
     /// Of every pair that keeps a distance, with limits in space.
     pub clearances: Vec<Clearance>,
@@ -93,6 +97,7 @@ pub(super) fn design(
         status,
         criteria: Some(criteria),
         predicted: Some(predicted),
+        rivals: rival_report(problem, &series),
         margins,
         clearances,
         series,
@@ -111,6 +116,7 @@ pub(super) fn infeasible(problem: &Problem, reason: String) -> Design {
         series: FourierSeries::at_rest(rest, spec.order, spec.fundamental_hz),
         criteria: None,
         predicted: None,
+        rivals: None,
         margins: Vec::new(),
         clearances: Vec::new(),
         starts: Vec::new(),
@@ -121,15 +127,17 @@ pub(super) fn infeasible(problem: &Problem, reason: String) -> Design {
 
 /// Criteria and predicted accuracy of a series on the problem's samples, with the true sign.
 pub fn assess(problem: &Problem, series: &FourierSeries) -> (Criteria, Predicted) {
-    let motion = series.sample(problem.spec().sample_rate_hz);
-    let columns = ColumnSet::new(problem.robot(), problem.layout(), &problem.base().kept);
-    let mut rows = RowBlocks::new(&columns, motion.samples());
-    rows.fill(problem.chain(), &columns, &motion, Coulomb::Sign);
-    let y_b = rows.observation_matrix(&columns);
+    let rows = problem.observation_matrix(series);
     let torque_noise = problem.torque_noise();
-    let whitened = whiten(&y_b, &torque_noise);
-    let criteria = Criteria::of(&y_b, &whitened, &workspace_gram(problem), problem.robot().joint_count());
-    let std_dev = standard_deviations(&whitened);
+    let mut whitened = whiten(&rows, &torque_noise) * problem.spec().knowledge.periods.sqrt();
+    if let Some(given) = problem.given() {
+        whitened = stacked(&whitened, &root(given));
+    }
+    // With earlier data the rows of one trajectory are a part only: its condition is that of all that is known, by its noise.
+    let plain = if problem.given().is_some() { &whitened } else { &rows };
+    let mut criteria = Criteria::of(plain, &whitened, &workspace_gram(problem), problem.robot().joint_count());
+    criteria.rival_evidence = rival_report(problem, series).map(|r| r.together.least());
+    let (std_dev, of_effects) = accuracies(&whitened, problem.base().len());
     let prior = problem
         .layout()
         .prior(problem.robot())
@@ -140,9 +148,50 @@ pub fn assess(problem: &Problem, series: &FourierSeries) -> (Criteria, Predicted
         Predicted {
             torque_noise,
             std_dev,
+            of_effects,
             relative_std_dev_percent,
         },
     )
+}
+
+/// Evidence to be expected between two rivals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RivalReport {
+    /// From the new trajectory alone.
+    pub designed: ExpectedEvidence,
+    /// From the data that both came from; `None` where they are not known.
+    pub recorded: Option<ExpectedEvidence>,
+    /// From both fitted together: what is given and the new trajectory.
+    pub together: ExpectedEvidence,
+}
+
+fn rival_report(problem: &Problem, series: &FourierSeries) -> Option<RivalReport> {
+    let knowledge = &problem.spec().knowledge;
+    let rivals = knowledge.rivals.as_ref()?;
+    let base = problem.base().len();
+    let own = problem.information_of(series) * knowledge.periods;
+    let together = problem.given().map_or_else(|| own.clone(), |given| given + &own);
+    Some(RivalReport {
+        designed: rivals.expected(&own, base),
+        recorded: rivals.recorded.as_ref().map(|data| rivals.expected(data, base)),
+        together: rivals.expected(&together, base),
+    })
+}
+
+fn stacked(upper: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut both = upper.clone().resize_vertically(upper.nrows() + lower.nrows(), 0.0);
+    both.rows_mut(upper.nrows(), lower.nrows()).copy_from(lower);
+    both
+}
+
+/// F with `FᵀF = M`; what rounding has made negative counts as nothing.
+fn root(information: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = information.clone().symmetric_eigen();
+    let mut rows = eigen.eigenvectors.transpose();
+    for (mut row, value) in rows.row_iter_mut().zip(eigen.eigenvalues.iter()) {
+        row *= value.max(0.0).sqrt();
+    }
+    rows
 }
 
 /// Every row over the noise of its joint; rows go joint by joint within a sample.
@@ -154,12 +203,19 @@ fn whiten(y_b: &DMatrix<f64>, noise: &[f64]) -> DMatrix<f64> {
     whitened
 }
 
-/// `diag((WᵀW)⁻¹)^½` by the triangular factor: row norms of `R⁻¹`.
-fn standard_deviations(w: &DMatrix<f64>) -> DVector<f64> {
+/// `diag((WᵀW)⁻¹)^½` of the first `base` columns and `(WᵀW)⁻¹` of the others, by the triangular factor: of `R⁻¹ R⁻ᵀ`.
+fn accuracies(w: &DMatrix<f64>, base: usize) -> (DVector<f64>, DMatrix<f64>) {
     let r = w.clone().qr().r();
-    let inverse = r.solve_upper_triangular(&DMatrix::identity(r.ncols(), r.ncols()));
-    match inverse {
-        Some(inverse) => DVector::from_iterator(r.ncols(), inverse.row_iter().map(|row| row.norm())),
-        None => DVector::from_element(r.ncols(), f64::INFINITY),
-    }
+    let more = r.ncols() - base;
+    let Some(inverse) = r.solve_upper_triangular(&DMatrix::identity(r.ncols(), r.ncols())) else {
+        return (
+            DVector::from_element(base, f64::INFINITY),
+            DMatrix::from_element(more, more, f64::INFINITY),
+        );
+    };
+    let rest = inverse.rows(base, more);
+    (
+        DVector::from_iterator(base, inverse.row_iter().take(base).map(|row| row.norm())),
+        rest * rest.transpose(),
+    )
 }
