@@ -34,7 +34,9 @@ fn main() {
         ("exact, free", Criterion::AOptimality, Form::Exact, Start::Free),
         ("exact, free", Criterion::IOptimality, Form::Exact, Start::Free),
     ];
-    println!("| constraints | minimised | condition number | scaled | geometric mean deviation | torque error, N m | of the first |");
+    println!(
+        "| constraints | minimised | condition number | scaled | geometric mean deviation | torque error, N m | of the first |"
+    );
     println!("|---|---|---|---|---|---|---|");
     let mut first = None;
     for (name, criterion, form, start) in designs {

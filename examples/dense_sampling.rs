@@ -135,11 +135,17 @@ fn sampled(curves: &[Curve], period_s: f64) -> (f64, usize) {
             a.iter().zip(&b).map(join).collect()
         });
     let used = |(curve, [low, high]): (&Curve, &[f64; 2])| {
-        let (middle, half) = (0.5 * (curve.range[0] + curve.range[1]), 0.5 * (curve.range[1] - curve.range[0]));
+        let (middle, half) = (
+            0.5 * (curve.range[0] + curve.range[1]),
+            0.5 * (curve.range[1] - curve.range[0]),
+        );
         ((high - middle) / half).max((middle - low) / half)
     };
     let all: Vec<f64> = curves.iter().zip(&extremes).map(used).collect();
-    (all.iter().copied().fold(0.0, f64::max), all.iter().filter(|u| **u > 1.0).count())
+    (
+        all.iter().copied().fold(0.0, f64::max),
+        all.iter().filter(|u| **u > 1.0).count(),
+    )
 }
 
 /// The same of torques: largest |τ| over what is allowed, by inverse dynamics at every sample.

@@ -4,7 +4,9 @@
 //!
 //! `cargo run --release --example paper_experiment [evaluations of the excitation search]`
 
-use dynident::excitation::{Control, Criterion, Form, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, Start, search};
+use dynident::excitation::{
+    Control, Criterion, Form, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, Start, search,
+};
 use dynident::identification::physical::{
     ConsistentOptions, FeasibleMethod, FeasibleOptions, FitObjective, PaperFit, PaperOptions, Triangle, fit_feasible,
 };

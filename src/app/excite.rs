@@ -49,7 +49,10 @@ pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn F
         Ok(pool) => pool.install(run),
         Err(_) => run(),
     };
-    let backoff = request.backoff.map(|amplitude| Backoff { amplitude, slowness: 1.0 });
+    let backoff = request.backoff.map(|amplitude| Backoff {
+        amplitude,
+        slowness: 1.0,
+    });
     let (problem, design) = &designs[0];
     let first_run = backoff
         .filter(|_| design.criteria.is_some())
@@ -102,13 +105,23 @@ impl Course<'_> {
             let share_of_each = 0.5 * share / fundamentals.len() as f64;
             let all = fundamentals.iter().map(|&f| self.search(spec, f, earlier, share_of_each));
             let (problem, first) = all
-                .reduce(|best, next| if worth(&next.0, &next.1) < worth(&best.0, &best.1) { next } else { best })
+                .reduce(|best, next| {
+                    if worth(&next.0, &next.1) < worth(&best.0, &best.1) {
+                        next
+                    } else {
+                        best
+                    }
+                })
                 .expect("a request has a fundamental");
             if first.criteria.is_none() || self.cancel.is_cancelled() {
                 return (problem, first);
             }
             let (_, last) = self.search(spec, problem.spec().fundamental_hz, Some(&first.series), 0.5 * share);
-            let best = if worth(&problem, &first) < worth(&problem, &last) { first } else { last };
+            let best = if worth(&problem, &first) < worth(&problem, &last) {
+                first
+            } else {
+                last
+            };
             return (problem, best);
         };
         self.search(spec, *only, earlier, share)
@@ -123,7 +136,9 @@ impl Course<'_> {
         let problem = Problem::new(spec).unwrap_or_else(|_| self.request.problem.clone());
         let search = &self.request.search;
         let mut options = search.options;
-        options.max_evaluations = options.max_evaluations.map(|most| ((most as f64 * share).ceil() as u64).max(1));
+        options.max_evaluations = options
+            .max_evaluations
+            .map(|most| ((most as f64 * share).ceil() as u64).max(1));
         // A search among several ends by the clock or when it has converged.
         let clock = Clock {
             deadline: Instant::now() + Duration::from_secs_f64(search.time_limit_s * share),
@@ -141,7 +156,11 @@ impl Course<'_> {
 fn worth(problem: &Problem, design: &Design) -> f64 {
     let criterion = problem.spec().criterion;
     let value = design.criteria.map_or(f64::INFINITY, |c| c.value(criterion));
-    if criterion.is_condition_number() { value } else { value / problem.spec().fundamental_hz.sqrt() }
+    if criterion.is_condition_number() {
+        value
+    } else {
+        value / problem.spec().fundamental_hz.sqrt()
+    }
 }
 
 /// Brings the clock to a search that knows none.

@@ -1,8 +1,8 @@
 //! What the declared model leaves over, as the `residual` part of an answer: data faults first, then physics.
 
 use super::identify::{ModelFiles, UsedLog};
-use crate::io::traced_value;
 use crate::io::log::{FindingKind, LogReport};
+use crate::io::traced_value;
 use crate::model::Robot;
 use crate::residual::{
     AugmentedModel, DataFault, Evidence, FaultKind, Finding, Prior, ResidualReport, RmsPair, Stretch, TraceOptions, Traced,

@@ -85,7 +85,9 @@ fn read_request(arguments: &Arguments) -> Result<ExcitationRequest, Error> {
 
 /// Puts model, data and back-off of the command line into the request.
 fn put_data(request: &mut Parsed, arguments: &Arguments) -> Result<(), Error> {
-    let Some(fields) = request.value.as_object_mut() else { return Ok(()) };
+    let Some(fields) = request.value.as_object_mut() else {
+        return Ok(());
+    };
     if let Some(path) = &arguments.model {
         fields.insert("model".into(), files::parse_json(path)?.value);
     }

@@ -189,7 +189,9 @@ impl Beside {
                         _ => &mut gradient.qdd,
                     };
                     to[joint * self.stride..]
-                        .iter_mut().zip(&change).for_each(|(g, c)| *g += c / (2.0 * step));
+                        .iter_mut()
+                        .zip(&change)
+                        .for_each(|(g, c)| *g += c / (2.0 * step));
                 }
             }
         }

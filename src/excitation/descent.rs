@@ -233,7 +233,11 @@ impl<'a> Descent<'a> {
             Grid::Asked => asked,
             Grid::Coarse => {
                 // Effects of friction and ripple are finer than bodies are.
-                let per_harmonic = if self.problem.spec().knowledge.added.is_some() { 80 } else { 20 };
+                let per_harmonic = if self.problem.spec().knowledge.added.is_some() {
+                    80
+                } else {
+                    20
+                };
                 asked.min((per_harmonic * self.problem.spec().order).next_multiple_of(8))
             }
         }
@@ -245,7 +249,13 @@ impl<'a> Descent<'a> {
             (Criterion::DOptimality, _) => SmoothCriterion::DOptimality,
             (Criterion::AOptimality, _) => SmoothCriterion::AOptimality,
             (Criterion::RivalEvidence, _) => SmoothCriterion::RivalEvidence {
-                rivals: self.problem.spec().knowledge.rivals.as_ref().expect("checked with the problem"),
+                rivals: self
+                    .problem
+                    .spec()
+                    .knowledge
+                    .rivals
+                    .as_ref()
+                    .expect("checked with the problem"),
                 base: self.problem.base().len(),
                 power: SOFT_MINIMUM,
             },

@@ -411,7 +411,10 @@ mod tests {
             };
             let column = |rows: Vec<(usize, Vec<f64>)>| vec![AddedColumn { at: group, rows }];
             match group {
-                0 => column(vec![(0, (0..n).map(local).collect()), (2, (0..n).map(|s| 2.0 * local(s)).collect())]),
+                0 => column(vec![
+                    (0, (0..n).map(local).collect()),
+                    (2, (0..n).map(|s| 2.0 * local(s)).collect()),
+                ]),
                 _ => column(vec![(1, (0..n).map(late).collect())]),
             }
         }
@@ -435,6 +438,7 @@ mod tests {
             finding: side(0, 0.4),
             rival: side(1, 0.7),
             recorded: None,
+            nested: [false; 2],
         };
         let size = problem.base().len() + 2;
         let known = DMatrix::from_fn(size, size, |r, c| if r == c { 0.3 } else { 0.01 * ((r * c) as f64).cos() });

@@ -47,8 +47,12 @@ impl Postures {
     /// Which limits fight, in words.
     pub fn in_words(&self, problem: &Problem) -> String {
         let percent = |n: usize| format!("{:.1} %", 100.0 * n as f64 / POSTURES as f64);
-        let torque = problem.torque().map(|_| format!("constraints.torque allows {}", percent(self.torque)));
-        let space = problem.space().map(|_| format!("constraints.space allows {}", percent(self.space)));
+        let torque = problem
+            .torque()
+            .map(|_| format!("constraints.torque allows {}", percent(self.torque)));
+        let space = problem
+            .space()
+            .map(|_| format!("constraints.space allows {}", percent(self.space)));
         let alone: Vec<String> = torque.into_iter().chain(space).collect();
         let together = match alone.len() {
             2 => format!(", both together {}", percent(self.both)),
@@ -76,7 +80,9 @@ fn left_over(problem: &Problem, postures: &[Vec<f64>]) -> Vec<[f64; 2]> {
     }
     if let Some(set) = problem.space() {
         for (q, l) in postures.iter().zip(&mut left) {
-            let nearest = set.nearest(problem.robot(), &|j| q[j]).map_or(f64::INFINITY, |(_, d)| d - set.clearance);
+            let nearest = set
+                .nearest(problem.robot(), &|j| q[j])
+                .map_or(f64::INFINITY, |(_, d)| d - set.clearance);
             l[1] = (nearest / 0.1).min(1.0);
         }
     }

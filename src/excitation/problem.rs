@@ -1,10 +1,12 @@
 //! What is asked: a robot, a Fourier series, a criterion, constraints.
 
 use super::added::{Added, Course};
+use super::moves::{random_numbers, random_start};
 use super::path::{TorqueLimits, TorqueSet};
 use super::postures::Postures;
 use super::rivals::Rivals;
 use super::space::{SpaceLimits, SpaceSet};
+use super::variables::Variables;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks, inverse_dynamics_batch};
 use crate::model::{FieldProblem, ModelError, Robot};
 use crate::parameters::{BaseParameters, Layout};
@@ -169,6 +171,7 @@ impl Problem {
         };
         problem.elsewhere = problem.another_rest();
         problem.given = problem.sum_of_given();
+        problem.look_for_nesting();
         Ok(problem)
     }
 
@@ -180,6 +183,18 @@ impl Problem {
     /// `WᵀW` of all that is known already; `None` where nothing is.
     pub(super) fn given(&self) -> Option<&DMatrix<f64>> {
         self.given.as_ref()
+    }
+
+    /// Whether one rival is a special case of the other: nothing of it is left over on any motion, two random ones for example.
+    fn look_for_nesting(&mut self) {
+        let Some(rivals) = &self.spec.knowledge.rivals else { return };
+        let variables = Variables::new(self);
+        let series = (0..2).map(|index| variables.series(&random_start(&variables, &mut random_numbers(0, 0, index))));
+        let grams: Vec<DMatrix<f64>> = series.map(|s| self.information_of(&s)).collect();
+        let nested = rivals.nested_on(&grams, self.base.len());
+        if let Some(rivals) = &mut self.spec.knowledge.rivals {
+            rivals.nested = nested;
+        }
     }
 
     fn sum_of_given(&self) -> Option<DMatrix<f64>> {
@@ -262,6 +277,11 @@ impl Problem {
                 "joint `{}` starts on its position limit and has nowhere to go: choose another start_position, or start: free",
                 joint.name
             )
+        })
+        .or_else(|| {
+            let alike = self.spec.criterion == Criterion::RivalEvidence
+                && self.spec.knowledge.rivals.as_ref().is_some_and(|r| r.nested == [true, true]);
+            alike.then(|| "the two rivals make the same torques on any motion of this arm, once the other parameters are fitted: no motion tells them apart".into())
         })
         .or_else(|| {
             let reasons: Vec<String> = self.too_heavy_at_rest().into_iter().chain(self.too_near_at_rest()).collect();
@@ -414,7 +434,10 @@ fn harmonic_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
         let ascending = list.windows(2).all(|w| w[0] < w[1]);
         let inside = list.iter().all(|l| (1..=spec.order).contains(l));
         if list.len() < 2 || !ascending || !inside {
-            let detail = format!("is {list:?}; a joint has at least two harmonics between 1 and the order, {}, ascending", spec.order);
+            let detail = format!(
+                "is {list:?}; a joint has at least two harmonics between 1 and the order, {}, ascending",
+                spec.order
+            );
             let hint = "rest at the start binds two of them together: with one harmonic nothing would move";
             found.push(FieldProblem::new(format!("/fourier/harmonics/{i}"), detail).with_hint(hint));
         }
@@ -442,7 +465,10 @@ fn knowledge_problems(spec: &ProblemSpec, columns: usize) -> Result<(), ModelErr
         found.push(FieldProblem::new("/rivals", detail).with_hint(hint));
     }
     if !(knowledge.periods.is_finite() && knowledge.periods >= 1.0) {
-        found.push(FieldProblem::new("/periods", format!("is {}; at least one period is recorded", knowledge.periods)));
+        found.push(FieldProblem::new(
+            "/periods",
+            format!("is {}; at least one period is recorded", knowledge.periods),
+        ));
     }
     if found.is_empty() { Ok(()) } else { Err(ModelError(found)) }
 }

@@ -10,6 +10,9 @@
 //! which is the expectation of twice the logarithm of the likelihood ratio between the two, up to the chance part that each further free
 //! parameter takes off any residual (one per parameter). A parameter that columns are not linear in stands in R with its derivative at its present value. The
 //! motion is as good as its worse direction: `min(E_A, E_B)`.
+//!
+//! An effect that is a special case of the other (an offset, of a spring with any rest angle) leaves nothing over if it is true, whatever the motion: only
+//! parsimony then speaks against the other. That direction is left out of the minimum.
 
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -30,6 +33,8 @@ pub struct Rivals {
     pub rival: Hypothesis,
     /// `WᵀW` of the data that both came from, over all columns; `None` where it is not known.
     pub recorded: Option<DMatrix<f64>>,
+    /// Whether finding, or rival, is a special case of the other. Found out by [`super::Problem::new`].
+    pub nested: [bool; 2],
 }
 
 /// Evidence to be expected between two rivals: twice the logarithm of the odds.
@@ -37,14 +42,24 @@ pub struct Rivals {
 pub struct ExpectedEvidence {
     pub if_finding: f64,
     pub if_rival: f64,
+    nested: [bool; 2],
 }
 
 impl ExpectedEvidence {
-    /// In the worse of the two cases.
+    /// In the worse of the two cases, but for one in which nothing can be left over.
     pub fn least(&self) -> f64 {
-        self.if_finding.min(self.if_rival)
+        match self.nested {
+            [true, true] => 0.0,
+            [true, false] => self.if_rival,
+            [false, true] => self.if_finding,
+            [false, false] => self.if_finding.min(self.if_rival),
+        }
     }
 }
+
+/// What is left of an effect is nothing when it is less than this part of it: a ridge of 1e-12 and rounding of the Gram matrix are less, and what is
+/// to be seen at all is more.
+const NESTED: f64 = 1e-8;
 
 /// Part of a scaled column's square that counts as rounding: exactly dependent columns need no share of the residual.
 const RIDGE: f64 = 1e-12;
@@ -57,14 +72,38 @@ impl Rivals {
         ExpectedEvidence {
             if_finding: left_over(gram, base, &self.finding).0,
             if_rival: left_over(gram, base, &self.rival).0,
+            nested: self.nested,
         }
+    }
+
+    /// Which of the two leave nothing over on the motions with these Gram matrices.
+    pub(super) fn nested_on(&self, grams: &[DMatrix<f64>], base: usize) -> [bool; 2] {
+        [&self.finding, &self.rival].map(|of| {
+            grams.iter().all(|gram| {
+                let own = base + of.columns.start;
+                let values = DVector::from_column_slice(&of.values);
+                let all = gram.view((own, own), (values.len(), values.len())) * &values;
+                left_over(gram, base, of).0 <= NESTED * all.dot(&values)
+            })
+        })
     }
 
     /// `−½ ln` of a soft minimum of the two, with its derivative G: `dF = tr(G dM)`.
     pub(super) fn smooth(&self, gram: &DMatrix<f64>, base: usize, power: f64) -> (f64, DMatrix<f64>) {
         let both = [left_over(gram, base, &self.finding), left_over(gram, base, &self.rival)];
-        let least = both[0].0.min(both[1].0).max(NONE);
-        let shares = [0, 1].map(|i| (least / both[i].0.max(NONE)).powf(power));
+        let counts = |i: &usize| !self.nested[*i] || self.nested == [true, true];
+        let least = [0, 1]
+            .into_iter()
+            .filter(counts)
+            .map(|i| both[i].0.max(NONE))
+            .fold(f64::INFINITY, f64::min);
+        let shares = [0, 1].map(|i| {
+            if counts(&i) {
+                (least / both[i].0.max(NONE)).powf(power)
+            } else {
+                0.0
+            }
+        });
         let sum = shares[0] + shares[1];
         let mut slope = DMatrix::zeros(gram.nrows(), gram.ncols());
         for ((evidence, v), share) in both.iter().zip(shares) {
@@ -99,7 +138,10 @@ fn left_over(gram: &DMatrix<f64>, base: usize, of: &Hypothesis) -> (f64, DVector
             None => ridge *= 100.0,
         }
     };
-    free.iter().zip(&scale).zip(solved.iter()).for_each(|((&i, s), z)| v[i] = -s * z);
+    free.iter()
+        .zip(&scale)
+        .zip(solved.iter())
+        .for_each(|((&i, s), z)| v[i] = -s * z);
     ((gram * &v).dot(&v).max(0.0), v)
 }
 
@@ -120,6 +162,7 @@ mod tests {
             finding: side(0..2, &[0.7, -0.2]),
             rival: side(2..3, &[1.3]),
             recorded: None,
+            nested: [false; 2],
         }
     }
 

@@ -262,7 +262,9 @@ impl Side<'_> {
 
 /// Extremes of every joint's torque along a series, proven; empty without torque limits.
 pub(super) fn certified_torques(problem: &Problem, series: &FourierSeries) -> Vec<TorqueExtremes> {
-    let Some(proof) = Proof::new(problem, series) else { return Vec::new() };
+    let Some(proof) = Proof::new(problem, series) else {
+        return Vec::new();
+    };
     let allowed = &problem.torque().expect("there is a proof").allowed;
     let of = |joint: usize| {
         let side = |sign: f64| {
@@ -274,7 +276,11 @@ pub(super) fn certified_torques(problem: &Problem, series: &FourierSeries) -> Ve
                 best: (f64::NEG_INFINITY, 0.0),
             };
             proof.grid.iter().for_each(|m| side.see(m));
-            let fine = if allowed[joint].is_finite() { FINE * allowed[joint] } else { f64::INFINITY };
+            let fine = if allowed[joint].is_finite() {
+                FINE * allowed[joint]
+            } else {
+                f64::INFINITY
+            };
             side.enough = side.best.0 + fine;
             let pairs = proof.grid.windows(2);
             let certified = pairs.fold(f64::NEG_INFINITY, |most, p| most.max(side.refined(&p[0], &p[1], HALVINGS)));
@@ -293,7 +299,9 @@ pub(super) fn certified_torques(problem: &Problem, series: &FourierSeries) -> Ve
 
 /// Whether all torques provably stay within what is allowed, `room` of it left; true without torque limits.
 pub(super) fn torques_hold(problem: &Problem, series: &FourierSeries, room: f64) -> bool {
-    let Some(proof) = Proof::new(problem, series) else { return true };
+    let Some(proof) = Proof::new(problem, series) else {
+        return true;
+    };
     let allowed = &problem.torque().expect("there is a proof").allowed;
     let holds = |joint: usize, sign: f64| {
         let mut side = Side {

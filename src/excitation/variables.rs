@@ -177,7 +177,9 @@ impl Variables {
     /// Variables that stand for given coefficients (those of [`Self::project`], up to each joint's scale).
     pub fn from_coefficients(&self, coefficients: &DMatrix<f64>) -> Vec<f64> {
         let joints = self.null_spaces.iter().zip(coefficients.column_iter());
-        joints.flat_map(|(basis, column)| basis.tr_mul(&column).as_slice().to_vec()).collect()
+        joints
+            .flat_map(|(basis, column)| basis.tr_mul(&column).as_slice().to_vec())
+            .collect()
     }
 
     /// The series, with equalities met to the last bit where floating point allows and every limit met with room for rounding.

@@ -55,5 +55,7 @@ fn over_motions(problem: &Problem) -> DMatrix<f64> {
         let y = problem.rows_along(&variables.series(&x).sample(rate), 1.0 / rate, true);
         y.tr_mul(&y) / (samples * motions) as f64
     };
-    (0..motions).map(of).fold(DMatrix::zeros(problem.columns(), problem.columns()), |a, b| a + b)
+    (0..motions)
+        .map(of)
+        .fold(DMatrix::zeros(problem.columns(), problem.columns()), |a, b| a + b)
 }

@@ -117,7 +117,10 @@ pub(super) fn read_model_with_effects(cursor: &Cursor, robot: &Robot) -> Option<
         .required("information")
         .and_then(|c| read_square(&c, model.parameters()))?;
     let size = [model.parameters(), model.values.len()];
-    let rivals = effects.iter().map(|c| read_rivals(c, robot, size)).collect::<Option<Vec<_>>>()?;
+    let rivals = effects
+        .iter()
+        .map(|c| read_rivals(c, robot, size))
+        .collect::<Option<Vec<_>>>()?;
     let noise = fields.nullable("noise").and_then(|c| read_noise(&c, robot.joint_count()));
     let mean = model.vector();
     Some(ReadModel {
@@ -141,7 +144,9 @@ fn read_noise(cursor: &Cursor, joints: usize) -> Option<(Vec<f64>, f64)> {
 
 fn read_rivals(effect: &Cursor, robot: &Robot, size: [usize; 2]) -> Option<Vec<RivalTerm>> {
     let fields = effect.fields(EFFECT_FIELDS)?;
-    let Some(list) = fields.nullable("rivals") else { return Some(Vec::new()) };
+    let Some(list) = fields.nullable("rivals") else {
+        return Some(Vec::new());
+    };
     list.items()?.iter().map(|c| read_rival(c, robot, size)).collect()
 }
 

@@ -5,8 +5,8 @@ use super::knowledge_request::DesignTerms;
 use crate::excitation::{
     Criteria, Design, ExpectedEvidence, FirstRun, Margin, Outcome, Predicted, Problem, Quantity, RivalReport, margins,
 };
-use crate::residual::{Term, reported};
 use crate::model::Joint;
+use crate::residual::{Term, reported};
 use crate::trajectory::FourierSeries;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -138,6 +138,10 @@ pub struct RivalsDocument {
     pub finding: EffectDocument,
     pub rival: EffectDocument,
     pub expected_evidence: ExpectedDocument,
+    /// `finding` or `rival` where that one is a special case of the other: nothing is left over if it is true, whatever the motion, and the
+    /// other is then excluded by its further parameters coming out as zero. `least` looks at the other case alone.
+    #[cfg_attr(feature = "service", schema(example = "finding"))]
+    pub nested: Option<&'static str>,
     /// Whether the least evidence of all data together is at least 6: odds of 20 to 1.
     pub decides: bool,
 }
@@ -366,7 +370,10 @@ fn effects(problem: &Problem, terms: &DesignTerms, design: &Design) -> Vec<Effec
     let mut first = 0;
     let of = |term: &Term| {
         let k = term.parameters();
-        let covariance = design.predicted.as_ref().map(|p| p.of_effects.view((first, first), (k, k)).into_owned());
+        let covariance = design
+            .predicted
+            .as_ref()
+            .map(|p| p.of_effects.view((first, first), (k, k)).into_owned());
         first += k;
         effect(problem, term, covariance)
     };
@@ -410,6 +417,11 @@ fn rivals(problem: &Problem, terms: &DesignTerms, design: &Design) -> Option<Riv
     Some(RivalsDocument {
         finding: all[finding].clone(),
         rival: all[rival].clone(),
+        nested: match problem.spec().knowledge.rivals.as_ref().map(|r| r.nested) {
+            Some([true, false]) => Some("finding"),
+            Some([false, true]) => Some("rival"),
+            _ => None,
+        },
         decides: together.least() >= DECISIVE,
         expected_evidence: ExpectedDocument {
             designed: evidence(designed),

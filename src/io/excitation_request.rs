@@ -1,8 +1,8 @@
 //! Excitation requests.
 
 use super::cursor::{Cursor, Fields, Findings};
-use super::knowledge_request::{DesignModel, DesignTerms, read_design_model, read_knowledge};
 use super::json::Parsed;
+use super::knowledge_request::{DesignModel, DesignTerms, read_design_model, read_knowledge};
 use super::path_limits::{read_space_limits, read_torque_limits};
 use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
 use super::warm_start::read_warm_start;
@@ -218,7 +218,9 @@ fn noise_of(model: &DesignModel, rate_hz: f64) -> Option<Vec<f64>> {
 fn read_backoff(cursor: &Cursor) -> Option<f64> {
     let factor = cursor.number()?;
     if !(factor > 0.0 && factor <= 1.0) {
-        cursor.complain(format!("is {factor}; a first run has a factor above 0 and at most 1 on its amplitudes"));
+        cursor.complain(format!(
+            "is {factor}; a first run has a factor above 0 and at most 1 on its amplitudes"
+        ));
     }
     Some(factor)
 }
@@ -231,7 +233,10 @@ fn read_spec(fields: &Fields, robot: Option<Robot>, first: Option<f64>) -> Probl
         .and_then(|c| c.whole(0, 1_000_000));
     let asked = fourier.as_ref().and_then(|f| f.required("fundamental_hz"));
     let fundamental = asked.and_then(|c| check_fundamentals(&c, first));
-    let harmonics = fourier.as_ref().and_then(|f| f.nullable("harmonics")).and_then(|c| read_harmonics(&c));
+    let harmonics = fourier
+        .as_ref()
+        .and_then(|f| f.nullable("harmonics"))
+        .and_then(|c| read_harmonics(&c));
     let rate = fields.required("sample_rate_hz").and_then(|c| c.number());
     let constraints = fields.optional("constraints").and_then(|c| c.fields(CONSTRAINT_FIELDS));
     let constraint = |name: &str| constraints.as_ref().and_then(|f| f.optional(name));
@@ -274,7 +279,10 @@ fn check_fundamentals(cursor: &Cursor, first: Option<f64>) -> Option<f64> {
     }
     let list = cursor.numbers(None)?;
     if list.is_empty() || list.len() > MOST_FUNDAMENTALS {
-        cursor.complain(format!("has {} values; a search chooses from 1 to {MOST_FUNDAMENTALS}", list.len()));
+        cursor.complain(format!(
+            "has {} values; a search chooses from 1 to {MOST_FUNDAMENTALS}",
+            list.len()
+        ));
     }
     for (i, value) in list.iter().enumerate().skip(1).filter(|(_, v)| !(v.is_finite() && **v > 0.0)) {
         cursor.findings().push(FieldProblem::new(

@@ -116,7 +116,10 @@ fn place<'t>(cursor: &Cursor, robot: &Robot, terms: impl Iterator<Item = &'t Ter
     let fits = |t: &&Term| t.effect.code() == effect && (t.joints.is_empty() || joints.is_empty() || names(t) == joints);
     let found = terms.iter().position(fits);
     if found.is_none() {
-        let offered: Vec<String> = terms.iter().map(|t| format!("{} on {:?}", t.effect.code(), names(t))).collect();
+        let offered: Vec<String> = terms
+            .iter()
+            .map(|t| format!("{} on {:?}", t.effect.code(), names(t)))
+            .collect();
         cursor.complain_with(
             format!("is `{effect}` on {joints:?}, which the model does not hold there"),
             format!("it holds {}", offered.join(", ")),
@@ -167,6 +170,7 @@ pub(super) fn read_knowledge(
                 finding: hypothesis(&terms.terms, *at),
                 rival: hypothesis(&terms.terms, last),
                 recorded: Some(known_of(model, &base, &terms.terms)),
+                nested: [false; 2],
             });
         }
     }
@@ -218,13 +222,7 @@ fn known_of(model: &DesignModel, base: &BaseParameters, wanted: &[Term]) -> DMat
     information_over(&read.model.base, &terms, &information, base, wanted)
 }
 
-fn read_given(
-    cursor: &Cursor,
-    known: &dyn NamedRobots,
-    robot: &Robot,
-    base: &BaseParameters,
-    wanted: &[Term],
-) -> Option<Given> {
+fn read_given(cursor: &Cursor, known: &dyn NamedRobots, robot: &Robot, base: &BaseParameters, wanted: &[Term]) -> Option<Given> {
     let value = cursor.value();
     if value.get("identification").is_some() || value.get("robot").is_some() {
         let model = read_model_of(cursor, known)?;

@@ -30,14 +30,15 @@ pub use augmented_document::{ReadModel, augmented_value, read_augmented, traced_
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};
 pub use design_document::{
-    Coefficients, CriteriaDocument, DesignDocument, EffectDocument, FirstRunDocument, FurtherDocument, MarginDocument, PredictedDocument, SearchDocument, StartDocument,
+    Coefficients, CriteriaDocument, DesignDocument, EffectDocument, FirstRunDocument, FurtherDocument, MarginDocument,
+    PredictedDocument, SearchDocument, StartDocument,
 };
 pub use excitation_request::{ExcitationRequest, Search, read_excitation_request};
 pub use identify_document::*;
 pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
 pub use inspect_document::{InspectDocument, InspectedJoint, InspectedLog};
-pub use knowledge_request::{DesignModel, DesignTerms};
 pub use json::{Malformed, Parsed, parse};
+pub use knowledge_request::{DesignModel, DesignTerms};
 pub use model_document::{robot_value, urdf};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};

@@ -177,7 +177,9 @@ impl Group {
         };
         let scene = Self::scene(robot, course, &carried);
         self.term.effect.distort(&scene, &self.term.joints, theta, &mut world);
-        let mut torque = self.carried(&robot.with_gravity(world.gravity), &world.motion, course).declared;
+        let mut torque = self
+            .carried(&robot.with_gravity(world.gravity), &world.motion, course)
+            .declared;
         for (row, gain) in torque.iter_mut().zip(&world.gain) {
             row.iter_mut().for_each(|t| *t *= gain);
         }
@@ -206,7 +208,11 @@ impl AddedColumns for EffectColumns {
     fn joints(&self, group: usize) -> Vec<usize> {
         let term = &self.groups[group].term;
         let own = term.effect.reads() == Reads::OwnJoints && !term.joints.is_empty();
-        if own { term.joints.clone() } else { (0..self.robot.joint_count()).collect() }
+        if own {
+            term.joints.clone()
+        } else {
+            (0..self.robot.joint_count()).collect()
+        }
     }
 
     fn is_local(&self, group: usize) -> bool {

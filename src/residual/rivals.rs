@@ -1,10 +1,10 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
-use super::{Rival, Term};
 use super::candidate::{Candidate, appraise, reach, scan};
 use super::select::Selected;
 use super::system::Data;
 use super::trace::joint_names;
+use super::{Rival, Term};
 use nalgebra::DVector;
 use rayon::prelude::*;
 

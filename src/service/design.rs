@@ -37,7 +37,9 @@ impl Motion {
 
     /// The trajectory at this place among those that complement each other.
     pub fn series_at(mut self, index: usize) -> Option<FourierSeries> {
-        let Some(further) = index.checked_sub(1) else { return self.series() };
+        let Some(further) = index.checked_sub(1) else {
+            return self.series();
+        };
         (further < self.further.len()).then(|| {
             let Further {
                 coefficients,

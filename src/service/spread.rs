@@ -88,7 +88,11 @@ fn best_of(documents: Vec<Value>) -> Value {
         let minimised = d["criteria"]["minimised"].as_str()?;
         let value = d["criteria"][minimised].as_f64();
         // The one that the search wants large.
-        if minimised == "rival_evidence" { value.map(|v| 1.0 / v) } else { value }
+        if minimised == "rival_evidence" {
+            value.map(|v| 1.0 / v)
+        } else {
+            value
+        }
     };
     let value = |d: &Value| reached(d).unwrap_or(f64::INFINITY);
     let sum = |field: &str| documents.iter().filter_map(|d| d["search"][field].as_u64()).sum::<u64>();

@@ -133,9 +133,12 @@ pub async fn trajectory(
     let job = find(&service, &access, &id, Kind::Excitation).await?;
     let (motion, rate_hz) = motion_of(&service, &job).await?;
     let most = motion.count();
-    let index = query.take("index", 0, &format!("a whole number below {most}, the trajectories of this design"), |t| {
-        t.parse().ok().filter(|i: &usize| *i < most.max(1))
-    });
+    let index = query.take(
+        "index",
+        0,
+        &format!("a whole number below {most}, the trajectories of this design"),
+        |t| t.parse().ok().filter(|i: &usize| *i < most.max(1)),
+    );
     let backoff = Backoff {
         amplitude: query.take("backoff", 1.0, "a number above 0 and at most 1", |t| {
             t.parse().ok().filter(|f: &f64| *f > 0.0 && *f <= 1.0)
@@ -189,14 +192,21 @@ fn no_trajectory() -> Failure {
 }
 
 /// The trajectory as a first run, within the limits of its request.
-async fn first_run_of(service: &Service, job: &JobRow, series: FourierSeries, backoff: Backoff) -> Result<FourierSeries, Failure> {
+async fn first_run_of(
+    service: &Service,
+    job: &JobRow,
+    series: FourierSeries,
+    backoff: Backoff,
+) -> Result<FourierSeries, Failure> {
     if backoff.amplitude == 1.0 && backoff.slowness == 1.0 {
         return Ok(series);
     }
     let file = job.input.as_ref().ok_or_else(internal_error)?;
     let input: Input = serde_json::from_slice(&service.files().read(file).await?).map_err(|_| internal_error())?;
     let work = move || -> Result<Option<FourierSeries>, Error> {
-        let Request::Excite(request) = Request::of(Kind::Excitation, &input)? else { return Ok(None) };
+        let Request::Excite(request) = Request::of(Kind::Excitation, &input)? else {
+            return Ok(None);
+        };
         Ok(first_run(&request.problem, &series, backoff).map(|run| run.series))
     };
     let run = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())??;
