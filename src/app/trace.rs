@@ -33,7 +33,7 @@ pub(super) fn residual(
         ..TraceOptions::default()
     };
     let nothing_added = TraceOptions {
-        most_effects: 0,
+        most_effects_per_joint: 0,
         ..options.clone()
     };
     let as_recorded = match faults.is_empty() {

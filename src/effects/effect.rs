@@ -179,6 +179,11 @@ pub trait Effect: Sync + Send {
     /// Applies a distortion with parameters `theta`. Effects of other kinds leave the world as it is.
     fn distort(&self, _scene: &Scene, _joints: &[usize], _theta: &[f64], _world: &mut World) {}
 
+    /// Whether a distortion depends on the torques of [`Scene::rigid`]: those of the distorted motion, which are then found by iteration.
+    fn distorts_by_load(&self) -> bool {
+        false
+    }
+
     /// For every parameter of a distortion: the step that its derivative is differenced with, small beside any value of interest and large
     /// beside the rounding of the torques.
     fn steps(&self) -> &'static [f64] {

@@ -4,7 +4,7 @@ use super::interpolation::derivatives;
 use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
-/// Encoder on the motor side: `q_link = q − c tau_rigid`, c = 1/K the compliance, with velocity and acceleration to match.
+/// Encoder on the motor side: `q_link = q − c tau_rigid(q_link)`, c = 1/K the compliance, with velocity and acceleration to match.
 pub struct JointElasticity;
 
 impl Effect for JointElasticity {
@@ -40,6 +40,10 @@ impl Effect for JointElasticity {
                 [q - theta[0] * load[s], qd - theta[0] * load_d[s], qdd - theta[0] * load_dd[s]],
             );
         }
+    }
+
+    fn distorts_by_load(&self) -> bool {
+        true
     }
 
     fn steps(&self) -> &'static [f64] {

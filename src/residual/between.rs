@@ -72,8 +72,7 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
                 break;
             };
             stretch.periods = periods;
-            let all: Vec<usize> = (0..stretch.periods.len()).collect();
-            stretch.torque = stretch.mean_over(&all);
+            leave_out_start(stretch);
             found.push(finding);
         }
         (whole.periods, whole.torque) = (rows.periods, rows.torque);
@@ -84,9 +83,15 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
 /// Share of the first period in which friction still remembers where the robot stood before the log: no contact, and not the periodic state.
 const START: f64 = 0.05;
 
+/// Rows of the first period that do not count.
+fn start_rows(stretch: &Stretch) -> usize {
+    (START * stretch.rows() as f64) as usize
+}
+
+/// Fills the start with the mean of the other periods, as they are by now, and takes the mean over all.
 fn leave_out_start(stretch: &mut Stretch) {
     let count = stretch.periods.len();
-    for s in 0..(START * stretch.rows() as f64) as usize {
+    for s in 0..start_rows(stretch) {
         for j in 0..stretch.joints() {
             stretch.periods[0][j][s] = stretch.periods[1..].iter().map(|p| p[j][s]).sum::<f64>() / (count - 1) as f64;
         }
@@ -143,17 +148,10 @@ fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<
         }
     }
     let (_, j, coarse) = best?;
-    let (gain, course, solution, covariance) = refined_drift(stretch, noise, j, coarse);
-    let finding = drift_finding(
-        robot,
-        stretch,
-        j,
-        gain,
-        course,
-        &solution,
-        &covariance,
-        chance(gain, 3) * tries,
-    );
+    let drift = refined_drift(stretch, noise, j, coarse);
+    let p_value = chance(drift.gain, 3) * tries;
+    let finding = drift_finding(robot, stretch, noise, &drift, p_value);
+    let Drift { course, solution, .. } = drift;
     let mut periods = stretch.periods.clone();
     let mean = mean_course(stretch, course);
     for (p, period) in periods.iter_mut().enumerate() {
@@ -183,18 +181,36 @@ fn mean_course(stretch: &Stretch, constant: f64) -> f64 {
     sum / (periods * rows) as f64
 }
 
-/// Golden section on the logarithm of the time constant, a factor of three to either side.
-fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], j: usize, coarse: f64) -> (f64, f64, DVector<f64>, DMatrix<f64>) {
+/// Friction of one joint that changes as `exp(−t/T)`, fitted to the deviations between periods.
+struct Drift {
+    joint: usize,
+    gain: f64,
+    /// T (s).
+    course: f64,
+    /// Viscous and Coulomb friction that fades.
+    solution: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+/// Golden section on the logarithm of the time constant, a factor of three to either side: thirty steps leave 1e-6 of it, a hundredth of the standard
+/// deviation of the strongest drift.
+fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], joint: usize, coarse: f64) -> Drift {
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = ((coarse / 3.0).ln(), (coarse * 3.0).ln());
-    for _ in 0..14 {
+    for _ in 0..30 {
         let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-        let gain = |x: f64| drift_fit(stretch, noise, j, x.exp()).0;
+        let gain = |x: f64| drift_fit(stretch, noise, joint, x.exp()).0;
         if gain(a) > gain(b) { high = b } else { low = a }
     }
     let course = (0.5 * (low + high)).exp();
-    let (gain, solution, covariance) = drift_fit(stretch, noise, j, course);
-    (gain, course, solution, covariance)
+    let (gain, solution, covariance) = drift_fit(stretch, noise, joint, course);
+    Drift {
+        joint,
+        gain,
+        course,
+        solution,
+        covariance,
+    }
 }
 
 /// Least squares of the whitened deviations of all periods on friction times the course, whose mean over the periods is taken out.
@@ -203,19 +219,30 @@ fn drift_fit(stretch: &Stretch, noise: &[NoiseModel], j: usize, constant: f64) -
     let rows = stretch.rows();
     let keep = noise[j].whitened_rows(&stretch.kept(&stretch.motion, j), stretch.periodic);
     let speed = stretch.motion.velocities(j);
+    // The start of the first period is filled with the others' mean: it says nothing, and is no part of the mean there.
+    let start = start_rows(stretch);
     let mean: Vec<f64> = (0..rows)
-        .map(|s| (0..count).map(|p| course_at(stretch, p, s, constant)).sum::<f64>() / count as f64)
+        .map(|s| {
+            let first = usize::from(s < start);
+            (first..count).map(|p| course_at(stretch, p, s, constant)).sum::<f64>() / (count - first) as f64
+        })
         .collect();
     let (mut own, mut right) = (DMatrix::zeros(2, 2), DVector::zeros(2));
     for (p, period) in stretch.periods.iter().enumerate() {
+        let mut rows_here = keep.clone();
+        if p == 0 {
+            let reach = (start + noise[j].autoregression.len()).min(rows);
+            rows_here[..reach].iter_mut().for_each(|k| *k = false);
+        }
+        let keep = &rows_here;
         let column = |f: fn(f64) -> f64| {
             let raw: Vec<f64> = (0..rows)
                 .map(|s| (course_at(stretch, p, s, constant) - mean[s]) * f(speed[s]))
                 .collect();
-            noise[j].whiten(&raw, &keep, 1)
+            noise[j].whiten(&raw, keep, 1)
         };
         let columns = DMatrix::from_columns(&[DVector::from_vec(column(|v| v)), DVector::from_vec(column(direction))]);
-        let white = DVector::from_vec(noise[j].whiten(&super::noise::deviation(stretch, period, j), &keep, 1));
+        let white = DVector::from_vec(noise[j].whiten(&super::noise::deviation(stretch, period, j), keep, 1));
         own += columns.tr_mul(&columns);
         right += columns.tr_mul(&white);
     }
@@ -227,41 +254,40 @@ fn drift_fit(stretch: &Stretch, noise: &[NoiseModel], j: usize, constant: f64) -
     (reduced.gain, reduced.coefficients, covariance)
 }
 
-#[allow(clippy::too_many_arguments)]
-fn drift_finding(
-    robot: &Robot,
-    stretch: &Stretch,
-    j: usize,
-    gain: f64,
-    course: f64,
-    solution: &DVector<f64>,
-    covariance: &DMatrix<f64>,
-    p_value: f64,
-) -> BetweenFinding {
-    let infos = by_code("friction_drift").expect("is in the list").parameters(0, robot, &[j]);
+/// Changes of friction from the start of the log to its end, with the time constant that they were fitted with (variable projection: the gain
+/// falls by one at one standard deviation of it, and the coefficients move with it).
+fn drift_finding(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], drift: &Drift, p_value: f64) -> BetweenFinding {
+    let (j, course) = (drift.joint, drift.course);
     let last = stretch.periods.len() - 1;
-    let swing = course_at(stretch, last, stretch.rows() - 1, course) - 1.0;
-    let mut parameters: Vec<ReportedParameter> = infos
-        .into_iter()
-        .enumerate()
-        .map(|(i, info)| ReportedParameter {
+    let swing = |constant: f64| course_at(stretch, last, stretch.rows() - 1, constant) - 1.0;
+    // A tenth of the time constant to both sides is where the gain is still a parabola.
+    let step = 0.1 * course;
+    let sides = [course - step, course + step].map(|t| (drift_fit(stretch, noise, j, t), swing(t)));
+    let curvature = 2.0 * drift.gain - sides[0].0.0 - sides[1].0.0;
+    let of_course = step * (2.0 / curvature.max(f64::MIN_POSITIVE)).sqrt();
+    let infos = by_code("friction_drift").expect("is in the list").parameters(0, robot, &[j]);
+    let change = |(i, info): (usize, crate::effects::ParameterInfo)| {
+        let slope = (sides[1].0.1[i] * sides[1].1 - sides[0].0.1[i] * sides[0].1) / (2.0 * step);
+        let alone = drift.covariance[(i, i)].max(0.0).sqrt() * swing(course);
+        ReportedParameter {
             name: format!("{}_over_log", info.name),
-            value: solution[i] * swing,
+            value: drift.solution[i] * swing(course),
             unit: info.unit,
-            std_dev: covariance[(i, i)].max(0.0).sqrt() * swing.abs(),
-        })
-        .collect();
+            std_dev: alone.hypot(slope * of_course),
+        }
+    };
+    let mut parameters: Vec<ReportedParameter> = infos.into_iter().enumerate().map(change).collect();
     parameters.push(ReportedParameter {
         name: "time_constant".into(),
         value: course,
         unit: "s".into(),
-        std_dev: course / gain.sqrt().max(1.0),
+        std_dev: of_course,
     });
     BetweenFinding {
         effect: "friction_drift",
         joints: vec![j],
         parameters,
-        gain,
+        gain: drift.gain,
         p_value,
         rms: None,
     }
@@ -305,7 +331,7 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
     let shortest = (SHORTEST / stretch.interval).round().max(4.0) as usize;
     let mut width = shortest;
     while width <= rows {
-        for from in ((START * rows as f64) as usize..length.saturating_sub(width)).step_by((width / 4).max(1)) {
+        for from in (start_rows(stretch)..length.saturating_sub(width)).step_by((width / 4).max(1)) {
             windows += 1.0;
             let gain = statistic(from, from + width);
             if gain > best.0 {

@@ -1,8 +1,8 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
-use super::candidate::{Candidate, appraise, reach, scan};
-use super::select::Selected;
-use super::system::Data;
+use super::candidate::{Candidate, appraise, hypotheses, reach, scan};
+use super::select::{Accepted, Selected, Threshold, extend, judge, stands_in};
+use super::system::{Data, System};
 use super::trace::joint_names;
 use super::{Rival, Term};
 use nalgebra::DVector;
@@ -20,19 +20,86 @@ pub(crate) struct Contest {
 /// Evidence of 20 to 1 and less does not exclude: `2 ln 20`.
 const NOT_EXCLUDED: f64 = 6.0;
 
-pub(crate) fn rivals(data: &Data, selected: &Selected, fixed: usize, candidates: &[Candidate]) -> Vec<Contest> {
-    (0..selected.accepted.len())
-        .map(|i| contest(data, selected, fixed + i, candidates))
+/// Rivals of every effect that `selected` has beside the first `fixed` terms.
+pub(crate) fn rivals(
+    data: &Data,
+    selected: &Selected,
+    fixed: usize,
+    candidates: &[Candidate],
+    threshold: &Threshold,
+) -> Vec<Contest> {
+    contests(data, selected, fixed, candidates, threshold)
+        .into_iter()
+        .map(|c| c.0)
         .collect()
 }
 
-fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]) -> Contest {
+/// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left.
+///
+/// An effect that was named early may have stood in for one that was not there yet: beside the later ones another may explain its part better, and
+/// takes its place; then the search goes on. Every exchange raises the evidence by [`NOT_EXCLUDED`], so that none comes back.
+pub(crate) fn settled(
+    data: &Data,
+    mut selected: Selected,
+    fixed: usize,
+    candidates: &[Candidate],
+    threshold: &Threshold,
+) -> (Selected, Vec<Contest>) {
+    let mut exchanges = 0;
+    loop {
+        let data = data.with_noise(selected.noise.clone());
+        let (contests, better): (Vec<Contest>, Vec<Option<Better>>) =
+            contests(&data, &selected, fixed, candidates, threshold).into_iter().unzip();
+        let best = better
+            .into_iter()
+            .enumerate()
+            .filter_map(|(i, b)| Some((i, b?)))
+            .min_by(|a, b| a.1.evidence.total_cmp(&b.1.evidence));
+        let Some((at, better)) = best.filter(|_| exchanges < threshold.most_effects) else {
+            return (selected, contests);
+        };
+        exchanges += 1;
+        // The newcomer stands last in its model.
+        selected.accepted.remove(at);
+        selected.accepted.push(better.accepted);
+        selected.system = better.system;
+        selected = extend(&data, selected, fixed, candidates, threshold);
+    }
+}
+
+fn contests(
+    data: &Data,
+    selected: &Selected,
+    fixed: usize,
+    candidates: &[Candidate],
+    threshold: &Threshold,
+) -> Vec<(Contest, Option<Better>)> {
+    (0..selected.accepted.len())
+        .map(|i| contest(data, selected, fixed + i, candidates, threshold))
+        .collect()
+}
+
+/// A rival that the evidence prefers and that has earned its place, fitted in the place of a finding.
+struct Better {
+    /// Twice the log of the evidence ratio in favour of the finding: negative.
+    evidence: f64,
+    accepted: Accepted,
+    system: System,
+}
+
+fn contest(
+    data: &Data,
+    selected: &Selected,
+    at: usize,
+    candidates: &[Candidate],
+    threshold: &Threshold,
+) -> (Contest, Option<Better>) {
     let mut model = selected.system.model.clone();
     let own = model.terms.remove(at);
     let without = data.fit(model);
     let loss = data.gain(&without, &selected.system);
     let Some(mine) = candidates.iter().find(|c| c.is_same_effect(&own) && c.form == own.form) else {
-        return Contest::default();
+        return (Contest::default(), None);
     };
     let tried = mine.grid().len();
     let cost = own.parameters() - mine.shapes.len();
@@ -47,7 +114,7 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
     let mut near: Vec<_> = others.iter().filter(|s| s.gain > 0.6 * loss).collect();
     near.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     near.truncate(6);
-    let mut found: Vec<(Rival, Term, DVector<f64>)> = near
+    let mut found: Vec<(Rival, Term, DVector<f64>, Option<Better>)> = near
         .par_iter()
         .filter_map(|s| {
             let mut model = without.model.clone();
@@ -65,7 +132,19 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
                     evidence,
                 };
                 let last = fitted.model.terms.last().expect("the rival was added");
-                (rival, last.clone(), fitted.model.values.clone())
+                let (last, values) = (last.clone(), fitted.model.values.clone());
+                // What is simpler keeps its place, as in the selection.
+                let open = evidence < -NOT_EXCLUDED && !stands_in(&finding, &there, &fitted);
+                let tried = hypotheses(candidates, s.candidate.effect.code());
+                let accepted = open
+                    .then(|| judge(data, &without, &there, &fitted, threshold, tried))
+                    .flatten();
+                let better = accepted.map(|accepted| Better {
+                    evidence,
+                    accepted,
+                    system: fitted,
+                });
+                (rival, last, values, better)
             })
         })
         .collect();
@@ -73,20 +152,23 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
     // Forms of one effect are one rival, told by its best form.
     let mut rivals: Vec<Rival> = Vec::new();
     let mut fitted = Vec::new();
-    for (rival, term, values) in found {
+    let mut better = None;
+    for (rival, term, values, preferred) in found {
+        better = better.or(preferred);
         if !rivals.iter().any(|r| r.effect == rival.effect && r.joints == rival.joints) {
             rivals.push(rival);
             fitted.push((term, values));
         }
     }
-    let better = rivals.iter().filter(|r| r.evidence < 0.0 && own.effect.is_everyday());
-    let names: Vec<&str> = better.map(|r| r.effect.as_str()).collect();
+    let ahead = rivals.iter().filter(|r| r.evidence < 0.0 && own.effect.is_everyday());
+    let names: Vec<&str> = ahead.map(|r| r.effect.as_str()).collect();
     let note = (!names.is_empty()).then(|| {
         format!(
-            "{} explains a little more, but the difference is smaller than what both leave unexplained; {} is what every robot has, and so              the likelier cause",
+            "{} explains a little more, but the difference is smaller than what both leave unexplained; {} is what every robot has, and so \
+             the likelier cause",
             names.join(", "),
             own.effect.code()
         )
     });
-    Contest { rivals, fitted, note }
+    (Contest { rivals, fitted, note }, better)
 }

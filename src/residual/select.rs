@@ -42,14 +42,23 @@ pub(crate) struct Threshold {
 
 pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     let fixed = start.terms.len();
-    let mut data = data.with_noise(data.noise.clone());
-    let mut now = Selected {
+    let now = Selected {
         system: data.fit(start),
         accepted: Vec::new(),
-        noise: Vec::new(),
+        noise: data.noise.clone(),
     };
+    extend(data, now, fixed, candidates, threshold)
+}
+
+/// Goes on from a selection, whose first `fixed` terms were there before it.
+pub(crate) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) -> Selected {
+    let mut data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();
-    for _ in 0..threshold.most_effects {
+    // Effects that come can make others superfluous, which may come again: twice as many steps as effects end a search that turns in a circle.
+    for _ in 0..2 * threshold.most_effects {
+        if now.accepted.len() >= threshold.most_effects {
+            break;
+        }
         let Some(step) = step(&data, &now.system, &open, threshold) else {
             break;
         };
@@ -112,7 +121,7 @@ fn best_of(data: &Data, system: &System, group: &[&Scored], candidates: &[Candid
     };
     let (best, accepted) = fitted.iter().enumerate().find_map(|(i, f)| Some((i, judged(f)?)))?;
     let simpler = (0..fitted.len()).find_map(|i| {
-        let stands_in = i != best && stands_in(&fitted[i], &fitted[best]);
+        let stands_in = i != best && stands_in(&fitted[i].scored, &fitted[best].scored, &fitted[best].system);
         stands_in.then(|| Some((i, judged(&fitted[i])?))).flatten()
     });
     let instead_of = simpler.is_some().then(|| fitted[best].scored.candidate.clone());
@@ -179,20 +188,27 @@ fn is_simpler(one: &Candidate, other: &Candidate) -> bool {
 /// Whether something simpler is to be named in the place of what explains more: it explains nearly as much, and the difference
 /// is less than what the better one leaves unexplained. What the model still lacks could then turn the balance, and what is common is the
 /// likelier cause. Where the better one leaves nothing above the measured noise, it keeps its place.
-fn stands_in(simple: &Fitted, best: &Fitted) -> bool {
-    let joints = &best.scored.candidate.joints;
-    if !is_simpler(&simple.scored.candidate, &best.scored.candidate) {
+pub(crate) fn stands_in(simple: &Scored, best: &Scored, with_best: &System) -> bool {
+    let joints = &best.candidate.joints;
+    if !is_simpler(&simple.candidate, &best.candidate) {
         return false;
     }
-    let rows: usize = joints.iter().map(|&j| best.system.rows(j)).sum();
-    let noise = if best.system.noise_is_measured { rows as f64 } else { 0.0 };
-    let left = best.system.mean_square(joints) * rows as f64 - noise;
-    let difference = best.scored.gain - simple.scored.gain;
-    simple.scored.gain > ALIKE * best.scored.gain && difference < left && best.system.has_misfit(joints)
+    let rows: usize = joints.iter().map(|&j| with_best.rows(j)).sum();
+    let noise = if with_best.noise_is_measured { rows as f64 } else { 0.0 };
+    let left = with_best.mean_square(joints) * rows as f64 - noise;
+    let difference = best.gain - simple.gain;
+    simple.gain > ALIKE * best.gain && difference < left && with_best.has_misfit(joints)
 }
 
 /// Whether a fitted candidate has earned its place.
-fn judge(data: &Data, before: &System, scored: &Scored, after: &System, threshold: &Threshold, tried: f64) -> Option<Accepted> {
+pub(crate) fn judge(
+    data: &Data,
+    before: &System,
+    scored: &Scored,
+    after: &System,
+    threshold: &Threshold,
+    tried: f64,
+) -> Option<Accepted> {
     let promising = scored.evidence > 0.0 && explains_a_share(before, scored, threshold.share) && is_physical(after);
     if !promising {
         return None;

@@ -6,7 +6,7 @@ use super::candidate::candidates;
 use super::model::reported;
 use super::remainder;
 use super::report::Outcome;
-use super::rivals::{Contest, rivals};
+use super::rivals::{Contest, rivals, settled};
 use super::select::{Accepted, Threshold, select};
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
@@ -26,7 +26,8 @@ pub struct TraceOptions {
     pub chance: f64,
     /// An existing model and its information, when the question is what has changed since.
     pub existing: Option<(AugmentedModel, Prior)>,
-    pub most_effects: usize,
+    /// A bound on the search: friction laws of one joint have at most three parts beside viscous and Coulomb (Bittencourt & Gunnarsson 2012).
+    pub most_effects_per_joint: usize,
 }
 
 impl Default for TraceOptions {
@@ -34,7 +35,7 @@ impl Default for TraceOptions {
         Self {
             chance: 1e-3,
             existing: None,
-            most_effects: 10,
+            most_effects_per_joint: 3,
         }
     }
 }
@@ -63,13 +64,18 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         chance: options.chance,
         share: 0.05,
         generalises: 0.5,
-        most_effects: options.most_effects,
+        most_effects: options.most_effects_per_joint * robot.joint_count(),
     };
     let list = candidates(&start, &spans(stretches), prior.is_some());
+    let fixed = start.terms.len();
     let selected = select(&data, start.clone(), &list, &threshold);
+    let (selected, mut contests) = settled(&data, selected, fixed, &list, &threshold);
     let data = data.with_noise(selected.noise.clone());
-    let (mut selected, rest) = remainder::examine(&data, selected, start.terms.len(), &list, &threshold);
-    let contests = rivals(&data, &selected, start.terms.len(), &list);
+    let before_examination = selected.accepted.len();
+    let (mut selected, rest) = remainder::examine(&data, selected, fixed, &list, &threshold);
+    if rest.is_some() || selected.accepted.len() != before_examination {
+        contests = rivals(&data, &selected, fixed, &list, &threshold);
+    }
     let data = fine.with_noise(data.noise);
     selected.system = data.fit(selected.system.model);
     let after = fits(&data, &selected.system);

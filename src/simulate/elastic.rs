@@ -1,42 +1,129 @@
 //! Motion of links behind elastic joints whose motors follow the trajectory.
 
-use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
+use crate::dynamics::{Motion, inverse_dynamics};
+use crate::model::Robot;
 use crate::parameters::Layout;
+use nalgebra::{DMatrix, DVector};
 
-/// Solves `q = θ − tau(q, qd, qdd)/K` for the links, on a grid in time, by fixed-point iteration with fourth-order differences: the slow
-/// motion of the elastic joint, without its ringing. `compliance` has 1/K per joint, zero for stiff ones.
-pub(super) fn link_motion(
-    chain: &Chain,
-    layout: &Layout,
-    phi: &[f64],
-    motor: &Motion,
-    interval: f64,
-    compliance: &[f64],
-) -> Motion {
-    let mut link = motor.clone();
-    // Each iteration shrinks the error by compliance × (stiffness of gravity + inertia × bandwidth²), about a hundredth, and multiplies rounding
-    // by compliance × inertia × (2/interval)², some hundreds: three leave 1e-6 of the deflection and no noise.
-    for _ in 0..3 {
-        let tau = inverse_dynamics_batch(chain, layout, phi, &link, Coulomb::Sign);
-        let before = motor.clone();
-        for (j, c) in compliance.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-            let load = &tau[j * link.stride()..j * link.stride() + link.samples()];
-            for s in 0..link.samples() {
-                let [d, dd] = differences(load, s, interval);
-                let [q, qd, qdd] = before.get(j, s);
-                link.set(j, s, [q - c * load[s], qd - c * d, qdd - c * dd]);
-            }
-        }
-    }
-    link
+/// Elastic joints between motors that follow a trajectory and links that have to be carried.
+pub(super) struct ElasticArm<'a> {
+    pub robot: &'a Robot,
+    pub layout: &'a Layout,
+    /// Standard parameters without friction.
+    pub phi: &'a [f64],
+    /// 1/K per joint [rad/(N·m) or m/N], zero for stiff ones.
+    pub compliance: &'a [f64],
 }
 
-/// First and second derivative by five points; at the ends the value nearest inside.
-fn differences(x: &[f64], s: usize, h: f64) -> [f64; 2] {
-    let s = s.clamp(2, x.len() - 3);
-    let [a, b, c, d, e] = [x[s - 2], x[s - 1], x[s], x[s + 1], x[s + 2]];
-    [
-        (a - 8.0 * b + 8.0 * d - e) / (12.0 * h),
-        (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / (12.0 * h * h),
-    ]
+/// Share of critical damping: harmonic drives are quoted at some per cent up to a tenth. Ringing is over within a few swings.
+const DAMPING: f64 = 0.1;
+
+/// Positions and velocities of the elastic joints.
+type State = (DVector<f64>, DVector<f64>);
+
+impl ElasticArm<'_> {
+    /// Links over time: `tau(q, qd, qdd) = K (θ − q) + D (θ̇ − q̇)` on the elastic joints (Spong 1987), integrated by the classical Runge-Kutta method.
+    ///
+    /// `motor` has samples half a step of `interval` apart, an odd number of them; the answer has every second one. Starts in equilibrium.
+    pub fn links(&self, motor: &Motion, interval: f64) -> Motion {
+        let elastic: Vec<usize> = (0..self.compliance.len()).filter(|&j| self.compliance[j] != 0.0).collect();
+        let mut state = self.equilibrium(motor, &elastic);
+        let damping = self.damping(motor, &state, &elastic);
+        let steps = (motor.samples() - 1) / 2;
+        let mut links = Motion::from_fn(motor.joints(), steps + 1, |j, s| motor.get(j, 2 * s));
+        for step in 0..=steps {
+            let slope = |s: usize, (q, v): &State| (v.clone(), self.acceleration(motor, s, q, v, &elastic, &damping));
+            let at = 2 * step;
+            let a = slope(at, &state);
+            for (i, &j) in elastic.iter().enumerate() {
+                links.set(j, step, [state.0[i], state.1[i], a.1[i]]);
+            }
+            if step == steps {
+                break;
+            }
+            let moved = |k: &State, h: f64| (&state.0 + &k.0 * h, &state.1 + &k.1 * h);
+            let b = slope(at + 1, &moved(&a, 0.5 * interval));
+            let c = slope(at + 1, &moved(&b, 0.5 * interval));
+            let d = slope(at + 2, &moved(&c, interval));
+            let sum = |a: &DVector<f64>, b: &DVector<f64>, c: &DVector<f64>, d: &DVector<f64>| {
+                (a + b * 2.0 + c * 2.0 + d) * (interval / 6.0)
+            };
+            state = (&state.0 + sum(&a.0, &b.0, &c.0, &d.0), &state.1 + sum(&a.1, &b.1, &c.1, &d.1));
+        }
+        links
+    }
+
+    /// Torque of the elastic joints for links at `q, v, a` and all else as the motors have it at sample `s`.
+    fn load(
+        &self,
+        motor: &Motion,
+        s: usize,
+        q: &DVector<f64>,
+        v: &DVector<f64>,
+        a: &DVector<f64>,
+        elastic: &[usize],
+    ) -> DVector<f64> {
+        let mut state: [Vec<f64>; 3] = std::array::from_fn(|i| (0..motor.joints()).map(|j| motor.get(j, s)[i]).collect());
+        for (i, &j) in elastic.iter().enumerate() {
+            (state[0][j], state[1][j], state[2][j]) = (q[i], v[i], a[i]);
+        }
+        let tau = inverse_dynamics(self.robot, self.layout, self.phi, &state[0], &state[1], &state[2]);
+        DVector::from_iterator(elastic.len(), elastic.iter().map(|&j| tau[j]))
+    }
+
+    /// `q = θ − tau/K` with everything as it moves there; gravity's stiffness over K is a few per cent, so that twenty rounds leave rounding.
+    fn equilibrium(&self, motor: &Motion, elastic: &[usize]) -> State {
+        let of = |i: usize| DVector::from_iterator(elastic.len(), elastic.iter().map(|&j| motor.get(j, 0)[i]));
+        let (theta, v, a) = (of(0), of(1), of(2));
+        let compliance = DVector::from_iterator(elastic.len(), elastic.iter().map(|&j| self.compliance[j]));
+        let mut q = theta.clone();
+        for _ in 0..20 {
+            q = &theta - self.load(motor, 0, &q, &v, &a, elastic).component_mul(&compliance);
+        }
+        (q, v)
+    }
+
+    /// Rows and columns of the mass matrix that belong to the elastic joints, and their torque without acceleration of their own.
+    fn masses(
+        &self,
+        motor: &Motion,
+        s: usize,
+        q: &DVector<f64>,
+        v: &DVector<f64>,
+        elastic: &[usize],
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let m = elastic.len();
+        let rest = self.load(motor, s, q, v, &DVector::zeros(m), elastic);
+        let mut masses = DMatrix::zeros(m, m);
+        for i in 0..m {
+            let mut unit = DVector::zeros(m);
+            unit[i] = 1.0;
+            masses.set_column(i, &(self.load(motor, s, q, v, &unit, elastic) - &rest));
+        }
+        (masses, rest)
+    }
+
+    /// `D = 2 ζ sqrt(K m)` with the mass at the start.
+    fn damping(&self, motor: &Motion, (q, v): &State, elastic: &[usize]) -> DVector<f64> {
+        let (masses, _) = self.masses(motor, 0, q, v, elastic);
+        let of = |(i, &j): (usize, &usize)| 2.0 * DAMPING * (masses[(i, i)].max(0.0) / self.compliance[j]).sqrt();
+        DVector::from_iterator(elastic.len(), elastic.iter().enumerate().map(of))
+    }
+
+    fn acceleration(
+        &self,
+        motor: &Motion,
+        s: usize,
+        q: &DVector<f64>,
+        v: &DVector<f64>,
+        elastic: &[usize],
+        damping: &DVector<f64>,
+    ) -> DVector<f64> {
+        let (masses, rest) = self.masses(motor, s, q, v, elastic);
+        let spring = DVector::from_fn(elastic.len(), |i, _| {
+            let [theta, speed, _] = motor.get(elastic[i], s);
+            (theta - q[i]) / self.compliance[elastic[i]] + damping[i] * (speed - v[i])
+        });
+        masses.lu().solve(&(spring - rest)).expect("masses of links are positive")
+    }
 }

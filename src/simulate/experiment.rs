@@ -1,8 +1,9 @@
 //! From a trajectory to a log.
 
+use super::elastic::ElasticArm;
 use super::friction::{dahl, direction};
 use super::noise::{correlated, normal, quantised};
-use super::{HiddenEffect, Noise, elastic};
+use super::{HiddenEffect, Noise};
 use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
 use crate::model::Robot;
 use crate::parameters::{Inertial, Layout, ParameterKind};
@@ -201,23 +202,21 @@ fn true_links(experiment: &Experiment, robot: &Robot, layout: &Layout, phi: &[f6
     if compliance.iter().all(|c| *c == 0.0) {
         return shifted(motor);
     }
-    // A millisecond grid over all the time needed, with a margin for the differences at its ends.
+    // A millisecond grid over all the time needed, motors at half steps too.
     let (first, last) = (
         times.iter().copied().fold(f64::INFINITY, f64::min),
         times.iter().copied().fold(0.0, f64::max),
     );
     let from = first - 0.01;
-    let grid: Vec<f64> = (0..((last - from) / GRID) as usize + 12)
-        .map(|k| from + k as f64 * GRID)
-        .collect();
-    let links = elastic::link_motion(
-        &Chain::new(robot),
+    let steps = ((last - from) / GRID) as usize + 12;
+    let grid: Vec<f64> = (0..=2 * steps).map(|k| from + 0.5 * k as f64 * GRID).collect();
+    let arm = ElasticArm {
+        robot,
         layout,
         phi,
-        &shifted(&encoder_motion(experiment, &grid)),
-        GRID,
-        &compliance,
-    );
+        compliance: &compliance,
+    };
+    let links = arm.links(&shifted(&encoder_motion(experiment, &grid)), GRID);
     Motion::from_fn(n, times.len(), |j, s| between(&links, j, (times[s] - from) / GRID))
 }
 
