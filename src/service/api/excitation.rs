@@ -1,5 +1,6 @@
 //! `/excitation`: design a trajectory, hand it out.
 
+use super::common::{Begun, WaitHeader, WorkHeaders};
 use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
@@ -39,21 +40,14 @@ pub struct Excitation {
 #[utoipa::path(
     post, path = "/excitation", tag = "excitation", operation_id = "design_excitation",
     request_body(content = ExcitationRequestSchema, content_type = "application/json"),
-    params(
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
-        ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
-        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
-        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
-    ),
+    params(WorkHeaders),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = Excitation),
-        (status = 202, description = "The job; its address is in `Location`", body = JobDocument,
-            headers(("Location" = String, description = "Address of the job"))),
+        Begun,
         (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Too many jobs; see `Retry-After`", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn post(
@@ -80,7 +74,7 @@ pub async fn post(
     get, path = "/excitation/{id}", tag = "excitation", operation_id = "get_excitation",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
+        WaitHeader,
     ),
     responses(
         (status = 200, description = "The result", body = Excitation),

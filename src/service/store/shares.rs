@@ -148,26 +148,6 @@ impl Store {
         transaction.commit().await.map_err(unavailable)
     }
 
-    /// Keeps what a search that is put back had found.
-    pub async fn add_share(&self, job: &str, lease: i64, worker: &str, result: &str) -> Result<(), Error> {
-        let mut transaction = self.begin().await?;
-        let sql = "INSERT INTO shares (job, number, lease, worker, lease_until_us, evaluations, result) \
-             SELECT j.id, (SELECT COALESCE(MAX(s.number), 0) + 1 FROM shares s WHERE s.job = j.id), j.lease, $3, 0, 0, $4 \
-             FROM jobs j WHERE j.id = $1 AND j.lease = $2 AND j.state = 'running'";
-        let done = sqlx::query(sql)
-            .bind(job)
-            .bind(lease)
-            .bind(worker)
-            .bind(result)
-            .execute(&mut *transaction)
-            .await
-            .map_err(unavailable)?;
-        if done.rows_affected() == 1 {
-            name_file(&mut transaction, job, result).await?;
-        }
-        transaction.commit().await.map_err(unavailable)
-    }
-
     /// What the shares of a job have done: those that are in, and those that are out under this lease.
     pub async fn shares(&self, job: &str, lease: i64) -> Result<ShareResult, Error> {
         let sql = self.sql(
