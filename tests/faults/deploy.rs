@@ -97,9 +97,9 @@ fn the_shipped_proxy_passes_on_results_events_and_large_logs() {
         return;
     };
     let address = |path: &str| format!("{}{path}", proxy.url);
-    let made = place
-        .command("token")
-        .args(["create", "--robot", "*", "--role", "run", "--json"])
+    let made = Command::new(env!("CARGO_BIN_EXE_dynident"))
+        .args(["token", "create", "--robot", "*", "--role", "run", "--json", "--data"])
+        .arg(&place.folder)
         .output();
     let token = document(&made.unwrap())["token"].as_str().unwrap().to_string();
     let bearer = format!("Authorization: Bearer {token}");

@@ -132,7 +132,10 @@ fn searches_beside_each_other_hand_on_what_they_find() {
     let lab = Lab::new("exchange");
     let server = lab.server();
     let first = Process::worker(&lab.machine("first"), LEASE);
-    let id = begun(&server, 16.0);
+    let mut request = search(24.0);
+    // What is found is told after every round.
+    request["search"]["jobs_per_round"] = json!(2);
+    let id = server.post("/excitation", &request).1["id"].as_str().unwrap().to_string();
     let job = format!("/jobs/{id}");
     let progress = || server.get(&job).1["progress"].clone();
     wait_until("the first has found something", || progress()["elapsed_s"].as_f64() > Some(6.0));

@@ -7,7 +7,7 @@ use super::results::{answer, begin, document, find};
 use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
 use crate::app::Problem;
 use crate::app::{Code, Error};
-use crate::io::{DesignDocument, TableFormat, trajectory_csv, trajectory_json};
+use crate::io::{DesignDocument, TableFormat, trajectory_csv_parts, trajectory_json_parts};
 use crate::service::access::Access;
 use crate::service::design::Motion;
 use crate::service::document::JsonBody;
@@ -18,11 +18,12 @@ use crate::service::store::{JobRow, sha256};
 use crate::service::submit::Asked;
 use crate::service::work::Kind;
 use crate::trajectory::{FourierSeries, Trajectory};
-use axum::Json;
+use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
+use std::convert::Infallible;
 
 /// The result of a design, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
@@ -143,17 +144,24 @@ pub async fn trajectory(
     );
     query.finish()?;
     let name = format!("attachment; filename=\"excitation-{id}.csv\"");
-    let written = tokio::task::spawn_blocking(move || match format {
+    Ok(match format {
         TableFormat::Csv => {
             let headers = [
                 (header::CONTENT_TYPE, "text/csv; charset=utf-8".to_string()),
                 (header::CONTENT_DISPOSITION, name),
             ];
-            (headers, trajectory_csv(&series, rate_hz, periods)).into_response()
+            (headers, streamed(trajectory_csv_parts(series, rate_hz, periods))).into_response()
         }
-        TableFormat::Json => Json(trajectory_json(&series, rate_hz, periods)).into_response(),
-    });
-    written.await.map_err(|_| Failure(internal_error()))
+        TableFormat::Json => {
+            let headers = [(header::CONTENT_TYPE, "application/json")];
+            (headers, streamed(trajectory_json_parts(series, rate_hz, periods))).into_response()
+        }
+    })
+}
+
+/// A body that is written as fast as the client takes it.
+fn streamed(parts: impl Iterator<Item = String> + Send + 'static) -> Body {
+    Body::from_stream(tokio_stream::iter(parts.map(Ok::<_, Infallible>)))
 }
 
 async fn series_of(service: &Service, job: &JobRow) -> Result<(FourierSeries, f64), Failure> {

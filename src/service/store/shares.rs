@@ -122,7 +122,8 @@ impl Store {
             .bind(worker)
             .bind(time.as_micros() as i64)
             .bind(evaluations as i64)
-            .bind(best)
+            // Not NULL: sqlx calls an absent f64 a REAL, and PostgreSQL then refuses the eight bytes of one that is there.
+            .bind(best.unwrap_or(f64::INFINITY))
             .execute(&self.pool)
             .await;
         Ok(done.map_err(unavailable)?.rows_affected() == 1)
@@ -176,6 +177,7 @@ fn add(all: &mut ShareResult, row: &AnyRow) -> Result<(), sqlx::Error> {
         .map(i64::from)
         .or_else(|_| row.try_get::<i64, _>("out"))?;
     all.evaluations += row.try_get::<i64, _>("evaluations")?;
+    let best = best.filter(|b| b.is_finite());
     all.best = [all.best, best].into_iter().flatten().reduce(f64::min);
     all.results.extend(row.try_get::<Option<String>, _>("result")?);
     all.outstanding += out as usize;
