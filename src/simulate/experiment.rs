@@ -201,13 +201,13 @@ fn true_links(experiment: &Experiment, robot: &Robot, layout: &Layout, phi: &[f6
     if compliance.iter().all(|c| *c == 0.0) {
         return shifted(motor);
     }
-    // A millisecond grid over all the time needed, with a margin for the differences at its ends, which reach over a few hundredths of a second.
+    // A millisecond grid over all the time needed, with a margin for the differences at its ends.
     let (first, last) = (
         times.iter().copied().fold(f64::INFINITY, f64::min),
         times.iter().copied().fold(0.0, f64::max),
     );
-    let from = first - MARGIN;
-    let grid: Vec<f64> = (0..((last + MARGIN - from) / GRID) as usize + 2)
+    let from = first - 0.01;
+    let grid: Vec<f64> = (0..((last - from) / GRID) as usize + 12)
         .map(|k| from + k as f64 * GRID)
         .collect();
     let links = elastic::link_motion(
@@ -222,7 +222,6 @@ fn true_links(experiment: &Experiment, robot: &Robot, layout: &Layout, phi: &[f6
 }
 
 const GRID: f64 = 1e-3;
-const MARGIN: f64 = 0.2;
 
 /// Linear between grid points a millisecond apart: second differences of joint motion over that are 1e-6 of its size.
 fn between(motion: &Motion, joint: usize, at: f64) -> [f64; 3] {
