@@ -117,6 +117,9 @@ const CLEARLY: f64 = 4.0;
 
 /// Several faults at once: each must leave so many times less than without it.
 const PART: f64 = 1.5;
+/// A joint with parameters mostly its own leaves hardly less when turned rightly: that must show in the thousand rows or so, and friction has a say
+/// afterwards.
+const TURN: f64 = 1.1;
 /// Arms of up to so many joints have all patterns of signs tried; longer ones one joint at a time.
 const MOST_EXHAUSTED: usize = 12;
 
@@ -219,7 +222,7 @@ impl Projection {
         }
     }
 
-    /// The best signs for an order, and what they leave times [`PART`] for every joint turned. All joints turned are as good as none, so that the
+    /// The best signs for an order, and what they leave times [`TURN`] for every joint turned. All joints turned are as good as none, so that the
     /// sign of the last is free.
     fn signed(&self, order: &[usize]) -> (f64, Vec<f64>) {
         let n = self.joints;
@@ -230,7 +233,7 @@ impl Projection {
             } else {
                 signs
             };
-            (self.rest(order, &fewer) * PART.powi(turned.min(n - turned) as i32), fewer)
+            (self.rest(order, &fewer) * TURN.powi(turned.min(n - turned) as i32), fewer)
         };
         let of = |mask: usize| {
             (0..n)
@@ -255,7 +258,7 @@ impl Projection {
     }
 
     /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such a joint is turned
-    /// where friction says so against the other joints' and the fit does not get worse.
+    /// where friction says so against the other joints' and the fit hardly gets worse.
     fn dissipating(&self, robot: &Robot, motion: &Motion, order: &[usize], signs: &[f64]) -> Vec<f64> {
         let mut signs = signs.to_vec();
         let power = |signs: &[f64]| friction_power(robot, motion, &self.values(order, signs));
@@ -265,7 +268,7 @@ impl Projection {
             let mut turned = signs.clone();
             turned[j] = -turned[j];
             let against = power(&signs)[j] * majority < 0.0 && power(&turned)[j] * majority > 0.0;
-            if against && self.rest(order, &turned) < self.rest(order, &signs) {
+            if against && self.rest(order, &turned) < TURN * self.rest(order, &signs) {
                 signs = turned;
             }
         }
