@@ -99,6 +99,21 @@ fn curves(robot: &Robot, series: &FourierSeries) -> Vec<Curve> {
     all
 }
 
+/// Takes values into a range, eight at a time.
+fn widen([low, high]: &mut [f64; 2], values: &[f64]) {
+    let (mut least, mut most) = ([*low; 8], [*high; 8]);
+    let chunks = values.chunks_exact(8);
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for i in 0..8 {
+            least[i] = if chunk[i] < least[i] { chunk[i] } else { least[i] };
+            most[i] = if chunk[i] > most[i] { chunk[i] } else { most[i] };
+        }
+    }
+    *low = least.iter().chain(rest).fold(*low, |m, &v| m.min(v));
+    *high = most.iter().chain(rest).fold(*high, |m, &v| m.max(v));
+}
+
 /// Largest part of the way from the middle of its range to a limit, over all samples of all curves, and how many curves exceed one.
 fn sampled(curves: &[Curve], period_s: f64) -> (f64, usize) {
     let samples = (period_s * RATE_HZ).round() as usize;
@@ -121,11 +136,9 @@ fn sampled(curves: &[Curve], period_s: f64) -> (f64, usize) {
             let mut product = DMatrix::zeros(rows, COLUMNS);
             for (block, seen) in curves.chunks(COLUMNS).zip(seen.chunks_mut(COLUMNS)) {
                 let coefficients = DMatrix::from_fn(11, block.len(), |r, c| block[c].coefficients[r]);
-                let mut values = product.columns_mut(0, block.len());
-                values.gemm(1.0, &table, &coefficients, 0.0);
-                for (column, [low, high]) in values.column_iter().zip(seen) {
-                    let (least, most) = column.iter().fold((*low, *high), |(l, h), &v| (v.min(l), v.max(h)));
-                    (*low, *high) = (least, most);
+                product.columns_mut(0, block.len()).gemm(1.0, &table, &coefficients, 0.0);
+                for (column, range) in product.as_slice().chunks_exact(rows).zip(seen) {
+                    widen(range, column);
                 }
             }
             seen

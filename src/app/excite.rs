@@ -1,6 +1,8 @@
 //! Design an excitation trajectory.
 
-use crate::excitation::{Backoff, Control, Design, Given, Halt, Problem, ProblemSpec, Progress, first_run, search_from};
+use crate::excitation::{
+    Backoff, Control, Design, Found, Given, Halt, Point, Problem, ProblemSpec, Progress, first_run, search_from,
+};
 use crate::io::{DesignDocument, ExcitationRequest};
 use crate::trajectory::FourierSeries;
 use std::sync::Arc;
@@ -31,15 +33,32 @@ pub struct Excited {
     pub first_run: Option<FourierSeries>,
 }
 
+/// What connects a search with its earlier life and with those beside it; see [`Control::found`] and [`Control::others`].
+pub trait Exchange: Sync {
+    fn found(&self, found: &Found);
+    fn others(&self) -> Vec<Point>;
+}
+
 /// Searches until the search itself ends, its time limit is over, or `cancel` is set; the last two are honoured within a second and
 /// keep the best trajectory found.
 ///
 /// `observe` is told after every local solve, from many threads.
 pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn Fn(&Progress) + Sync)) -> Excited {
+    excite_beside(request, None, cancel, observe)
+}
+
+/// [`excite`], going on from what `exchange` knows, and telling it what is found.
+pub fn excite_beside(
+    request: &ExcitationRequest,
+    exchange: Option<&dyn Exchange>,
+    cancel: &CancelFlag,
+    observe: &(dyn Fn(&Progress) + Sync),
+) -> Excited {
     let started = Instant::now();
     let course = Course {
         request,
         cancel,
+        exchange,
         observe,
         done: AtomicU64::new(0),
     };
@@ -69,6 +88,7 @@ pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn F
 struct Course<'a> {
     request: &'a ExcitationRequest,
     cancel: &'a CancelFlag,
+    exchange: Option<&'a dyn Exchange>,
     observe: &'a (dyn Fn(&Progress) + Sync),
     /// Evaluations of the searches that are over.
     done: AtomicU64,
@@ -143,6 +163,8 @@ impl Course<'_> {
         let clock = Clock {
             deadline: Instant::now() + Duration::from_secs_f64(search.time_limit_s * share),
             cancel: self.cancel,
+            // Points of one problem mean nothing in another.
+            exchange: self.exchange.filter(|_| self.request.is_single()),
             observe: self.observe,
             before: self.done.load(Ordering::Relaxed),
         };
@@ -167,6 +189,7 @@ fn worth(problem: &Problem, design: &Design) -> f64 {
 struct Clock<'a> {
     deadline: Instant,
     cancel: &'a CancelFlag,
+    exchange: Option<&'a dyn Exchange>,
     observe: &'a (dyn Fn(&Progress) + Sync),
     /// Evaluations before this search.
     before: u64,
@@ -185,5 +208,15 @@ impl Control for Clock<'_> {
             evaluations: self.before + progress.evaluations,
             ..*progress
         });
+    }
+
+    fn found(&self, found: &Found) {
+        if let Some(exchange) = self.exchange {
+            exchange.found(found);
+        }
+    }
+
+    fn others(&self) -> Vec<Point> {
+        self.exchange.map_or_else(Vec::new, Exchange::others)
     }
 }

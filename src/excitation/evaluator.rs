@@ -29,6 +29,8 @@ pub(super) struct Evaluator<'a> {
     row_weights: Vec<f64>,
     /// Basis of q, qd, qdd: `stride × (2L + 1)` column-major, zero in the padding.
     basis: [Vec<f64>; 3],
+    /// What is known beside the motion.
+    known: Option<DMatrix<f64>>,
     motion: Motion,
     rows: RowBlocks,
     /// Columns of effects, where there are any.
@@ -51,6 +53,7 @@ impl<'a> Evaluator<'a> {
             problem,
             variables,
             row_weights: row_weights(problem, samples),
+            known: problem.known_before(),
             basis: basis(problem.spec().order, problem.spec().fundamental_hz, samples, motion.stride()),
             motion,
             weights: rows.clone(),
@@ -195,7 +198,7 @@ impl<'a> Evaluator<'a> {
     fn gram(&self) -> DMatrix<f64> {
         let stride = self.rows.stride();
         let size = self.problem.columns();
-        let mut total = self.problem.given().map_or_else(|| DMatrix::zeros(size, size), Clone::clone);
+        let mut total = self.known.clone().unwrap_or_else(|| DMatrix::zeros(size, size));
         let mut product = Vec::new();
         for j in 0..self.columns.joints() {
             let (block, outputs) = self.block(j);

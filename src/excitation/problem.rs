@@ -180,6 +180,42 @@ impl Problem {
         self.base.len() + self.spec.knowledge.added.as_ref().map_or(0, |a| a.0.count())
     }
 
+    /// What the search adds to the information of a motion; `None` where nothing is.
+    ///
+    /// Between rivals it is what is known of all other parameters: else the best motion could be one that tells them apart only beside the data so
+    /// far, and whatever changed between the two recordings would pass for one of them.
+    pub(super) fn known_before(&self) -> Option<DMatrix<f64>> {
+        match self.spec.criterion {
+            Criterion::RivalEvidence => self.given.is_some().then(|| self.given_of_others()),
+            _ => self.given.clone(),
+        }
+    }
+
+    /// What is given with the two rivals taken out by their Schur complement; zero where nothing is given.
+    pub(super) fn given_of_others(&self) -> DMatrix<f64> {
+        let size = self.columns();
+        let mut left = DMatrix::zeros(size, size);
+        let (Some(given), Some(rivals)) = (&self.given, &self.spec.knowledge.rivals) else {
+            return left;
+        };
+        let base = self.base.len();
+        let of_rivals = |c: &usize| {
+            *c >= base && (rivals.finding.columns.contains(&(c - base)) || rivals.rival.columns.contains(&(c - base)))
+        };
+        let (two, others): (Vec<usize>, Vec<usize>) = (0..size).partition(of_rivals);
+        let part = |rows: &[usize], columns: &[usize]| given.select_rows(rows).select_columns(columns);
+        let cross = part(&others, &two);
+        let inverse = pseudo_inverse(&part(&two, &two));
+        let rest = part(&others, &others) - &cross * inverse * cross.transpose();
+        for (r, &row) in others.iter().enumerate() {
+            others
+                .iter()
+                .enumerate()
+                .for_each(|(c, &column)| left[(row, column)] = rest[(r, c)]);
+        }
+        left
+    }
+
     /// `WᵀW` of all that is known already; `None` where nothing is.
     pub(super) fn given(&self) -> Option<&DMatrix<f64>> {
         self.given.as_ref()
@@ -421,6 +457,20 @@ fn series_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
             .with_hint("raise sample_rate_hz, lower the order or the fundamental"),
         );
     }
+}
+
+/// Of a positive semidefinite matrix scaled to a unit diagonal; directions below 1e-10 of the largest are those in which rivals are the same.
+fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let scale = matrix.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)] * scale[r] * scale[c]);
+    let eigen = scaled.symmetric_eigen();
+    let least = 1e-10 * eigen.eigenvalues.amax();
+    let inverse = eigen.eigenvalues.map(|v| if v > least { 1.0 / v } else { 0.0 });
+    let mut out = &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose();
+    for r in 0..out.nrows() {
+        (0..out.ncols()).for_each(|c| out[(r, c)] *= scale[r] * scale[c]);
+    }
+    out
 }
 
 fn harmonic_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {

@@ -127,17 +127,20 @@ pub(super) fn infeasible(problem: &Problem, reason: String) -> Design {
 
 /// Criteria and predicted accuracy of a series on the problem's samples, with the true sign.
 pub fn assess(problem: &Problem, series: &FourierSeries) -> (Criteria, Predicted) {
-    let rows = problem.observation_matrix(series);
+    let every = problem.observation_matrix(series);
     let torque_noise = problem.torque_noise();
-    let mut whitened = whiten(&rows, &torque_noise) * problem.spec().knowledge.periods.sqrt();
+    let mut all = whiten(&every, &torque_noise) * problem.spec().knowledge.periods.sqrt();
     if let Some(given) = problem.given() {
-        whitened = stacked(&whitened, &root(given));
+        all = stacked(&all, &root(given));
     }
+    let model = own_columns(problem, Side::Finding);
+    let (rows, whitened) = (every.select_columns(&model), all.select_columns(&model));
+    let workspace = workspace_gram(problem).select_rows(&model).select_columns(&model);
     // With earlier data the rows of one trajectory are a part only: its condition is that of all that is known, by its noise.
     let plain = if problem.given().is_some() { &whitened } else { &rows };
-    let mut criteria = Criteria::of(plain, &whitened, &workspace_gram(problem), problem.robot().joint_count());
-    criteria.rival_evidence = rival_report(problem, series).map(|r| r.together.least());
-    let (std_dev, of_effects) = accuracies(&whitened, problem.base().len());
+    let mut criteria = Criteria::of(plain, &whitened, &workspace, problem.robot().joint_count());
+    criteria.rival_evidence = rival_report(problem, series).map(|r| r.designed.least());
+    let (std_dev, of_effects) = expected_accuracies(problem, &all);
     let prior = problem
         .layout()
         .prior(problem.robot())
@@ -154,10 +157,49 @@ pub fn assess(problem: &Problem, series: &FourierSeries) -> (Criteria, Predicted
     )
 }
 
+/// Which of two rivals is in the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    Finding,
+    Rival,
+}
+
+/// All columns but those of the rival that is not in the model: two explanations of the same residual are never estimated beside each other.
+fn own_columns(problem: &Problem, side: Side) -> Vec<usize> {
+    let other = problem.spec().knowledge.rivals.as_ref().map(|r| match side {
+        Side::Finding => r.rival.columns.clone(),
+        Side::Rival => r.finding.columns.clone(),
+    });
+    let base = problem.base().len();
+    let is_other = |c: usize| other.as_ref().is_some_and(|o| c >= base && o.contains(&(c - base)));
+    (0..problem.columns()).filter(|&c| !is_other(c)).collect()
+}
+
+/// Deviations of the base parameters, and the covariance of effects, the rival's with the rival in the finding's place.
+fn expected_accuracies(problem: &Problem, all: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    let base = problem.base().len();
+    let mut effects = DMatrix::zeros(problem.columns() - base, problem.columns() - base);
+    let mut place = |columns: &[usize], covariance: &DMatrix<f64>| {
+        for (r, &row) in columns[base..].iter().enumerate() {
+            for (c, &column) in columns[base..].iter().enumerate() {
+                effects[(row - base, column - base)] = covariance[(r, c)];
+            }
+        }
+    };
+    if problem.spec().knowledge.rivals.is_some() {
+        let columns = own_columns(problem, Side::Rival);
+        place(&columns, &accuracies(&all.select_columns(&columns), base).1);
+    }
+    let columns = own_columns(problem, Side::Finding);
+    let (std_dev, covariance) = accuracies(&all.select_columns(&columns), base);
+    place(&columns, &covariance);
+    (std_dev, effects)
+}
+
 /// Evidence to be expected between two rivals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RivalReport {
-    /// From the new trajectory alone.
+    /// From the new trajectory alone, with what is given of all other parameters: what the search makes as large as it can.
     pub designed: ExpectedEvidence,
     /// From the data that both came from; `None` where they are not known.
     pub recorded: Option<ExpectedEvidence>,
@@ -172,7 +214,7 @@ fn rival_report(problem: &Problem, series: &FourierSeries) -> Option<RivalReport
     let own = problem.information_of(series) * knowledge.periods;
     let together = problem.given().map_or_else(|| own.clone(), |given| given + &own);
     Some(RivalReport {
-        designed: rivals.expected(&own, base),
+        designed: rivals.expected(&(&own + problem.given_of_others()), base),
         recorded: rivals.recorded.as_ref().map(|data| rivals.expected(data, base)),
         together: rivals.expected(&together, base),
     })

@@ -151,7 +151,7 @@ pub struct RivalsDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = ExpectedEvidence))]
 pub struct ExpectedDocument {
-    /// From the new trajectory alone.
+    /// From the new trajectory alone, with what is given of all other parameters: what the search makes as large as it can.
     pub designed: EvidenceDocument,
     /// From the data that both explanations came from.
     pub recorded: Option<EvidenceDocument>,

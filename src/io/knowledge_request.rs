@@ -80,6 +80,16 @@ fn read_rivals(fields: &Fields, model: Option<&DesignModel>) -> Option<(usize, R
     let cursor = fields.nullable("rivals")?;
     let two = cursor.fields(RIVALS_FIELDS)?;
     let (finding, rival) = (two.required("finding")?, two.required("rival")?);
+    if fields
+        .nullable("criterion")
+        .is_none_or(|c| c.value().as_str() != Some("rival_evidence"))
+    {
+        cursor.complain_with(
+            "is for the criterion `rival_evidence`",
+            "set `criterion`, or leave `rivals` out",
+        );
+        return None;
+    }
     let Some(model) = model else {
         cursor.complain_with("needs the model that has them", "give `model`");
         return None;

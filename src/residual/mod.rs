@@ -14,6 +14,7 @@ mod design;
 mod faults;
 mod model;
 mod noise;
+mod product;
 mod remainder;
 mod report;
 mod rivals;
@@ -24,7 +25,7 @@ mod trace;
 
 pub use border::RivalTerm;
 pub use design::{EffectColumns, information_over};
-pub use faults::{DataFault, FaultKind, RawLog, column_faults, sample_faults};
+pub use faults::{DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, leave_out, lost_rows, sample_faults};
 pub(crate) use model::reported;
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
