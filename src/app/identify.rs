@@ -271,6 +271,8 @@ pub(super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(String, Path
     } else {
         Vec::new()
     };
+    // The record is done with; rows come next.
+    drop(raw);
     let mut observation = Observation::new(reading.robot, reading.base, &prepared);
     if reading.offset {
         observation.push_offsets(&prepared);
