@@ -266,6 +266,8 @@ pub(super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(String, Path
     };
     let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
     let stretch = reading.trace.then(|| Stretch::new(&prepared, &log));
+    // The record is done with; rows come next.
+    drop(log);
     let mut observation = Observation::new(reading.robot, reading.base, &prepared);
     if reading.offset {
         observation.push_offsets(&prepared);

@@ -1,7 +1,7 @@
 //! Measured and predicted torques over time, for plots.
 
 use super::identify::UsedLog;
-use crate::identification::prediction;
+use crate::identification::predictions as predict;
 use crate::io::PredictionDocument;
 use crate::model::Robot;
 use crate::residual::AugmentedModel;
@@ -33,10 +33,11 @@ fn of_log(robot: &Robot, log: &UsedLog, by: &Predictors, most: usize) -> Vec<Pre
         .zip(log.stretch.as_ref())
         .map(|(model, stretch)| model.predict(stretch));
     let sets: Vec<&DVector<f64>> = std::iter::once(by.base).chain(by.physical).collect();
-    (0..robot.joint_count())
-        .map(|j| {
+    predict(&log.observation, &sets, most)
+        .into_iter()
+        .enumerate()
+        .map(|(j, series)| {
             let joint = &robot.joints()[j].name;
-            let series = prediction(&log.observation, j, &sets, most);
             let sign = if is_inverted(by.residual, joint) { -1.0 } else { 1.0 };
             let state = |k: usize| series.samples.iter().map(|&s| log.prepared.motion.get(j, s)[k]).collect();
             let mut predicted = series.predicted.into_iter();

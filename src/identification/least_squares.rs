@@ -93,9 +93,10 @@ pub fn estimate(observations: &[Observation], logs: &[&PreparedLog], estimator: 
         let mut next = sigmas(&normals, &solution, &sigma);
         if estimator == Estimator::Robust {
             // Gross errors are in the mean square with their squares; the scale that tells them must not be made of them.
+            let residuals: Vec<_> = observations.iter().map(|o| o.residuals(&solution.values)).collect();
             for (j, (s, normal)) in next.iter_mut().zip(&plain).enumerate() {
                 let freedom = 1.0 - spent(normal, &solution, sigma[j]) / normal.rows.max(1) as f64;
-                *s = median_sigma(observations, j, &solution.values, freedom.max(0.1)).max(least_sigma(normal));
+                *s = median_sigma(observations, &residuals, j, freedom.max(0.1)).max(least_sigma(normal));
             }
         }
         let change = next.iter().zip(&sigma).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
@@ -237,12 +238,7 @@ impl Estimate {
         let spectra: Vec<Vec<NoiseSpectrum>> = measured
             .into_iter()
             .zip(observations)
-            .map(|(log, o)| {
-                log.into_iter()
-                    .enumerate()
-                    .map(|(j, spectrum)| self.spectrum(o, j, spectrum))
-                    .collect()
-            })
+            .map(|(log, o)| self.spectra(o, log))
             .collect();
         if measured_nowhere(&self.joints) {
             for (j, fit) in self.joints.iter_mut().enumerate() {
@@ -266,21 +262,32 @@ impl Estimate {
         self.covariance = &self.solution.inverse * middle * &self.solution.inverse;
     }
 
-    fn spectrum(&self, observation: &Observation, j: usize, measured: Option<NoiseSpectrum>) -> NoiseSpectrum {
-        let fit = &self.joints[j];
-        let explained = fit
-            .misfit
-            .is_some_and(|m| m < 1.0 + MISFIT_SIGMAS * (2.0 / fit.effective_rows.max(1.0)).sqrt());
-        match measured {
-            Some(spectrum) if explained => spectrum,
-            _ => {
-                let rows = &observation.joints[j];
-                let used = rows.used_rows();
-                // The joint's freedom, shared among logs in proportion to their rows.
-                let freedom = fit.degrees_of_freedom * used as f64 / fit.rows.max(1) as f64;
-                NoiseSpectrum::from_residual(&rows.residual(&self.values), freedom)
-            }
-        }
+    /// Of every joint in one log.
+    fn spectra(&self, observation: &Observation, measured: Vec<Option<NoiseSpectrum>>) -> Vec<NoiseSpectrum> {
+        let explained = |fit: &JointFit| {
+            let most = 1.0 + MISFIT_SIGMAS * (2.0 / fit.effective_rows.max(1.0)).sqrt();
+            fit.misfit.is_some_and(|m| m < most)
+        };
+        let believed: Vec<Option<NoiseSpectrum>> = measured
+            .into_iter()
+            .zip(&self.joints)
+            .map(|(spectrum, fit)| spectrum.filter(|_| explained(fit)))
+            .collect();
+        let residuals = match believed.iter().all(Option::is_some) {
+            true => Vec::new(),
+            false => observation.residuals(&self.values),
+        };
+        let from_residual = |j: usize| {
+            let fit = &self.joints[j];
+            // The joint's freedom, shared among logs in proportion to their rows.
+            let part = observation.joints[j].used_rows() as f64 / fit.rows.max(1) as f64;
+            NoiseSpectrum::from_residual(&residuals[j], fit.degrees_of_freedom * part)
+        };
+        believed
+            .into_iter()
+            .enumerate()
+            .map(|(j, spectrum)| spectrum.unwrap_or_else(|| from_residual(j)))
+            .collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{JointRows, Observation};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// `Wⱼᵀ Wⱼ`, `Wⱼᵀ τⱼ`, `τⱼᵀ τⱼ` of one joint, summed over logs.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,27 +35,31 @@ impl JointNormal {
 }
 
 impl JointNormal {
-    pub(super) fn of(rows: &JointRows) -> Self {
+    /// Of no rows.
+    pub(super) fn none(rows: &JointRows) -> Self {
+        let w = rows.columns.len();
         Self {
             columns: rows.columns.clone(),
-            gram: gram(&rows.matrix),
-            moment: rows.matrix.tr_mul(&rows.torque),
-            torque_square: rows.torque.norm_squared(),
+            gram: DMatrix::zeros(w, w),
+            moment: DVector::zeros(w),
+            torque_square: 0.0,
             rows: rows.used_rows(),
         }
     }
 
-    pub(super) fn sum(parts: impl Iterator<Item = Self>) -> Self {
-        parts
-            .reduce(|mut sum, part| {
-                assert_eq!(sum.columns, part.columns, "observations of one model have the same columns");
-                sum.gram += part.gram;
-                sum.moment += part.moment;
-                sum.torque_square += part.torque_square;
-                sum.rows += part.rows;
-                sum
-            })
-            .expect("at least one observation")
+    /// Takes up a block of rows.
+    pub(super) fn add(&mut self, matrix: &DMatrix<f64>, torque: &DVector<f64>) {
+        self.gram += gram(matrix);
+        self.moment += matrix.tr_mul(torque);
+        self.torque_square += torque.norm_squared();
+    }
+
+    fn join(&mut self, other: &Self) {
+        assert_eq!(self.columns, other.columns, "observations of one model have the same columns");
+        self.gram += &other.gram;
+        self.moment += &other.moment;
+        self.torque_square += other.torque_square;
+        self.rows += other.rows;
     }
 }
 
@@ -63,10 +68,34 @@ impl JointNormal {
 /// # Panics
 /// When the observations have different columns, or there is none.
 pub fn normal_equations(observations: &[Observation]) -> Vec<JointNormal> {
-    let joints = observations.first().expect("at least one observation").joints.len();
-    (0..joints)
-        .map(|j| JointNormal::sum(observations.iter().map(|o| JointNormal::of(&o.joints[j]))))
-        .collect()
+    summed(observations, |_, _, normal, matrix, torque| normal.add(matrix, &torque))
+}
+
+/// Normal equations to which `add` takes up every block of every joint: number of the observation and of the joint, what to add to, rows and
+/// torques. Joints are worked on side by side; the sums are in the order of the rows.
+pub(super) fn summed(
+    observations: &[Observation],
+    add: impl Fn(usize, usize, &mut JointNormal, &DMatrix<f64>, DVector<f64>) + Sync,
+) -> Vec<JointNormal> {
+    let of = |(number, o): (usize, &Observation)| {
+        let mut normals: Vec<JointNormal> = o.joints.iter().map(JointNormal::none).collect();
+        o.for_each_block(|first, block| {
+            normals.par_iter_mut().enumerate().for_each(|(j, normal)| {
+                let torque = o.joints[j].torque.rows(first, block[j].nrows()).into_owned();
+                add(number, j, normal, &block[j], torque);
+            });
+        });
+        normals
+    };
+    observations
+        .iter()
+        .enumerate()
+        .map(of)
+        .reduce(|mut sum, part| {
+            sum.iter_mut().zip(&part).for_each(|(a, b)| a.join(b));
+            sum
+        })
+        .expect("at least one observation")
 }
 
 /// `MᵀM` by blocks of rows: the stored transpose of a block fits the cache, which the product of the whole would not.

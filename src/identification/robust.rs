@@ -1,47 +1,40 @@
 //! Huber's weights: rows far off count by their distance, not by its square.
 
-use super::normal::JointNormal;
+use super::Observation;
+use super::normal::{JointNormal, summed};
 use super::preprocess::spectrum::median;
-use super::{JointRows, Observation};
 use nalgebra::DVector;
 
 /// Residual, in standard deviations, from which on a row's weight falls (Huber 1964: 95 % efficiency on normal noise).
 const KNEE: f64 = 1.345;
 
-/// Normal equations with every row weighted by `min(1, 1.345 σⱼ/|e|)`. One joint's rows are copied at a time.
+/// Normal equations with every row weighted by `min(1, 1.345 σⱼ/|e|)`.
 pub(super) fn robust_normals(observations: &[Observation], values: &DVector<f64>, sigma: &[f64]) -> Vec<JointNormal> {
-    let weighted = |rows: &JointRows, s: f64| {
-        let mut rows = rows.clone();
-        for (r, e) in rows.residual(values).iter().enumerate() {
-            let weight = (KNEE * s / e.abs()).min(1.0).sqrt();
+    summed(observations, |number, j, normal, matrix, mut torque| {
+        let errors = &torque - matrix * observations[number].joints[j].own(values);
+        let mut matrix = matrix.clone();
+        for (r, e) in errors.iter().enumerate() {
+            let weight = (KNEE * sigma[j] / e.abs()).min(1.0).sqrt();
             if weight < 1.0 {
-                rows.torque[r] *= weight;
-                rows.matrix.row_mut(r).scale_mut(weight);
+                torque[r] *= weight;
+                matrix.row_mut(r).scale_mut(weight);
             }
         }
-        JointNormal::of(&rows)
-    };
-    let joint = |(j, &s): (usize, &f64)| JointNormal::sum(observations.iter().map(|o| weighted(&o.joints[j], s)));
-    sigma.iter().enumerate().map(joint).collect()
+        normal.add(&matrix, &torque);
+    })
 }
 
 /// Of normal numbers the median distance from zero is 0.6745 standard deviations.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// σ of joint `j` from the median of |e|, which half of the rows may be wrong without moving far. `freedom` is the share of the rows
-/// that parameters have not been spent on.
-pub(super) fn median_sigma(observations: &[Observation], j: usize, values: &DVector<f64>, freedom: f64) -> f64 {
-    let mut errors = Vec::new();
-    for rows in observations.iter().map(|o| &o.joints[j]) {
-        let residual = rows.residual(values);
-        errors.extend(
-            residual
-                .iter()
-                .zip(&rows.used)
-                .filter(|(_, used)| **used)
-                .map(|(e, _)| e.abs()),
-        );
-    }
+/// σ of joint `j` from the median of |e|, which half of the rows may be wrong without moving far. `residuals` has the joints of every
+/// observation; `freedom` is the share of the rows that parameters have not been spent on.
+pub(super) fn median_sigma(observations: &[Observation], residuals: &[Vec<DVector<f64>>], j: usize, freedom: f64) -> f64 {
+    let used = observations.iter().zip(residuals).flat_map(|(o, residual)| {
+        let rows = residual[j].iter().zip(&o.joints[j].used);
+        rows.filter(|(_, used)| **used).map(|(e, _)| e.abs())
+    });
+    let errors: Vec<f64> = used.collect();
     if errors.is_empty() {
         return 0.0;
     }

@@ -1,6 +1,6 @@
 //! How well parameters predict a log that they may never have seen: the paper's Table 4.
 
-use super::{Observation, keep_peaks};
+use super::{JointRows, Observation, keep_peaks};
 use nalgebra::DVector;
 
 /// Prediction errors of one parameter set on one log.
@@ -27,33 +27,35 @@ pub struct PredictionSeries {
 /// Errors of `values` (one per model column) over the used rows of every joint. A joint without rows has NaN.
 pub fn validate(observation: &Observation, values: &DVector<f64>) -> Validation {
     let (mut rms, mut percent) = (Vec::new(), Vec::new());
-    for rows in &observation.joints {
+    for (rows, residual) in observation.joints.iter().zip(observation.residuals(values)) {
         let used = rows.used_rows() as f64;
-        let error = (rows.residual(values).norm_squared() / used).sqrt();
+        let error = (residual.norm_squared() / used).sqrt();
         rms.push(error);
         percent.push(100.0 * error / (rows.torque.norm_squared() / used).sqrt());
     }
     Validation { rms, percent }
 }
 
-/// About `most` points of joint `j` for each of several parameter sets, at the same samples; peaks of torque and residual are kept.
-pub fn prediction(observation: &Observation, j: usize, sets: &[&DVector<f64>], most: usize) -> PredictionSeries {
-    let rows = &observation.joints[j];
-    let predicted: Vec<DVector<f64>> = sets.iter().map(|values| rows.predict(values)).collect();
-    let used: Vec<usize> = (0..rows.used.len()).filter(|&r| rows.used[r]).collect();
-    let measured: Vec<f64> = used.iter().map(|&r| rows.torque[r]).collect();
-    let residual: Vec<f64> = used
-        .iter()
-        .map(|&r| rows.torque[r] - predicted.first().map_or(0.0, |p| p[r]))
-        .collect();
-    let picked: Vec<usize> = keep_peaks(&[&measured, &residual], most)
-        .into_iter()
-        .map(|i| used[i])
-        .collect();
-    PredictionSeries {
-        samples: picked.iter().map(|&r| observation.samples[r]).collect(),
-        measured: picked.iter().map(|&r| rows.torque[r]).collect(),
-        predicted: predicted.iter().map(|p| picked.iter().map(|&r| p[r]).collect()).collect(),
-        rows: picked,
-    }
+/// About `most` points of every joint for each of several parameter sets, at the same samples; peaks of torque and residual are kept.
+pub fn predictions(observation: &Observation, sets: &[&DVector<f64>], most: usize) -> Vec<PredictionSeries> {
+    let predicted = observation.predict(sets);
+    let series = |(rows, predicted): (&JointRows, &Vec<DVector<f64>>)| {
+        let used: Vec<usize> = (0..rows.used.len()).filter(|&r| rows.used[r]).collect();
+        let measured: Vec<f64> = used.iter().map(|&r| rows.torque[r]).collect();
+        let residual: Vec<f64> = used
+            .iter()
+            .map(|&r| rows.torque[r] - predicted.first().map_or(0.0, |p| p[r]))
+            .collect();
+        let picked: Vec<usize> = keep_peaks(&[&measured, &residual], most)
+            .into_iter()
+            .map(|i| used[i])
+            .collect();
+        PredictionSeries {
+            samples: picked.iter().map(|&r| observation.samples[r]).collect(),
+            measured: picked.iter().map(|&r| rows.torque[r]).collect(),
+            predicted: predicted.iter().map(|p| picked.iter().map(|&r| p[r]).collect()).collect(),
+            rows: picked,
+        }
+    };
+    observation.joints.iter().zip(&predicted).map(series).collect()
 }

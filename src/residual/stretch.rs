@@ -215,7 +215,7 @@ impl Stretch {
         let plain = filter.torque.is_none() && filter.columns.is_none() && filter.edges == 0 && filter.decimation == 1;
         let fine = Self {
             name: prepared.name.clone(),
-            motion: prepared.motion.clone(),
+            motion: Motion::clone(&prepared.motion),
             torque: prepared.torque.iter().map(|t| prepared.row_filter.torque_rows(t)).collect(),
             periods,
             starts,

@@ -7,6 +7,7 @@ mod estimates;
 mod filter;
 mod logs;
 mod paper;
+mod paper_chain;
 mod periods;
 mod physical;
 mod real;

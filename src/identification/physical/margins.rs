@@ -19,11 +19,11 @@ pub enum Constraint {
     Coulomb,
     /// Sum of two diagonal entries of the inertia about the centre of mass less the third [kg m²].
     DiagonalTriangle,
-    /// A hundred times the smallest diagonal entry less the largest [kg m²].
+    /// The stated multiple of the smallest diagonal entry less the largest [kg m²].
     MomentRatio,
-    /// A diagonal entry across a slender link less three times that along it [kg m²].
+    /// A diagonal entry across a slender link less the stated multiple of that along it [kg m²].
     SlenderAxis,
-    /// A tenth of the smallest diagonal entry less the largest product of inertia [kg m²].
+    /// The stated part of the smallest diagonal entry less the largest product of inertia [kg m²].
     ProductsOfInertia,
     /// The smallest diagonal entry less the least that was asked for [kg m²].
     LeastMoment,

@@ -3,6 +3,7 @@
 use super::period::{at, repeating_stretch};
 use super::spectrum::forward;
 use crate::identification::Log;
+use rayon::prelude::*;
 
 /// Where the whole periods lie in a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,15 +126,14 @@ impl Scatter {
     /// From torques unfolded into K ≥ 2 periods and their means. Unusable samples count as equal to the mean.
     pub(super) fn new(periods: &Periods, torque: Vec<Vec<f64>>, mean: &[Vec<f64>], usable: Vec<bool>) -> Self {
         let (k, n) = (periods.count, periods.samples);
-        let (mut std_dev, mut spectrum) = (Vec::new(), Vec::new());
-        for (tau, mean) in torque.iter().zip(mean) {
+        let of_joint = |(tau, mean): (&Vec<f64>, &Vec<f64>)| {
             let deviation: Vec<f64> = (0..k * n)
                 .map(|s| if usable[s] { tau[s] - mean[s % n] } else { 0.0 })
                 .collect();
             let used = usable.iter().filter(|&&u| u).count() as f64;
             // Every sample of the period spends one degree of freedom on its mean.
             let freedom = (used - n as f64).max(1.0);
-            std_dev.push((deviation.iter().map(|d| d * d).sum::<f64>() / freedom).sqrt());
+            let std_dev = (deviation.iter().map(|d| d * d).sum::<f64>() / freedom).sqrt();
             let mut lines = vec![0.0; n / 2 + 1];
             for period in deviation.chunks_exact(n) {
                 lines
@@ -144,8 +144,9 @@ impl Scatter {
             // Mean over periods with K − 1 degrees of freedom is the noise of one period; the average has 1/K of it.
             let scale = 1.0 / ((k - 1) as f64 * k as f64 * n as f64);
             lines.iter_mut().for_each(|v| *v *= scale);
-            spectrum.push(lines);
-        }
+            (std_dev, lines)
+        };
+        let (std_dev, spectrum) = torque.par_iter().zip(mean).map(of_joint).unzip();
         Self {
             periods: k,
             torque,

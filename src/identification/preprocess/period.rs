@@ -2,6 +2,7 @@
 
 use super::spectrum::median;
 use crate::identification::Log;
+use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
@@ -82,15 +83,12 @@ fn lag_difference(log: &Log) -> Option<Vec<f64>> {
     let padded = (2 * n).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
     let (forward, inverse) = (planner.plan_fft_forward(padded), planner.plan_fft_inverse(padded));
-    let mut total = vec![0.0; n];
-    let mut moving = 0;
-    for q in &log.q {
+    let of_joint = |q: &Vec<f64>| {
         let mean = q.iter().sum::<f64>() / n as f64;
         let variance = q.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64;
         if variance < NO_MOTION * NO_MOTION {
-            continue;
+            return None;
         }
-        moving += 1;
         let mut x: Vec<f64> = q
             .iter()
             .map(|v| v - mean)
@@ -102,13 +100,16 @@ fn lag_difference(log: &Log) -> Option<Vec<f64>> {
         forward.process(&mut x, &mut lines).expect("lengths come from the plan");
         lines.iter_mut().for_each(|z| *z = Complex64::new(z.norm_sqr(), 0.0));
         inverse.process(&mut lines, &mut x).expect("lengths come from the plan");
-        for (lag, d) in total.iter_mut().enumerate() {
+        let difference = |lag: usize| {
             let correlation = x[lag] / padded as f64;
             let difference = squares[n - lag] + (squares[n] - squares[lag]) - 2.0 * correlation;
-            *d += difference / ((n - lag) as f64 * 2.0 * variance);
-        }
-    }
-    (moving > 0).then(|| total.iter().map(|d| d / f64::from(moving)).collect())
+            difference / ((n - lag) as f64 * 2.0 * variance)
+        };
+        Some((0..n).map(difference).collect::<Vec<f64>>())
+    };
+    let moving: Vec<Vec<f64>> = log.q.par_iter().filter_map(of_joint).collect();
+    let mean = |lag: usize| moving.iter().map(|d| d[lag]).sum::<f64>() / moving.len() as f64;
+    (!moving.is_empty()).then(|| (0..n).map(mean).collect())
 }
 
 /// Root mean square [rad or m] below which a joint stands still: encoder noise of a coarse encoder.
@@ -142,19 +143,20 @@ pub(super) fn repeating_stretch(log: &Log, lag: f64) -> std::ops::Range<usize> {
     }
     let count = n - whole;
     let half = (whole / 200).max(2);
-    let mut agrees = vec![true; count];
-    for q in &log.q {
+    let of_joint = |q: &Vec<f64>| -> Vec<bool> {
         let (low, high) = q
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         let squares: Vec<f64> = (0..count).map(|s| (at(q, s as f64 + lag) - q[s]).powi(2)).collect();
         let smooth = super::spectrum::smoothed(&squares, half);
         let allowed = (16.0 * median(smooth.clone())).max((1e-3 * (high - low)).powi(2));
-        agrees.iter_mut().zip(&smooth).for_each(|(a, &d)| *a &= d <= allowed);
-    }
+        smooth.iter().map(|&d| d <= allowed).collect()
+    };
+    let joints: Vec<Vec<bool>> = log.q.par_iter().map(of_joint).collect();
+    let agrees = |s: usize| joints.iter().all(|joint| joint[s]);
     let (mut best, mut start) = (0..0, 0);
     for s in 0..=count {
-        if s == count || !agrees[s] {
+        if s == count || !agrees(s) {
             if s - start > best.len() {
                 best = start..s;
             }

@@ -9,6 +9,9 @@ use super::{
 use crate::dynamics::Motion;
 use crate::identification::Log;
 use crate::identification::filter::{LowPass, Padding, central_difference, central_difference_periodic, zero_phase};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::sync::Arc;
 
 /// The paper's filters (section 4.3).
 const PAPER_POSITION: FilterSpec = FilterSpec {
@@ -58,8 +61,8 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
         name: log.name.clone(),
         rate_hz: record.rate_hz,
         start_s: log.start_s + first as f64 / log.rate_hz,
-        motion,
-        torque: record.tau,
+        motion: Arc::new(motion),
+        torque: record.tau.into_owned(),
         usable: record.usable,
         periods: record.periods,
         scatter: record.scatter,
@@ -74,7 +77,7 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
 fn torques_repeat(record: &Record) -> bool {
     let Some(scatter) = &record.scatter else { return true };
     let mean = |lines: &[f64]| lines.iter().sum::<f64>() / lines.len().max(1) as f64;
-    scatter.spectrum.iter().zip(&record.tau).all(|(spectrum, tau)| {
+    scatter.spectrum.iter().zip(record.tau.iter()).all(|(spectrum, tau)| {
         let (low, high) = spectrum.split_at(spectrum.len() / 10);
         let torque = tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
         // Two lines of the whole spectrum per line of this half; spectra are of the mean, periods scatter K times as much.
@@ -99,12 +102,12 @@ fn hold_still(motion: &mut Motion, velocity_std: &[f64]) -> Vec<bool> {
 }
 
 /// One stretch or one mean period, before derivatives.
-struct Record {
+struct Record<'a> {
     rate_hz: f64,
-    q: Vec<Vec<f64>>,
+    q: Cow<'a, [Vec<f64>]>,
     /// As logged.
-    qd: Option<Vec<Vec<f64>>>,
-    tau: Vec<Vec<f64>>,
+    qd: Option<Cow<'a, [Vec<f64>]>>,
+    tau: Cow<'a, [Vec<f64>]>,
     usable: Vec<bool>,
     periods: Option<Periods>,
     /// Highest harmonic of the excitation, where known.
@@ -119,7 +122,7 @@ struct Chain<'a> {
     options: &'a PreprocessOptions,
 }
 
-impl Chain<'_> {
+impl<'a> Chain<'a> {
     fn check(&self) -> Result<(), PreprocessError> {
         let refuse = |field, value, problem| {
             Err(PreprocessError::Option {
@@ -147,7 +150,7 @@ impl Chain<'_> {
     }
 
     /// Cuts the log into periods where it has them, and takes their mean.
-    fn record(&self, choices: &mut Vec<Choice>) -> Result<Record, PreprocessError> {
+    fn record(&self, choices: &mut Vec<Choice>) -> Result<Record<'a>, PreprocessError> {
         let (period, order, source) = match self.options.period {
             Period::None => (None, None, "the request asks for one stretch"),
             Period::Known { period_s, order } => (Some(period_s), order, "given"),
@@ -192,12 +195,12 @@ impl Chain<'_> {
         }
     }
 
-    fn whole(&self) -> Record {
+    fn whole(&self) -> Record<'a> {
         Record {
             rate_hz: self.log.rate_hz,
-            q: self.log.q.clone(),
-            qd: self.log.qd.clone(),
-            tau: self.log.tau.clone(),
+            q: Cow::Borrowed(&self.log.q),
+            qd: self.log.qd.as_deref().map(Cow::Borrowed),
+            tau: Cow::Borrowed(&self.log.tau),
             usable: self.log.usable.clone(),
             periods: None,
             order: None,
@@ -206,12 +209,12 @@ impl Chain<'_> {
         }
     }
 
-    fn averaged(&self, periods: Periods, order: Option<usize>, source: &str, choices: &mut Vec<Choice>) -> Record {
+    fn averaged(&self, periods: Periods, order: Option<usize>, source: &str, choices: &mut Vec<Choice>) -> Record<'a> {
         let (k, n) = (periods.count, periods.samples);
         let usable = periods.usable(self.log);
         let mean = |columns: &[Vec<f64>]| {
             columns
-                .iter()
+                .par_iter()
                 .map(|x| periods.mean(&periods.unfold(x), &usable))
                 .collect::<Vec<_>>()
         };
@@ -227,7 +230,7 @@ impl Chain<'_> {
                     .sum();
                 sum / ((k - 1) * n) as f64 / k as f64
             };
-            self.log.q.iter().zip(&q).map(variance).collect()
+            self.log.q.par_iter().zip(&q).map(variance).collect()
         });
         let torque = || self.log.tau.iter().map(|x| periods.unfold(x)).collect();
         let scatter = (k > 1).then(|| Scatter::new(&periods, torque(), &tau, usable.clone()));
@@ -246,9 +249,9 @@ impl Chain<'_> {
         ));
         Record {
             rate_hz: n as f64 / periods.period_s,
-            q,
-            qd: self.log.qd.as_deref().map(mean),
-            tau,
+            q: Cow::Owned(q),
+            qd: self.log.qd.as_deref().map(|columns| Cow::Owned(mean(columns))),
+            tau: Cow::Owned(tau),
             usable: (0..n).map(|i| (i..k * n).step_by(n).any(|s| usable[s])).collect(),
             periods: Some(periods),
             order,
@@ -282,7 +285,7 @@ impl Chain<'_> {
         let variance = |j: usize| record.position_variance.as_ref().map(|v| v[j]);
         let fits: Vec<_> = record
             .q
-            .iter()
+            .par_iter()
             .enumerate()
             .map(|(j, q)| fourier_fit(q, periods.period_s, variance(j), record.order))
             .collect();

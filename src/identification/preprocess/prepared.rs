@@ -2,6 +2,7 @@
 
 use super::{Choice, Periods, RowFilter, Scatter};
 use crate::dynamics::Motion;
+use std::sync::Arc;
 
 /// A log ready for least squares: one motion, the torques that belong to it, and how rows are made of both.
 ///
@@ -14,8 +15,8 @@ pub struct PreparedLog {
     pub rate_hz: f64,
     /// Time of sample 0 on the log's own clock (s).
     pub start_s: f64,
-    /// q, qd, qdd: averaged over periods where the log repeats.
-    pub motion: Motion,
+    /// q, qd, qdd: averaged over periods where the log repeats. Shared with the rows that are made of it.
+    pub motion: Arc<Motion>,
     /// Per joint, N torques [N m or N], averaged like the motion.
     pub torque: Vec<Vec<f64>>,
     /// Samples that are data; false inside gaps of the record, and where a caller leaves an interval out.

@@ -27,6 +27,8 @@ pub enum LogError {
     },
     #[error("{file}, line 1: the header is longer than {limit} bytes; a log is text with one line per sample")]
     LongHeader { file: String, limit: usize },
+    #[error("{file}, line {line}: is longer than any row of numbers; a log is text with one line per sample")]
+    LongLine { file: String, line: u64 },
     #[error("{file}: `columns` places a quantity in the file `{other}`, which is not among the logs; give it as one more log")]
     MissingFile { file: String, other: String },
     #[error(
@@ -95,6 +97,7 @@ impl LogError {
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }
+            | Self::LongLine { file, .. }
             | Self::MissingFile { file, .. }
             | Self::RowsDiffer { file, .. }
             | Self::NoTimeBase { file }
@@ -122,6 +125,7 @@ impl LogError {
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }
+            | Self::LongLine { file, .. }
             | Self::MissingFile { file, .. }
             | Self::RowsDiffer { file, .. }
             | Self::NoTimeBase { file }

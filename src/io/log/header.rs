@@ -1,12 +1,11 @@
-//! Which column of a file is taken for what, without reading the rest of it.
+//! The header of a file: which column is taken for what, without reading the rest of it.
 
-use super::reader::{Places, delimiter};
+use super::places::{Places, delimiter};
+use super::reader::{broken, open, unpacked};
 use super::{Columns, LogError};
 use csv::{ReaderBuilder, Trim};
-use flate2::read::MultiGzDecoder;
 use serde::Serialize;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, Read};
 use std::path::Path;
 
 /// Headers of the columns that are read, one per joint.
@@ -28,39 +27,73 @@ pub struct FoundColumns {
 /// # Errors
 /// [`LogError`]: unreadable, empty, or columns missing.
 pub fn found_columns(path: &Path, file: &str, columns: &Columns, joints: &[String]) -> Result<FoundColumns, LogError> {
-    let unreadable = |e: io::Error| LogError::Unreadable {
-        file: file.to_string(),
-        detail: e.to_string(),
-    };
-    let mut plain = BufReader::new(File::open(path).map_err(unreadable)?);
-    let packed = plain.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
-    let mut bytes: Box<dyn BufRead> = match packed {
-        true => Box::new(BufReader::new(MultiGzDecoder::new(plain))),
-        false => Box::new(plain),
-    };
-    let delimiter = delimiter(bytes.fill_buf().map_err(unreadable)?);
-    let mut reader = ReaderBuilder::new()
-        .delimiter(delimiter)
-        .trim(Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(bytes);
-    let header = reader.byte_headers().map_err(|e| LogError::Unreadable {
-        file: file.to_string(),
-        detail: e.to_string(),
-    })?;
-    let header: Vec<String> = header
-        .iter()
-        .map(|h| String::from_utf8_lossy(h).trim_start_matches('\u{feff}').to_string())
-        .collect();
-    let places = Places::find(file, &header, columns, joints, &|_| true)?;
-    let named = |places: &[usize]| places.iter().map(|&at| header[at].clone()).collect::<Vec<_>>();
+    let source = open(path).map_err(|e| e.named(file))?;
+    let header = Header::read(file, &mut unpacked(file, source.bytes)?)?;
+    let names = header.names;
+    let places = Places::find(file, &names, columns, joints, &|_| true)?;
+    let named = |places: &[usize]| places.iter().map(|&at| names[at].clone()).collect::<Vec<_>>();
     let used: Vec<usize> = places.time.into_iter().chain(places.all()).collect();
-    let unused: Vec<usize> = (0..header.len()).filter(|at| !used.contains(at)).collect();
+    let unused: Vec<usize> = (0..names.len()).filter(|at| !used.contains(at)).collect();
     Ok(FoundColumns {
-        time: places.time.map(|at| header[at].clone()),
+        time: places.time.map(|at| names[at].clone()),
         position: named(&places.q),
         velocity: named(&places.qd),
         torque: named(&places.tau),
         unused: named(&unused),
     })
+}
+
+/// The first line that is neither empty nor a comment.
+pub(super) struct Header {
+    pub delimiter: u8,
+    pub names: Vec<String>,
+    /// Lines of the file as far as the header, which is one of them.
+    pub lines: u64,
+}
+
+/// Longest header that is read: a thousand columns with names of a hundred letters. A file without line ends would fill the memory.
+const LONGEST_HEADER: usize = 100_000;
+
+impl Header {
+    /// Reads as far as the end of the header.
+    pub fn read(file: &str, bytes: &mut impl BufRead) -> Result<Self, LogError> {
+        let head = head(bytes).map_err(|e| broken(file, 1, &e))?;
+        if head.len() > LONGEST_HEADER {
+            return Err(LogError::LongHeader {
+                file: file.to_string(),
+                limit: LONGEST_HEADER,
+            });
+        }
+        let delimiter = delimiter(&head);
+        let mut reader = ReaderBuilder::new()
+            .delimiter(delimiter)
+            .trim(Trim::All)
+            .comment(Some(b'#'))
+            .from_reader(head.as_slice());
+        let names = reader.byte_headers().map_err(|e| LogError::Unreadable {
+            file: file.to_string(),
+            detail: format!("line 1: {e}"),
+        })?;
+        let text = |name: &[u8]| String::from_utf8_lossy(name).trim_start_matches('\u{feff}').to_string();
+        Ok(Self {
+            delimiter,
+            names: names.iter().map(text).collect(),
+            lines: memchr::memchr_iter(b'\n', &head).count() as u64,
+        })
+    }
+}
+
+/// The file as far as its header's end, or one byte more than the longest.
+fn head(bytes: &mut impl BufRead) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    let mut line = 0;
+    while head.len() <= LONGEST_HEADER {
+        let most = (LONGEST_HEADER + 1 - head.len()) as u64;
+        let read = bytes.by_ref().take(most).read_until(b'\n', &mut head)?;
+        if read == 0 || !matches!(head[line], b'#' | b'\r' | b'\n') {
+            break;
+        }
+        line = head.len();
+    }
+    Ok(head)
 }

@@ -1,13 +1,16 @@
 //! Reading logs: CSV, plain or gzip, in one pass.
 //!
-//! [`read_log`] streams the rows into columns of doubles, `time_base` lays them onto a uniform grid in time, and whatever was
+//! [`read_log`] streams the rows into columns of doubles (`rows`: several threads parse while another reads), `time_base` lays them onto a uniform grid in time, and whatever was
 //! found on the way (garbage, repeats, gaps, jitter) is told in the [`LogReport`] with the line numbers and what was done.
 
 mod columns;
 mod error;
 mod header;
+mod places;
 mod reader;
 mod report;
+mod rows;
+mod table;
 mod time_base;
 
 pub use columns::{Columns, JointColumns, TimeUnit, Transformation};

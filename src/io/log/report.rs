@@ -78,6 +78,14 @@ impl Tally {
         }
     }
 
+    /// Takes over what was counted in a part of the file that follows line `before`.
+    pub fn append(&mut self, part: Self, before: u64) {
+        self.count += part.count;
+        let room = Self::LINES.saturating_sub(self.lines.len());
+        self.lines.extend(part.lines.iter().take(room).map(|line| before + line));
+        self.first = self.first.take().or(part.first);
+    }
+
     pub fn finding(&self, kind: FindingKind, detail: impl FnOnce(&str) -> String) -> Option<Finding> {
         (self.count > 0).then(|| Finding {
             kind,

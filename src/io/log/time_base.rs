@@ -1,7 +1,7 @@
 //! From rows with time stamps to a uniform record.
 
-use super::reader::Table;
 use super::report::{FindingKind, Tally};
+use super::table::Table;
 use super::{Columns, Finding, LogError, LogReport};
 use crate::identification::Log;
 
@@ -28,8 +28,8 @@ pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogRe
     } else {
         // Rows that were left out still took their time.
         let rate = columns.sample_rate_hz.expect("checked with the header");
-        let first = table.lines.first().copied().unwrap_or(0);
-        table.time = table.lines.iter().map(|&l| f64::from(l - first) / rate).collect();
+        let first = table.numbers.first().copied().unwrap_or(0);
+        table.time = table.numbers.iter().map(|&n| f64::from(n - first) / rate).collect();
     }
     let mut findings = garbage_findings(&table);
     drop_rows(&mut table, &mut findings)?;
@@ -183,8 +183,10 @@ impl Table {
         if !self.time.is_empty() {
             pack(&mut self.time);
         }
-        let mut flags = keep.iter();
-        self.lines.retain(|_| *flags.next().expect("one flag per row"));
+        for counts in [&mut self.lines, &mut self.numbers] {
+            let mut flags = keep.iter();
+            counts.retain(|_| *flags.next().expect("one flag per row"));
+        }
     }
 }
 

@@ -41,12 +41,8 @@ const TOLERANCE: f64 = 1e-9;
 /// What an eigenvalue may be short of its least: half of that, so that bodies stay bodies. Where constraints are curved a solver comes from
 /// outside, and would never arrive at a tolerance of rounding.
 const EIGENVALUE_TOLERANCE: f64 = 0.5 * THINNEST;
-/// Ratio of the largest to the smallest diagonal entry of the inertia, (10d).
-const MOST_RATIO: f64 = 100.0;
-/// Diagonal entries across a slender link over the one along it, (10d).
-const SLENDER_RATIO: f64 = 3.0;
-/// Products of inertia over the least diagonal entry, (10d).
-const PRODUCT_RATIO: f64 = 0.1;
+/// Products of inertia up to this part of the least diagonal entry leave a matrix that is definite by its dominant diagonal.
+const DOMINATED: f64 = 0.5;
 /// Least mass (10c), as a part of a rod's in the link's place: zero itself has no centre of mass.
 const LEAST_MASS: f64 = 1e-3;
 
@@ -60,8 +56,7 @@ impl Limits {
             rows: Vec::new(),
             definite: match options.triangle {
                 Triangle::Principal => Some(Definite::SecondMoment),
-                // Products below a tenth of every diagonal entry leave a matrix that is definite by its dominant diagonal.
-                _ if options.gazebo => None,
+                _ if options.gazebo && options.product_ratio.is_some_and(|r| r < DOMINATED) => None,
                 _ => Some(Definite::Inertia),
             },
             links: variables.links,
@@ -130,19 +125,24 @@ impl Limits {
             Axis::Z => DIAGONAL[2],
         });
         // About the slender axis the moment is the least: the other comparisons follow from that.
-        let smallest = slender.map_or(DIAGONAL.to_vec(), |s| vec![s]);
+        let smallest = match slender.filter(|_| options.slender_ratio.is_some_and(|r| r >= 1.0)) {
+            Some(along) => vec![along],
+            None => DIAGONAL.to_vec(),
+        };
         for &small in &smallest {
             for large in DIAGONAL.into_iter().filter(|&e| e != small) {
-                let terms = vec![(at(small), MOST_RATIO), (at(large), -1.0)];
-                self.push(variables, link, Constraint::MomentRatio, terms, 0.0);
-                if slender.is_some() {
-                    let terms = vec![(at(large), 1.0), (at(small), -SLENDER_RATIO)];
+                if let Some(ratio) = options.moment_ratio {
+                    let terms = vec![(at(small), ratio), (at(large), -1.0)];
+                    self.push(variables, link, Constraint::MomentRatio, terms, 0.0);
+                }
+                if let Some(ratio) = options.slender_ratio.filter(|_| slender == Some(small)) {
+                    let terms = vec![(at(large), 1.0), (at(small), -ratio)];
                     self.push(variables, link, Constraint::SlenderAxis, terms, 0.0);
                 }
             }
-            for product in PRODUCTS {
-                for sign in [1.0, -1.0] {
-                    let terms = vec![(at(small), PRODUCT_RATIO), (at(product), sign)];
+            for (product, sign) in PRODUCTS.into_iter().flat_map(|p| [(p, 1.0), (p, -1.0)]) {
+                if let Some(ratio) = options.product_ratio {
+                    let terms = vec![(at(small), ratio), (at(product), sign)];
                     self.push(variables, link, Constraint::ProductsOfInertia, terms, 0.0);
                 }
             }

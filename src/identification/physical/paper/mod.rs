@@ -45,6 +45,12 @@ pub struct PaperOptions {
     pub least_viscous: f64,
     /// Least diagonal entry of an inertia [kg m²] (10d).
     pub least_moment: f64,
+    /// Most that the largest diagonal entry of an inertia may be of the smallest (10d); `None` for no limit.
+    pub moment_ratio: Option<f64>,
+    /// Least that diagonal entries across a slender link are of the one along it (10d); `None` for no limit.
+    pub slender_ratio: Option<f64>,
+    /// Most that products of inertia may be of the smallest diagonal entry (10d); `None` for no limit.
+    pub product_ratio: Option<f64>,
     /// Local solves.
     pub starts: usize,
     pub seed: u64,
@@ -60,6 +66,9 @@ impl Default for PaperOptions {
             triangle: Triangle::Principal,
             least_viscous: 0.1,
             least_moment: 1e-4,
+            moment_ratio: Some(100.0),
+            slender_ratio: Some(3.0),
+            product_ratio: Some(0.1),
             starts: 8,
             seed: 1,
         }
