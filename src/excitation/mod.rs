@@ -2,6 +2,7 @@
 //!
 //! [`Problem`] is what is asked, [`search`] solves it, [`Design`] is the answer. The paper's section 3.3 and (12)–(14), corrected.
 
+mod course;
 mod criterion;
 mod descent;
 mod epoch;

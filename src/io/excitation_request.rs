@@ -53,6 +53,14 @@ pub const CRITERIA: &[(&str, Criterion)] = &[
     ("a_optimality", Criterion::AOptimality),
     ("i_optimality", Criterion::IOptimality),
 ];
+/// The name of a criterion in documents.
+pub fn criterion_name(criterion: Criterion) -> &'static str {
+    CRITERIA
+        .iter()
+        .find(|(_, known)| *known == criterion)
+        .map_or("", |(name, _)| name)
+}
+
 pub const FORMS: &[(&str, Form)] = &[("paper", Form::Paper), ("exact", Form::Exact)];
 pub const STARTS: &[(&str, Start)] = &[("zero", Start::Zero), ("free", Start::Free)];
 

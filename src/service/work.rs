@@ -146,7 +146,7 @@ impl Request {
     ) -> Result<Outcome, Error> {
         match self {
             Self::Excite(request) => {
-                let excited = excite(request, cancel, &|p| tell(Told::Search(*p)));
+                let excited = excite(request, cancel, &|p| tell(Told::Search(p.clone())));
                 Ok(Outcome::Excited(Box::new(excited)))
             }
             Self::Identify(request) => {

@@ -1,8 +1,9 @@
 //! The parts of the report, in their order.
 
 use super::Circumstances;
-use super::html::{Html, items, listed, number, text, words};
-use crate::web::figures::{before_after_figure, error_figure, parameter_figures, torque_figure, unit};
+use super::formula;
+use super::html::{Cell, Html, items, listed, number, text, words};
+use crate::web::figures::{before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
 
 pub(super) fn heading(page: &mut Html, result: &Value, circumstances: &Circumstances) {
@@ -21,22 +22,12 @@ pub(super) fn summary(page: &mut Html, result: &Value) {
     let q = &result["quality"];
     let class = if q["verdict"] == "good" { "verdict" } else { "verdict bad" };
     page.paragraph(class, &format!("Data: {}; {}", words(&q["verdict"]), text(&q["reason"])));
-    if result["residual"].is_object() {
-        let found: Vec<String> = items(&result["residual"]["findings"])
-            .map(|f| format!("{} on {}", words(&f["effect"]), listed(&f["joints"])))
-            .collect();
-        let found = if found.is_empty() {
-            String::new()
-        } else {
-            format!(" Found: {}.", found.join("; "))
-        };
-        page.paragraph(
-            "verdict",
-            &format!(
-                "What the model leaves over: {}.{found}",
-                words(&result["residual"]["verdict"])
-            ),
-        );
+    let residual = &result["residual"];
+    if residual.is_object() {
+        page.paragraph("verdict", &text(&residual["summary"]));
+        for told in items(&residual["findings"]).chain([&residual["remainder"]]) {
+            told["sentence"].as_str().iter().for_each(|s| page.paragraph("finding", s));
+        }
     }
     let row = |name: &str, value: String| vec![name.to_string(), value];
     let rows = [
@@ -106,12 +97,12 @@ pub(super) fn parameters(page: &mut Html, result: &Value) {
             text(&p["value"])
         };
         vec![
-            text(&p["name"]),
-            value,
-            text(&p["std_dev"]),
-            text(&p["relative_std_dev_percent"]),
-            unit(&text(&p["unit"])),
-            text(&p["expression"]),
+            formula::name(&text(&p["name"])),
+            Cell::from(value),
+            Cell::from(text(&p["std_dev"])),
+            Cell::from(text(&p["relative_std_dev_percent"])),
+            Cell::from(unit(&text(&p["unit"]))),
+            formula::expression(&text(&p["expression"])),
         ]
     };
     let all = items(&result["base_parameters"]).chain(items(&result["offsets"]));
@@ -192,15 +183,13 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
         fits.map(row),
     );
     for finding in items(&residual["findings"]) {
-        describe(page, finding);
+        describe(page, result, finding);
     }
     let rest = &residual["remainder"];
     if rest.is_object() {
         page.heading(3, &format!("Unexplained, on {}", listed(&rest["joints"])));
-        page.paragraph(
-            "",
-            &format!("Depends on {}. {}", listed(&rest["depends_on"]), text(&rest["note"])),
-        );
+        page.paragraph("finding", &text(&rest["sentence"]));
+        page.paragraph("soft", &text(&rest["note"]));
     }
     if let Some(figure) = before_after_figure(result) {
         page.figure(
@@ -218,8 +207,12 @@ fn chance(p: &Value) -> String {
     }
 }
 
-fn describe(page: &mut Html, finding: &Value) {
+fn describe(page: &mut Html, result: &Value, finding: &Value) {
     page.heading(3, &format!("{} on {}", words(&finding["effect"]), listed(&finding["joints"])));
+    page.paragraph("finding", &text(&finding["sentence"]));
+    if items(&finding["parameters"]).next().is_none() {
+        return;
+    }
     let row = |p: &Value| {
         vec![
             words(&p["name"]),
@@ -228,35 +221,33 @@ fn describe(page: &mut Html, finding: &Value) {
             unit(&text(&p["unit"])),
         ]
     };
-    if items(&finding["parameters"]).next().is_some() {
+    page.table(
+        "",
+        &["Parameter", "#Value", "#σ", "Unit"],
+        items(&finding["parameters"]).map(row),
+    );
+    let e = &finding["evidence"];
+    let mut evidence = format!(
+        "Twice the log of the evidence ratio against leaving it out: {}; chance of such a gain without it: {}.",
+        text(&e["log_evidence_ratio"]),
+        chance(&e["p_value"])
+    );
+    if let Some(note) = finding["note"].as_str() {
+        evidence += &format!(" Note: {note}.");
+    }
+    page.paragraph("soft", &evidence);
+    let rival = |r: &Value| vec![words(&r["effect"]), listed(&r["joints"]), text(&r["evidence"])];
+    if items(&finding["rivals"]).next().is_some() {
         page.table(
-            "",
-            &["Parameter", "#Value", "#σ", "Unit"],
-            items(&finding["parameters"]).map(row),
+            "Not excluded in its place; twice the log of the odds in favour of the finding",
+            &["Effect", "Joints", "#Evidence"],
+            items(&finding["rivals"]).map(rival),
         );
     }
-    let sum = |value: &Value| number(items(value).filter_map(Value::as_f64).sum());
-    for (kind, name) in [("identification", "identification"), ("held_out", "held-out")] {
-        if items(&finding["rms_before"][kind]).next().is_some() {
-            let (before, after) = (sum(&finding["rms_before"][kind]), sum(&finding["rms_after"][kind]));
-            page.paragraph(
-                "",
-                &format!("Error on {name} data, summed over the joints: {before} before, {after} after."),
-            );
-        }
-    }
-    if finding["note"].is_string() {
-        page.paragraph("", &text(&finding["note"]));
-    }
-    for rival in items(&finding["rivals"]) {
-        page.paragraph(
-            "",
-            &format!(
-                "Not excluded: {} on {}; twice the log of the evidence ratio is {} in favour of the finding.",
-                words(&rival["effect"]),
-                listed(&rival["joints"]),
-                text(&rival["evidence"])
-            ),
+    if let Some(figure) = finding_figure(result, finding) {
+        page.figure(
+            &figure,
+            "What is left on the joint, with the declared model and with all effects found.",
         );
     }
 }
