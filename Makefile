@@ -2,12 +2,13 @@
 #
 #   make serve    build, and serve on http://127.0.0.1:8080
 #   make test     all that is checked before a change goes in
+#   make fuzz     thousands of generated requests to a server, held against its OpenAPI document (about ten minutes)
 #
 # Missing Debian packages are installed, with sudo where needed.
 
 LISTEN ?= 127.0.0.1:8080
 
-.PHONY: serve test build setup openapi
+.PHONY: serve test fuzz build setup openapi
 
 serve: build
 	cargo run --release --locked --bin dynident -- serve --listen $(LISTEN)
@@ -22,6 +23,9 @@ test: setup
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps
 	cargo check --release --locked --lib --no-default-features
 	cargo test --release --locked
+
+fuzz: setup
+	scripts/schemathesis
 
 setup:
 	@scripts/setup

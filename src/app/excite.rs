@@ -1,6 +1,6 @@
 //! Design an excitation trajectory.
 
-use crate::excitation::{Control, Halt, Progress, search_from};
+use crate::excitation::{Control, Found, Halt, Point, Progress, search_from};
 use crate::io::{DesignDocument, ExcitationRequest};
 use crate::trajectory::FourierSeries;
 use std::sync::Arc;
@@ -29,15 +29,32 @@ pub struct Excited {
     pub series: Option<FourierSeries>,
 }
 
+/// What connects a search with its earlier life and with those beside it; see [`Control::found`] and [`Control::others`].
+pub trait Exchange: Sync {
+    fn found(&self, found: &Found);
+    fn others(&self) -> Vec<Point>;
+}
+
 /// Searches until the search itself ends, its time limit is over, or `cancel` is set; the last two are honoured within a second and
 /// keep the best trajectory found.
 ///
 /// `observe` is told after every local solve, from many threads.
 pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn Fn(&Progress) + Sync)) -> Excited {
+    excite_beside(request, None, cancel, observe)
+}
+
+/// [`excite`], going on from what `exchange` knows, and telling it what is found.
+pub fn excite_beside(
+    request: &ExcitationRequest,
+    exchange: Option<&dyn Exchange>,
+    cancel: &CancelFlag,
+    observe: &(dyn Fn(&Progress) + Sync),
+) -> Excited {
     let started = Instant::now();
     let clock = Clock {
         deadline: started + Duration::from_secs_f64(request.search.time_limit_s),
         cancel,
+        exchange,
         observe,
     };
     let run = || search_from(&request.problem, &request.search.options, request.earlier.as_ref(), &clock);
@@ -57,6 +74,7 @@ pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn F
 struct Clock<'a> {
     deadline: Instant,
     cancel: &'a CancelFlag,
+    exchange: Option<&'a dyn Exchange>,
     observe: &'a (dyn Fn(&Progress) + Sync),
 }
 
@@ -70,5 +88,15 @@ impl Control for Clock<'_> {
 
     fn progress(&self, progress: &Progress) {
         (self.observe)(progress);
+    }
+
+    fn found(&self, found: &Found) {
+        if let Some(exchange) = self.exchange {
+            exchange.found(found);
+        }
+    }
+
+    fn others(&self) -> Vec<Point> {
+        self.exchange.map_or_else(Vec::new, Exchange::others)
     }
 }

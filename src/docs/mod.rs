@@ -11,3 +11,6 @@ pub mod closing_the_loop {}
 
 #[doc = include_str!("validation.md")]
 pub mod validation {}
+
+#[doc = include_str!("service.md")]
+pub mod service {}

@@ -5,11 +5,14 @@
 
 use super::variables::Variables;
 
-#[derive(Debug, Clone)]
-pub(super) struct Point {
+/// A trajectory in the coordinates of its search: what searches of one problem hand each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Free coefficients, joint by joint; what they mean is the search's own affair.
     pub x: Vec<f64>,
     /// Logarithm of the criterion.
     pub value: f64,
+    /// Whether it is a local minimum on all asked samples.
     pub polished: bool,
 }
 

@@ -2,7 +2,8 @@
 //!
 //! The search goes in epochs ([`super::epoch`]). An epoch opens with random starts, keeps a small pool of the best niches and hops on
 //! from those until nothing has improved for a while; its best point is a champion. As soon as there are two, every second epoch starts
-//! from the champions instead. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job),
+//! from the champions instead. Searches of one problem that run beside each other hand each other their champions at the end of every
+//! epoch, and one that was broken off goes on from those it had. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job),
 //! and a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
 //! of threads or on which finished first. Only time and cancellation end a round early.
 
@@ -11,7 +12,7 @@ use super::epoch::{Epoch, Job, NOTICEABLE, Result};
 use super::evaluator::Evaluator;
 use super::margins::TORQUE_SAMPLES;
 use super::moves::{hop, random_numbers, random_start, shake};
-use super::pool::{Point, is_near};
+use super::pool::{Point, Pool, is_near};
 use super::problem::{Criterion, Problem};
 use super::report::{Design, Outcome, StartReport, design, infeasible};
 use super::space::certified_clearances;
@@ -60,6 +61,39 @@ pub trait Control: Sync {
     fn halt(&self) -> Option<Halt>;
     /// Told after every local solve.
     fn progress(&self, progress: &Progress);
+    /// Told after every round what a search that goes on from here would need.
+    fn found(&self, _found: &Found) {}
+    /// Asked at the beginning and at the end of every epoch for what other searches of the same problem have found since it was last
+    /// asked. An answer that depends on how fast others are makes this search depend on it too.
+    fn others(&self) -> Vec<Point> {
+        Vec::new()
+    }
+}
+
+/// What a search has found.
+pub struct Found<'a> {
+    /// Epochs that are over.
+    pub epochs: usize,
+    pub evaluations: u64,
+    variables: &'a Variables,
+    champions: &'a [Point],
+    running: Option<&'a Point>,
+}
+
+impl Found<'_> {
+    /// Logarithm of the criterion at the best point; infinite before the first.
+    pub fn best(&self) -> f64 {
+        self.all().map(|p| p.value).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The champions and the best point of the running epoch: the best of each niche, best first.
+    pub fn points(&self) -> Vec<Point> {
+        Pool::of(self.variables, self.all().cloned()).points().to_vec()
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Point> {
+        self.champions.iter().chain(self.running)
+    }
 }
 
 /// State of a running search.
@@ -89,12 +123,29 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// A point brought within the limits, with its true value.
-    fn known(&self, x: Vec<f64>) -> Point {
+    fn known(&self, x: Vec<f64>, polished: bool) -> Point {
         let x = self.descent.admissible(x);
-        Point {
-            value: self.descent.true_value(&x),
-            x,
-            polished: false,
+        let value = self.descent.true_value(&x);
+        let mut progress = self.progress.lock().expect("holders of the lock do not panic");
+        progress.best = progress.best.min(value.exp());
+        Point { x, value, polished }
+    }
+
+    /// Takes in what other searches have found: new niches, and better points of known ones.
+    fn adopt(&self, champions: &mut Vec<Point>) {
+        let others = self.control.others();
+        let usable = |p: &Point| p.x.len() == self.variables.len() && p.x.iter().all(|v| v.is_finite());
+        // Values are computed afresh: what comes from elsewhere may be of another version of the program.
+        let known: Vec<Point> = others
+            .into_par_iter()
+            .filter(usable)
+            .map(|p| self.known(p.x, p.polished))
+            .collect();
+        for point in known {
+            let better = |c: &Point| c.value <= point.value && is_near(self.variables, &c.x, &point.x);
+            if !champions.iter().any(better) {
+                champions.push(point);
+            }
         }
     }
 
@@ -193,13 +244,16 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
     };
     let (mut champions, mut starts) = (Vec::<Point>::new(), Vec::new());
     if let Some(series) = earlier {
-        champions.push(run.known(variables.of_series(series)));
+        champions.push(run.known(variables.of_series(series), false));
     }
+    run.adopt(&mut champions);
     let mut epoch = match champions.is_empty() {
         true => Epoch::fresh(),
         false => Epoch::of_champions(&variables, &champions),
     };
-    let (mut best, mut epochs_without_gain, mut round) = (f64::INFINITY, 0, 0);
+    // One champion alone is not crossed with others.
+    let mut crossed = champions.len() > 1;
+    let (mut best, mut epochs, mut epochs_without_gain, mut round) = (f64::INFINITY, 0, 0, 0);
     let status = loop {
         let results = run.round(&epoch, round, options.jobs_per_round.max(1));
         round += 1;
@@ -211,8 +265,16 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
         best = best.min(epoch.best());
         if over {
             champions.extend(epoch.pool.best().cloned());
+            epochs += 1;
             epochs_without_gain += 1;
         }
+        control.found(&Found {
+            epochs,
+            evaluations: run.descent.evaluations(),
+            variables: &variables,
+            champions: &champions,
+            running: epoch.pool.best(),
+        });
         let spent = options.max_evaluations.is_some_and(|most| run.descent.evaluations() >= most);
         let halt = control.halt();
         if halt == Some(Halt::Cancelled) {
@@ -230,7 +292,9 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
             break Outcome::Converged;
         }
         if over {
-            epoch = if champions.len() % 2 == 0 {
+            run.adopt(&mut champions);
+            crossed = !crossed && champions.len() > 1;
+            epoch = if crossed {
                 Epoch::of_champions(&variables, &champions)
             } else {
                 Epoch::fresh()

@@ -1,7 +1,7 @@
 //! Sampled trajectories for robot controllers.
 
 use crate::trajectory::{FourierSeries, Trajectory, sample_count};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fmt::Write;
 
 /// How a sampled trajectory is written.
@@ -52,23 +52,54 @@ fn row(series: &FourierSeries, rate_hz: f64, index: usize) -> Vec<f64> {
         .collect()
 }
 
-/// As comma-separated values with a header; numbers read back to the same bits.
-pub fn trajectory_csv(series: &FourierSeries, rate_hz: f64, periods: usize) -> String {
-    let mut text = header(series.joints()).join(",");
-    for index in 0..rows(series, rate_hz, periods) {
-        for (column, value) in row(series, rate_hz, index).iter().enumerate() {
-            let separator = if column == 0 { '\n' } else { ',' };
-            write!(text, "{separator}{value}").expect("writing to a string cannot fail");
+/// Rows in one part of a table: written in about a millisecond.
+const ROWS_OF_A_PART: usize = 256;
+
+/// Texts of the rows, so many at a time.
+fn parts(
+    series: FourierSeries,
+    rate_hz: f64,
+    periods: usize,
+    write: impl Fn(&mut String, usize, Vec<f64>) + Send + 'static,
+) -> impl Iterator<Item = String> + Send + 'static {
+    let count = rows(&series, rate_hz, periods);
+    (0..count).step_by(ROWS_OF_A_PART).map(move |first| {
+        let mut text = String::new();
+        for index in first..count.min(first + ROWS_OF_A_PART) {
+            write(&mut text, index, row(&series, rate_hz, index));
         }
-    }
-    text.push('\n');
-    text
+        text
+    })
 }
 
-/// As an object of `columns` and `rows`.
-pub fn trajectory_json(series: &FourierSeries, rate_hz: f64, periods: usize) -> Value {
-    let all: Vec<Vec<f64>> = (0..rows(series, rate_hz, periods)).map(|i| row(series, rate_hz, i)).collect();
-    json!({"columns": header(series.joints()), "rate_hz": rate_hz, "periods": periods, "rows": all})
+/// As comma-separated values with a header, part by part: the whole may be gigabytes. Numbers read back to the same bits.
+pub fn trajectory_csv_parts(series: FourierSeries, rate_hz: f64, periods: usize) -> impl Iterator<Item = String> + Send + 'static {
+    let head = header(series.joints()).join(",") + "\n";
+    let write = |text: &mut String, _, row: Vec<f64>| {
+        for (column, value) in row.iter().enumerate() {
+            let separator = if column == 0 { "" } else { "," };
+            write!(text, "{separator}{value}").expect("writing to a string cannot fail");
+        }
+        text.push('\n');
+    };
+    std::iter::once(head).chain(parts(series, rate_hz, periods, write))
+}
+
+/// As comma-separated values with a header; numbers read back to the same bits.
+pub fn trajectory_csv(series: &FourierSeries, rate_hz: f64, periods: usize) -> String {
+    trajectory_csv_parts(series.clone(), rate_hz, periods).collect()
+}
+
+/// As an object of `columns` and `rows`, part by part.
+pub fn trajectory_json_parts(series: FourierSeries, rate_hz: f64, periods: usize) -> impl Iterator<Item = String> + Send + 'static {
+    let columns = json!(header(series.joints()));
+    let head = format!("{{\"columns\":{columns},\"rate_hz\":{},\"periods\":{periods},\"rows\":[", json!(rate_hz));
+    let write = |text: &mut String, index, row: Vec<f64>| {
+        let separator = if index == 0 { "" } else { "," };
+        write!(text, "{separator}{}", json!(row)).expect("writing to a string cannot fail");
+    };
+    let rows = parts(series, rate_hz, periods, write);
+    std::iter::once(head).chain(rows).chain(std::iter::once("]}".to_string()))
 }
 
 #[cfg(test)]
@@ -99,5 +130,10 @@ mod tests {
         assert_eq!(table[0][1..], table[1000][1..]);
         assert_eq!(table[2000][0], 20.0);
         assert_eq!(table[2000][1..], table[0][1..]);
+        let json: String = trajectory_json_parts(series(), 100.0, 2).collect();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["columns"][6], "qdd2");
+        assert_eq!((&json["rate_hz"], &json["periods"]), (&json!(100.0), &json!(2)));
+        assert_eq!(json["rows"], json!(table));
     }
 }

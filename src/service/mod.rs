@@ -5,6 +5,7 @@ pub mod api;
 mod config;
 mod design;
 mod document;
+mod exchange;
 mod folder;
 mod known;
 mod metrics;

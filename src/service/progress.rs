@@ -1,5 +1,6 @@
 //! News of a running job, from the threads that do it to the one that writes it down.
 
+use super::store::Spent;
 use super::work::Told;
 use crate::app::Step;
 use crate::excitation::Progress;
@@ -58,14 +59,27 @@ type Latest = (Option<ProgressDocument>, Option<Value>);
 
 /// What was told since it was last asked for. Clones share.
 #[derive(Clone, Default)]
-pub struct News(Arc<Mutex<Latest>>);
+pub struct News {
+    latest: Arc<Mutex<Latest>>,
+    /// By earlier lives of the search.
+    before: Spent,
+}
 
 impl News {
+    /// Of a search that goes on.
+    pub fn after(before: Spent) -> Self {
+        Self {
+            before,
+            ..Self::default()
+        }
+    }
+
     pub fn tell(&self, told: Told, elapsed: Duration) {
-        let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         match told {
             Told::Search(p) => {
-                let mut news = ProgressDocument::of(&p, elapsed);
+                let mut news = ProgressDocument::of(&p, self.before.time + elapsed);
+                news.evaluations += self.before.evaluations;
                 if let Some(before) = latest.0.take() {
                     news.ended.splice(..0, before.ended);
                 }
@@ -77,7 +91,7 @@ impl News {
 
     /// Progress of a search and step of an identification, as documents.
     pub fn take(&self) -> (Option<Value>, Option<Value>) {
-        let (search, step) = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        let (search, step) = std::mem::take(&mut *self.latest.lock().unwrap_or_else(PoisonError::into_inner));
         (search.map(|p| json!(p)), step)
     }
 }

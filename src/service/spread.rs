@@ -1,18 +1,18 @@
 //! One design on many workers: idle ones search for it with other random numbers, and the best of all is the result.
 //!
-//! The searches are independent, so that their evaluations add up without waiting for each other and a worker that is lost takes nothing
-//! with it but its own. A search that is limited by a number of evaluations is not spread: it gives the same answer everywhere.
+//! Each searches for itself and hears of what the others have found when an epoch of its own ends ([`super::exchange`]): their evaluations
+//! add up without waiting for each other, and a worker that is lost takes nothing with it but its own. A search that is limited by a number of evaluations is not spread: it gives the same answer everywhere.
 
-use super::design::Motion;
+use super::exchange::Link;
 use super::progress::News;
 use super::state::Service;
-use super::store::{Claimed, Share};
+use super::store::{Claimed, Share, Spent};
 use super::work::{Class, Input, Outcome, Request};
 use super::worker::{NEWS, in_time, on_a_thread};
 use crate::app::{CancelFlag, Error};
 use crate::io::ExcitationRequest;
-use crate::trajectory::FourierSeries;
 use serde_json::{Value, json};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 
@@ -20,6 +20,10 @@ use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 const HANDING_IN: Duration = Duration::from_secs(1);
 /// How long the search waits for shares that are about to come in: their handing in, and the time until they hear that it is over.
 const GATHERING: Duration = Duration::from_secs(3);
+/// Odd constants take every number to another seed: of the golden ratio, as in SplitMix64, and of the next of its generalisations
+/// (Roberts), so that shares and later lives do not meet.
+const EVERY_SHARE: u64 = 0x9e37_79b9_7f4a_7c15;
+const EVERY_LIFE: u64 = 0xc13f_a9a9_02a6_328f;
 /// How often a share is written down, and asked whether there is other work.
 const LOOK_AGAIN: Duration = Duration::from_millis(500);
 
@@ -51,12 +55,12 @@ pub async fn with_shares(service: &Service, job: &Claimed, progress: Value) -> V
     progress
 }
 
-/// Ends the shares of a search and takes in what they found: the document of the best, with the work of all.
-pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome) -> Result<Vec<u8>, Error> {
+/// Ends the shares of a search and takes in what they found: the document of the best, with the work of all, and of earlier lives.
+pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome, before: Spent) -> Result<Vec<u8>, Error> {
     let own = outcome.document();
     let store = service.store();
     let mut shares = store.shares(&job.id, job.lease).await?;
-    if shares.results.is_empty() && shares.outstanding == 0 {
+    if shares.results.is_empty() && shares.outstanding == 0 && before == Spent::default() {
         return Ok(own);
     }
     store.spread(&job.id, job.lease, Duration::ZERO).await?;
@@ -65,21 +69,22 @@ pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome) -> Resu
         sleep(NEWS).await;
         shares = store.shares(&job.id, job.lease).await?;
     }
-    let mut documents = vec![serde_json::from_slice(&own).unwrap_or_default()];
+    let mut own: Value = serde_json::from_slice(&own).unwrap_or_default();
+    let spent = &mut own["search"];
+    spent["evaluations"] = json!(spent["evaluations"].as_u64().unwrap_or(0) + before.evaluations);
+    spent["elapsed_s"] = json!(spent["elapsed_s"].as_f64().unwrap_or(0.0) + before.time.as_secs_f64());
+    let mut documents = vec![own];
     for hash in &shares.results {
         documents.push(serde_json::from_slice(&service.files().read(hash).await?).unwrap_or_default());
     }
     Ok(best_of(documents).to_string().into_bytes())
 }
 
-/// Where an earlier life of the search, put back or on a worker that was lost, had come.
-pub async fn best_so_far(service: &Service, job: &Claimed) -> Result<Option<FourierSeries>, Error> {
-    let mut documents: Vec<Value> = Vec::new();
-    for hash in service.store().shares(&job.id, job.lease).await?.results {
-        documents.push(serde_json::from_slice(&service.files().read(&hash).await?).unwrap_or_default());
-    }
-    let motion = serde_json::from_value::<Motion>(best_of(documents)).ok();
-    Ok(motion.and_then(Motion::series))
+/// Lets a search go on where an earlier life of it, that took `before`, had come: in the time that is left, and with other random
+/// numbers, which would lead to the same points again.
+pub fn go_on(search: &mut ExcitationRequest, lease: i64, before: Spent) {
+    search.search.time_limit_s = (search.search.time_limit_s - before.time.as_secs_f64()).max(0.0);
+    search.search.options.seed ^= (lease as u64).wrapping_mul(EVERY_LIFE);
 }
 
 /// The best of several documents of one design; how the search ended is told by the first.
@@ -154,8 +159,7 @@ async fn request_of(service: &Service, share: &Share) -> Result<Request, Error> 
 /// Other random numbers, and all the time that is left.
 fn set_apart(request: &mut ExcitationRequest, share: &Share) {
     let options = &mut request.search.options;
-    // An odd constant (that of the golden ratio, as in SplitMix64) takes every number of a share to another seed.
-    options.seed ^= (share.number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    options.seed ^= (share.number as u64).wrapping_mul(EVERY_SHARE);
     options.until_halted = true;
     request.search.time_limit_s = share.left.saturating_sub(HANDING_IN).as_secs_f64();
 }
@@ -163,8 +167,10 @@ fn set_apart(request: &mut ExcitationRequest, share: &Share) {
 async fn search(service: &Service, share: &Share, request: Request) -> Result<(Option<String>, u64), Error> {
     let (cancel, news) = (CancelFlag::default(), News::default());
     let (flag, told, started) = (cancel.clone(), news.clone(), std::time::Instant::now());
+    let link = Arc::new(Link::of_share(service, &share.job, share.lease, share.number));
+    let beside = link.clone();
     let mut result = on_a_thread(Class::Long, move || {
-        request.run(&[], &[], &flag, &|t| told.tell(t, started.elapsed()))
+        request.run(&[], &[], Some(&*beside), &flag, &|t| told.tell(t, started.elapsed()))
     });
     let mut ticks = interval(LOOK_AGAIN);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -176,6 +182,7 @@ async fn search(service: &Service, share: &Share, request: Request) -> Result<(O
                 if let Some(progress) = news.take().0 {
                     so_far = (progress["evaluations"].as_u64().unwrap_or(0), progress["best"].as_f64());
                 }
+                link.write(false).await;
                 if !goes_on(service, share, so_far).await {
                     cancel.cancel();
                 }
@@ -194,7 +201,7 @@ async fn search(service: &Service, share: &Share, request: Request) -> Result<(O
 }
 
 /// The document of a search that has found a trajectory.
-pub fn found(outcome: &Outcome) -> Option<Vec<u8>> {
+fn found(outcome: &Outcome) -> Option<Vec<u8>> {
     match outcome {
         Outcome::Excited(excited) if excited.series.is_some() => Some(outcome.document()),
         _ => None,
@@ -207,7 +214,7 @@ async fn goes_on(service: &Service, share: &Share, (evaluations, best): (u64, Op
     let time = service.config().lease;
     let renew = store.renew_share(share, service.worker(), time, evaluations, best);
     let wanted = in_time(time / 3, renew).await;
-    let other_work = in_time(time / 3, store.may_claim(Class::Long)).await.unwrap_or(false);
+    let other_work = in_time(time / 3, store.may_claim(Class::Long, service.config().running_per_robot)).await.unwrap_or(false);
     // While the database is away the search goes on: it may be back before the time is over.
     wanted.unwrap_or(true) && !other_work && !service.is_closing()
 }

@@ -1,7 +1,7 @@
 //! What jobs do: from the files of a job to its result.
 
 use super::known::Known;
-use crate::app::{CancelFlag, Code, Error, Excited, Identified, LogFile, Step, excite, identify, validate};
+use crate::app::{CancelFlag, Code, Error, Exchange, Excited, Identified, LogFile, Step, excite_beside, identify, validate};
 use crate::excitation::Progress;
 use crate::io::{
     ExcitationRequest, IdentifyRequest, Parsed, ValidateDocument, ValidateRequest, parse, read_excitation_request,
@@ -136,17 +136,18 @@ impl Request {
         }
     }
 
-    /// Does it on the calling thread.
+    /// Does it on the calling thread; a search beside others with `exchange`.
     pub fn run(
         &self,
         logs: &[LogFile],
         validation: &[LogFile],
+        exchange: Option<&dyn Exchange>,
         cancel: &CancelFlag,
         tell: &(dyn Fn(Told) + Sync),
     ) -> Result<Outcome, Error> {
         match self {
             Self::Excite(request) => {
-                let excited = excite(request, cancel, &|p| tell(Told::Search(p.clone())));
+                let excited = excite_beside(request, exchange, cancel, &|p| tell(Told::Search(p.clone())));
                 Ok(Outcome::Excited(Box::new(excited)))
             }
             Self::Identify(request) => {

@@ -1,14 +1,16 @@
 //! Doing jobs: claim, run under a lease, hand in.
 
+use super::exchange::Link;
 use super::problem::internal_error;
 use super::progress::News;
 use super::spread;
 use super::state::Service;
-use super::store::{Claimed, Dialect, Ended, State};
+use super::store::{Claimed, Dialect, Ended, Spent, State};
 use super::submit::stored_error;
 use super::work::{Class, Input, Outcome, Request, StoredLog};
-use crate::app::{CancelFlag, Code, Error, LogFile};
+use crate::app::{CancelFlag, Code, Error, Exchange, LogFile};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::oneshot;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep, timeout};
@@ -74,7 +76,7 @@ async fn do_job(service: &Service, job: &Claimed, class: Class) {
     if service.is_closing() {
         cancel.cancel();
     }
-    let done = match refused(job) {
+    let done = match refused(service, job).await {
         Some(ended) => Done::Ended(ended, None),
         None => run(service, job, class, &cancel).await,
     };
@@ -87,9 +89,11 @@ async fn do_job(service: &Service, job: &Claimed, class: Class) {
 }
 
 /// A job that is not even begun.
-fn refused(job: &Claimed) -> Option<Ended> {
+async fn refused(service: &Service, job: &Claimed) -> Option<Ended> {
     if job.cancel_requested {
-        return Some(without_result(State::Cancelled, None));
+        // What an earlier life of it has found is handed out.
+        let found = in_time(HANDING_IN, service.store().spent(&job.id)).await;
+        return found.ok().flatten().is_none().then(|| without_result(State::Cancelled, None));
     }
     let detail = format!("the job was begun {MOST_ATTEMPTS} times, and each time the process that did it ended");
     let deadly = || Error::new(Code::Internal, detail).with_hint("it may need more memory than the machine has");
@@ -114,50 +118,52 @@ pub(super) async fn in_time<T>(time: Duration, work: impl Future<Output = Result
 
 /// What became of a claimed job.
 enum Done {
-    /// To be handed in, with its documents.
-    Ended(Ended, Option<Box<Outcome>>),
-    /// To be done by another, later; with what was found so far, where that is of use to the other.
-    PutBack(Option<Box<Outcome>>),
+    /// To be handed in, with its documents and what earlier lives have spent.
+    Ended(Ended, Option<(Box<Outcome>, Spent)>),
+    /// To be done by another, later, who goes on from what the link knows.
+    PutBack(Option<Arc<Link>>),
     /// Another has it.
     Lost,
 }
 
 async fn run(service: &Service, job: &Claimed, class: Class, cancel: &CancelFlag) -> Done {
-    let news = News::default();
     let mut lease = Lease::new(service, job, cancel);
     let preparing = in_time(HANDING_IN, prepare(service, job, class));
-    let prepared = match lease.kept_while(&news, preparing).await {
+    let prepared = match lease.kept_while(preparing).await {
         Ok(prepared) => prepared,
         Err(e) if e.code == Code::StorageUnavailable => return Done::PutBack(None),
         Err(e) => return Done::Ended(without_result(State::Failed, Some(&e)), None),
     };
-    let spread = spread::time_to_spread(&prepared.request, class);
-    if let Some(time) = spread {
+    if let Some(time) = spread::time_to_spread(&prepared.request, class) {
         // Without it the search is merely not shared.
         let _ = in_time(NEWS, service.store().spread(&job.id, job.lease, time)).await;
     }
-    let (flag, told, most_rows) = (cancel.clone(), news.clone(), service.config().most_rows);
+    if job.cancel_requested {
+        cancel.cancel();
+    }
+    let link = prepared.link.clone();
+    let before = link.as_ref().map_or_else(Spent::default, |link| link.before);
+    lease.link = link.clone();
+    lease.news = News::after(before);
+    let (flag, told, most_rows) = (cancel.clone(), lease.news.clone(), service.config().most_rows);
     let result = on_a_thread(class, move || prepared.run(most_rows, &flag, &told));
-    let outcome = lease
-        .kept_while(&news, result)
-        .await
-        .unwrap_or_else(|_| Err(internal_error()));
-    lease.keep(&news).await;
+    let outcome = lease.kept_while(result).await.unwrap_or_else(|_| Err(internal_error()));
+    lease.keep().await;
     if lease.lost {
         return Done::Lost;
     }
     // What was cancelled ends here; what only stopped because the process does goes back.
     let given_up = service.is_closing() && !lease.cancel_requested && !service.is_temporary();
     match outcome {
-        Ok(outcome) if given_up && outcome.status() == "Cancelled" => Done::PutBack(spread.map(|_| Box::new(outcome))),
-        Err(_) if given_up => Done::PutBack(None),
+        Ok(outcome) if given_up && outcome.status() == "Cancelled" => Done::PutBack(link),
+        Err(_) if given_up => Done::PutBack(link),
         Ok(outcome) => {
             let state = if outcome.status() == "Cancelled" {
                 State::Cancelled
             } else {
                 State::Finished
             };
-            Done::Ended(without_result(state, None), Some(Box::new(outcome)))
+            Done::Ended(without_result(state, None), Some((Box::new(outcome), before)))
         }
         Err(_) if cancel.is_cancelled() => Done::Ended(without_result(State::Cancelled, None), None),
         Err(error) => Done::Ended(without_result(State::Failed, Some(&error)), None),
@@ -187,6 +193,9 @@ struct Lease<'a> {
     service: &'a Service,
     job: &'a Claimed,
     cancel: &'a CancelFlag,
+    news: News,
+    /// Of a search that another can go on with.
+    link: Option<Arc<Link>>,
     renewed: Instant,
     cancel_requested: bool,
     lost: bool,
@@ -198,29 +207,34 @@ impl<'a> Lease<'a> {
             service,
             job,
             cancel,
+            news: News::default(),
+            link: None,
             renewed: Instant::now(),
-            cancel_requested: false,
+            cancel_requested: job.cancel_requested,
             lost: false,
         }
     }
 
     /// Keeps the job until `work` is done.
-    async fn kept_while<T>(&mut self, news: &News, work: impl Future<Output = T>) -> T {
+    async fn kept_while<T>(&mut self, work: impl Future<Output = T>) -> T {
         tokio::pin!(work);
         let mut ticks = interval(NEWS);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             tokio::select! {
                 done = &mut work => return done,
-                _ = ticks.tick() => self.keep(news).await,
+                _ = ticks.tick() => self.keep().await,
             }
         }
     }
 
     /// Writes news down and renews the lease when a third of it is over: two failures may come between.
-    async fn keep(&mut self, news: &News) {
+    async fn keep(&mut self) {
+        if let Some(link) = self.link.as_ref().filter(|_| !self.lost) {
+            link.write(false).await;
+        }
         let time = self.service.config().lease;
-        let (progress, step) = news.take();
+        let (progress, step) = self.news.take();
         let told = progress.is_some() || step.is_some();
         if self.lost || (!told && self.renewed.elapsed() < time / 3) {
             return;
@@ -259,6 +273,7 @@ impl<'a> Lease<'a> {
 /// A job with all it needs on this machine.
 struct Prepared {
     request: Request,
+    link: Option<Arc<Link>>,
     logs: Vec<LogFile>,
     validation: Vec<LogFile>,
 }
@@ -272,14 +287,19 @@ async fn prepare(service: &Service, job: &Claimed, class: Class) -> Result<Prepa
     let kind = job.kind;
     let request = tokio::task::spawn_blocking(move || Request::of(kind, &input)).await;
     let mut request = request.map_err(|_| internal_error())??;
+    let mut link = None;
     if spread::time_to_spread(&request, class).is_some()
         && let Request::Excite(search) = &mut request
-        && let Some(series) = spread::best_so_far(service, job).await?
     {
-        search.earlier = Some(series);
+        let own = Link::of_job(service, &job.id, job.lease).await?;
+        if own.before != Spent::default() {
+            spread::go_on(search, job.lease, own.before);
+        }
+        link = Some(Arc::new(own));
     }
     Ok(Prepared {
         request,
+        link,
         logs,
         validation,
     })
@@ -304,7 +324,8 @@ impl Prepared {
         }
         let started = std::time::Instant::now();
         let tell = |told| news.tell(told, started.elapsed());
-        self.request.run(&self.logs, &self.validation, cancel, &tell)
+        let exchange = self.link.as_deref().map(|link| link as &dyn Exchange);
+        self.request.run(&self.logs, &self.validation, exchange, cancel, &tell)
     }
 }
 
@@ -329,19 +350,18 @@ async fn hand_in(service: &Service, job: &Claimed, done: Done) {
 async fn try_to_hand_in(service: &Service, job: &Claimed, done: &Done) -> Result<(), Error> {
     let (ended, outcome) = match done {
         Done::Lost => return Ok(()),
-        Done::PutBack(found) => {
-            if let Some(document) = found.as_ref().and_then(|f| spread::found(f)) {
-                let hash = service.files().put(&document).await?;
-                service.store().add_share(&job.id, job.lease, service.worker(), &hash).await?;
+        Done::PutBack(link) => {
+            if let Some(link) = link {
+                link.write(true).await;
             }
             return service.store().release(&job.id, job.lease).await;
         }
         Done::Ended(ended, outcome) => (ended, outcome),
     };
     let mut ended = ended.clone();
-    if let Some(outcome) = outcome {
+    if let Some((outcome, before)) = outcome {
         ended.outcome = Some(outcome.status().to_string());
-        let document = spread::gather(service, job, outcome).await?;
+        let document = spread::gather(service, job, outcome, *before).await?;
         ended.result = Some(service.files().put(&document).await?);
         if let Some(model) = outcome.model() {
             ended.model = Some(service.files().put(&model).await?);

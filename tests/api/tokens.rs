@@ -14,11 +14,15 @@ struct Guarded {
 
 impl Guarded {
     fn start(name: &str) -> Self {
+        Self::with(name, Config::default())
+    }
+
+    fn with(name: &str, config: Config) -> Self {
         let folder = std::env::temp_dir().join(format!("dynident-tokens-{name}-{}", std::process::id()));
         let config = Config {
             data: Some(folder.clone()),
             tokens_required: true,
-            ..Config::default()
+            ..config
         };
         let server = Server::with(config);
         // Its folder is there when it answers.
@@ -250,6 +254,31 @@ fn jobs_on_documents_belong_to_the_robot_of_the_token() {
     // The same design asked for by another is not theirs to see either.
     let other = guarded.post(&theirs, "/excitation", &quick_request());
     assert_ne!(other.json()["id"], job.json()["id"]);
+}
+
+#[test]
+fn one_token_cannot_fill_the_queue() {
+    let guarded = Guarded::with("queue", Config {
+        waiting_per_token: 2,
+        concurrent_jobs: 0,
+        ..Config::default()
+    });
+    let (_, one) = guarded.token(Role::Run, &["*"]);
+    let (_, other) = guarded.token(Role::Run, &["*"]);
+    let post = |token: &str, seed: u64| {
+        let mut request = crate::server::long_request();
+        request["search"]["seed"] = json!(seed);
+        let headers = [("content-type", "application/json")];
+        guarded.send(token, "POST", "/excitation", &headers, &request.to_string())
+    };
+    assert_eq!((post(&one, 1).status, post(&one, 2).status), (202, 202));
+    let refused = post(&one, 3);
+    assert_eq!(
+        (refused.status, refused.problem()["code"].as_str()),
+        (429, Some("limit_reached"))
+    );
+    assert!(refused.header("retry-after").is_some());
+    assert_eq!(post(&other, 3).status, 202);
 }
 
 #[test]

@@ -1,13 +1,15 @@
 //! kill -9 of the server in a loop: every acknowledged job has exactly one result, and that is the right one.
 
 use crate::postgres::Postgres;
-use crate::process::{Folder, Place, Process};
+use crate::process::{Folder, Place, Process, wait_until};
 use dynident::app::{CancelFlag, excite};
 use dynident::io::shipped::Shipped;
 use dynident::io::{parse, read_excitation_request};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::time::Duration;
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
 
 /// A search whose result depends on its seed alone.
 fn request(seed: usize) -> Value {
@@ -95,9 +97,103 @@ fn killed_again_and_again_on_sqlite_every_job_has_one_right_result() {
 #[test]
 fn killed_again_and_again_on_postgresql_every_job_has_one_right_result() {
     let folder = Folder::new("kill-postgres");
-    let place = Place {
+    survives(&on_postgres(&folder), jobs());
+}
+
+fn on_postgres(folder: &Folder) -> Place {
+    Place {
         database: Some(Postgres::shared().database()),
         ..folder.place()
-    };
-    survives(&place, jobs());
+    }
+}
+
+/// Kills the server late in a search that is limited by time: the next one has the rest of the time, and what was found.
+fn goes_on(place: &Place) {
+    const LIMIT_S: f64 = 16.0;
+    let server = Process::serve(place, &[]);
+    let mut long = request(1);
+    long["robot"] = json!("iiwa14");
+    long["search"] = json!({"seed": 1, "time_limit_s": LIMIT_S});
+    let (_, job) = server.post("/excitation", &long);
+    let path = format!("/jobs/{}", job["id"].as_str().unwrap());
+    let progress = |server: &Process| server.get(&path).1["progress"].clone();
+    wait_until("most of the time is over", || progress(&server)["elapsed_s"].as_f64() > Some(7.0));
+    let told = progress(&server);
+    // What was found is written down every other second, and the time spent at least every ten: all that was told is safe after those.
+    wait_until("it is written down", || progress(&server)["elapsed_s"].as_f64() > Some(13.0));
+    server.kill();
+    let again = Instant::now();
+    let server = Process::serve(place, &[]);
+    let (status, result) = server.send("GET", job["links"]["result"].as_str().unwrap(), &[("prefer", "wait=60")], "");
+    assert_eq!(status, 200, "{result}");
+    // At most the ten seconds that it may not know of, beside what was left.
+    assert!(again.elapsed() < Duration::from_secs_f64(LIMIT_S - 3.0 + 1.0), "{:?}", again.elapsed());
+    // What is handed out keeps clear of the limits by 1e-8 of them, and its value differs by a few times as much.
+    let best = told["best"].as_f64().unwrap();
+    assert!(result["condition_number"].as_f64().unwrap() <= best * (1.0 + 1e-6), "{told} then {result}");
+    let search = &result["search"];
+    assert!(search["elapsed_s"].as_f64().unwrap() < LIMIT_S + 1.0, "{search}");
+    assert!(search["evaluations"].as_u64() > told["evaluations"].as_u64(), "{told} then {search}");
+    assert_eq!((&result["request"], server.get(&path).1["state"].as_str()), (&long, Some("finished")));
+}
+
+#[test]
+fn a_search_that_was_killed_goes_on_from_its_best_on_sqlite() {
+    goes_on(&Folder::new("goes-on-sqlite").place());
+}
+
+#[test]
+fn a_search_that_was_killed_goes_on_from_its_best_on_postgresql() {
+    let folder = Folder::new("goes-on-postgres");
+    goes_on(&on_postgres(&folder));
+}
+
+/// `(id, name)` of events as they come, until the connection ends or `enough` says so.
+fn follow(server: &Process, path: &str, last: u64, enough: impl Fn(usize) -> bool) -> Vec<(u64, String)> {
+    let mut stream = TcpStream::connect(server.url.trim_start_matches("http://")).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    write!(stream, "GET {path} HTTP/1.0\r\nHost: t\r\nLast-Event-ID: {last}\r\n\r\n").unwrap();
+    let (mut found, mut name) = (Vec::new(), String::new());
+    for line in BufReader::new(stream).lines().map_while(Result::ok) {
+        match line.split_once(':') {
+            Some(("event", value)) => name = value.trim().to_string(),
+            Some(("id", value)) => found.push((value.trim().parse().unwrap(), name.clone())),
+            _ => {}
+        }
+        if enough(found.len()) {
+            break;
+        }
+    }
+    found
+}
+
+/// Follows a search through the death of its server: the next one goes on after the last event that was seen.
+fn is_followed(place: &Place) {
+    let server = Process::serve(place, &[]);
+    let mut long = request(1);
+    long["search"] = json!({"seed": 1, "time_limit_s": 8});
+    let (_, job) = server.post("/excitation", &long);
+    let path = job["links"]["events"].as_str().unwrap();
+    let before = follow(&server, path, 0, |seen| seen == 5);
+    let last = before.last().unwrap().0;
+    // A reconnection to the same server.
+    let meanwhile = follow(&server, path, last, |seen| seen == 5);
+    server.kill();
+    let server = Process::serve(place, &[]);
+    let after = follow(&server, path, meanwhile.last().unwrap().0, |_| false);
+    let all = [before, meanwhile, after].concat();
+    assert!(all.windows(2).all(|w| w[0].0 < w[1].0), "nothing comes twice: {all:?}");
+    assert_eq!(all.iter().filter(|e| e.1 == "end").count(), 1);
+    assert_eq!(all.last().unwrap().1, "end");
+}
+
+#[test]
+fn events_go_on_after_the_death_of_the_server_on_sqlite() {
+    is_followed(&Folder::new("events-sqlite").place());
+}
+
+#[test]
+fn events_go_on_after_the_death_of_the_server_on_postgresql() {
+    let folder = Folder::new("events-postgres");
+    is_followed(&on_postgres(&folder));
 }

@@ -5,6 +5,7 @@ mod postgres;
 #[path = "../support/process.rs"]
 mod process;
 
+mod deploy;
 mod kill;
 mod network;
 mod storage;

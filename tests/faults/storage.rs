@@ -5,7 +5,7 @@ use crate::process::{Folder, Place, Process, wait_until};
 use serde_json::{Value, json};
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
@@ -28,10 +28,26 @@ fn files_in(folder: &Path) -> usize {
 }
 
 #[test]
-fn a_client_that_goes_away_in_the_middle_of_an_upload_leaves_nothing() {
-    let folder = Folder::new("upload");
-    let server = Process::serve(&folder.place(), &[]);
-    let incoming = folder.place().folder.join("files/incoming");
+fn a_client_that_goes_away_in_the_middle_of_an_upload_leaves_nothing_on_sqlite() {
+    leaves_nothing(&Folder::new("upload").place());
+}
+
+#[test]
+fn a_client_that_goes_away_in_the_middle_of_an_upload_leaves_nothing_on_postgresql() {
+    let folder = Folder::new("upload-postgres");
+    leaves_nothing(&on_postgres(&folder));
+}
+
+fn on_postgres(folder: &Folder) -> Place {
+    Place {
+        database: Some(Postgres::shared().database()),
+        ..folder.place()
+    }
+}
+
+fn leaves_nothing(place: &Place) {
+    let server = Process::serve(place, &[]);
+    let incoming = place.folder.join("files/incoming");
     let mut stream = TcpStream::connect(server.url.trim_start_matches("http://")).unwrap();
     let head = "POST /identify HTTP/1.1\r\nHost: t\r\nContent-Type: multipart/form-data; boundary=b\r\nContent-Length: 10000000\r\n\r\n\
         --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\n";
@@ -75,14 +91,14 @@ fn a_database_that_goes_away_and_comes_back_costs_nothing_but_time() {
     assert_eq!(server.get("/jobs").1["jobs"].as_array().unwrap().len(), 2);
 }
 
-/// A disk of a few megabytes; `None` where one cannot be mounted.
+/// A small disk; `None` where one cannot be mounted.
 struct SmallDisk<'a>(&'a Path);
 
 impl<'a> SmallDisk<'a> {
-    fn mount(at: &'a Path) -> Option<Self> {
+    fn mount(at: &'a Path, megabytes: usize) -> Option<Self> {
         std::fs::create_dir_all(at).unwrap();
         let mounted = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", "size=4m", "tmpfs"])
+            .args(["-t", "tmpfs", "-o", &format!("size={megabytes}m,mode=1777"), "tmpfs"])
             .arg(at)
             .output();
         mounted.is_ok_and(|o| o.status.success()).then_some(Self(at))
@@ -95,28 +111,44 @@ impl Drop for SmallDisk<'_> {
     }
 }
 
-#[test]
-fn a_full_disk_is_told_of_and_the_service_goes_on_when_there_is_room() {
-    let folder = Folder::new("full-disk");
-    let at = folder.path().join("data");
-    let Some(_disk) = SmallDisk::mount(&at) else {
-        println!(
-            "SKIPPED a_full_disk_is_told_of_and_the_service_goes_on_when_there_is_room: a small disk cannot be mounted here"
-        );
-        return;
-    };
-    let server = Process::serve(&folder.place(), &[]);
-    finishes(&server, 1);
-    let ballast = at.join("ballast");
-    let mut file = std::fs::File::create(&ballast).unwrap();
-    while file.write_all(&[0; 4096]).is_ok() {}
+/// Takes all the room of a disk until it is dropped.
+struct Ballast(PathBuf);
+
+impl Ballast {
+    fn on(disk: &Path) -> Self {
+        let path = disk.join("ballast");
+        let mut file = std::fs::File::create(&path).unwrap();
+        while file.write_all(&[0; 4096]).is_ok() {}
+        Self(path)
+    }
+}
+
+impl Drop for Ballast {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+/// Status and problem of an identification with a log of two megabytes.
+fn send_log(server: &Process) -> (u16, Value) {
     let log = format!("time,q1,q2,tau1,tau2\n{}", "0,0,0,0,0\n".repeat(200_000));
     let body = format!(
         "--b\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{{\"robot\": \"planar_two_link\"}}\r\n\
          --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\n{log}\r\n--b--\r\n"
     );
-    let headers = [("content-type", "multipart/form-data; boundary=b")];
-    let (status, problem) = server.send("POST", "/identify", &headers, &body);
+    server.send("POST", "/identify", &[("content-type", "multipart/form-data; boundary=b")], &body)
+}
+
+/// Fills the disk of the data folder.
+fn tells_of_a_full_disk(name: &str, place: &Place) {
+    let Some(_disk) = SmallDisk::mount(&place.folder, 4) else {
+        println!("SKIPPED {name}: a small disk cannot be mounted here");
+        return;
+    };
+    let server = Process::serve(place, &[]);
+    finishes(&server, 1);
+    let ballast = Ballast::on(&place.folder);
+    let (status, problem) = send_log(&server);
     assert_eq!(
         (status, problem["code"].as_str()),
         (503, Some("storage_unavailable")),
@@ -124,12 +156,56 @@ fn a_full_disk_is_told_of_and_the_service_goes_on_when_there_is_room() {
     );
     assert_eq!(problem["detail"], "the disk is full");
     assert_eq!(server.get("/health/ready").0, 503);
-    assert_eq!(files_in(&at.join("files/incoming")), 0);
-    // Open files keep their room.
-    drop(file);
-    std::fs::remove_file(&ballast).unwrap();
+    assert_eq!(files_in(&place.folder.join("files/incoming")), 0);
+    drop(ballast);
     assert_eq!(server.get("/health/ready").0, 200);
     finishes(&server, 2);
+    // It was taken nowhere.
+    assert_eq!(server.get("/jobs").1["jobs"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_full_disk_is_told_of_and_the_service_goes_on_on_sqlite() {
+    let folder = Folder::new("full-disk");
+    tells_of_a_full_disk("a_full_disk_is_told_of_and_the_service_goes_on_on_sqlite", &folder.place());
+}
+
+#[test]
+fn a_full_disk_is_told_of_and_the_service_goes_on_on_postgresql() {
+    let folder = Folder::new("full-disk-postgres");
+    tells_of_a_full_disk("a_full_disk_is_told_of_and_the_service_goes_on_on_postgresql", &on_postgres(&folder));
+}
+
+/// Not the disk of the data folder but that of the database is full: PostgreSQL has no room for the log.
+#[test]
+fn a_full_disk_of_the_database_is_told_of_and_the_service_goes_on() {
+    let folder = Folder::new("full-database");
+    let disk = folder.path().join("disk");
+    // A new cluster takes 40 megabytes, 16 more for every file of its log.
+    let Some(_disk) = SmallDisk::mount(&disk, 120) else {
+        println!("SKIPPED a_full_disk_of_the_database_is_told_of_and_the_service_goes_on: a small disk cannot be mounted here");
+        return;
+    };
+    let postgres = Postgres::start_in(&disk);
+    let place = Place {
+        database: Some(postgres.database()),
+        ..folder.place()
+    };
+    let server = Process::serve(&place, &[]);
+    finishes(&server, 1);
+    let ballast = Ballast::on(&disk);
+    let (status, problem) = send_log(&server);
+    assert_eq!(
+        (status, problem["code"].as_str()),
+        (503, Some("storage_unavailable")),
+        "{problem}"
+    );
+    assert_eq!(server.get("/health/live").0, 200);
+    drop(ballast);
+    wait_until("the server is ready again", || server.get("/health/ready").0 == 200);
+    finishes(&server, 2);
+    assert_eq!(server.get("/jobs").1["jobs"].as_array().unwrap().len(), 2);
+    drop(server);
 }
 
 #[test]
@@ -209,9 +285,14 @@ fn a_stopped_server_puts_its_work_back() {
     server.signal("TERM");
     let status = server.child.wait().unwrap();
     assert!(status.success(), "{status}");
+    // Cancelled while it waits: it is begun once more, to hand out what it has.
+    let none = ["--concurrent-jobs", "0"];
+    let mut waiting = Process::serve(&folder.place(), &none);
+    assert_eq!(waiting.state(&id), "queued");
+    assert_eq!(waiting.send("DELETE", &format!("/jobs/{id}"), &[], "").0, 202);
+    waiting.signal("TERM");
+    waiting.child.wait().unwrap();
     let server = Process::serve(&folder.place(), &[]);
-    wait_until("it runs again", || server.state(&id) == "running");
-    assert_eq!(server.send("DELETE", &format!("/jobs/{id}"), &[], "").0, 202);
     wait_until("it is cancelled", || server.state(&id) == "cancelled");
     // What the first had found is not lost. What is handed out keeps clear of the limits by 1e-8 of them: its value differs from that of
     // the search by a few times as much.

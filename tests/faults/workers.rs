@@ -126,6 +126,51 @@ fn idle_workers_share_a_search_and_the_best_of_all_is_the_result() {
     drop((first, third));
 }
 
+/// A machine that joins late begins with what the first has found, and what it finds is the first's to go on from.
+#[test]
+fn searches_beside_each_other_hand_on_what_they_find() {
+    let lab = Lab::new("exchange");
+    let server = lab.server();
+    let first = Process::worker(&lab.machine("first"), LEASE);
+    let mut request = search(24.0);
+    // What is found is told after every round.
+    request["search"]["jobs_per_round"] = json!(2);
+    let id = server.post("/excitation", &request).1["id"].as_str().unwrap().to_string();
+    let job = format!("/jobs/{id}");
+    let progress = || server.get(&job).1["progress"].clone();
+    wait_until("the first has found something", || progress()["elapsed_s"].as_f64() > Some(6.0));
+    let best = progress()["best"].as_f64().unwrap();
+    let second = Process::worker(&lab.machine("second"), LEASE);
+    let found = |number: i64| {
+        let sql = format!("SELECT MIN(value) FROM found WHERE job = '{id}' AND number = {number}");
+        Postgres::shared().ask(&lab.database, &sql).parse::<f64>().ok().map(f64::exp)
+    };
+    // What it writes first is not worse than what it was given: a search of its own would need seconds to come there.
+    wait_until("the second has written", || found(1).is_some());
+    let given = found(1).unwrap();
+    assert!(given <= best * (1.0 + 1e-6), "{best} then {given}");
+    assert!(result(&server, &id)["condition_number"].as_f64().unwrap() <= given * (1.0 + 1e-6));
+    assert_eq!(Postgres::shared().ask(&lab.database, "SELECT COUNT(*) FROM found"), "0", "nothing is left");
+    drop((first, second));
+}
+
+/// Workers that may not take a waiting job, because its robot runs as many as it may, share the search that runs.
+#[test]
+fn a_job_that_has_to_wait_does_not_keep_workers_from_sharing() {
+    let lab = Lab::new("bounded");
+    let server = lab.server();
+    let bounded = [LEASE, &["--running-per-robot", "1"]].concat();
+    let first = Process::worker(&lab.machine("first"), &bounded);
+    let id = begun(&server, 9.0);
+    let mut other = search(1.0);
+    other["search"] = json!({"seed": 2, "time_limit_s": 6});
+    let waits = server.post("/excitation", &other).1["id"].as_str().unwrap().to_string();
+    let second = Process::worker(&lab.machine("second"), &bounded);
+    assert_eq!(result(&server, &id)["search"]["searches"], 2);
+    assert_eq!(result(&server, &waits)["search"]["seed"], 2);
+    drop((first, second));
+}
+
 #[test]
 fn logs_reach_workers_through_the_database() {
     let lab = Lab::new("logs");

@@ -8,6 +8,7 @@ use dynident::model::{Limits, Robot};
 use dynident::parameters::Layout;
 use dynident::trajectory::Trajectory;
 use std::f64::consts::TAU;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 struct Until(Instant);
@@ -238,6 +239,70 @@ fn prop_a_search_goes_on_from_an_earlier_design() {
     );
     assert!(on.margins.iter().all(|m| m.margin >= 0.0));
     assert!(on.criteria.unwrap().condition_number < before);
+}
+
+/// A search that hears of `others` once, and keeps what it tells.
+struct Beside {
+    others: Mutex<Vec<Point>>,
+    told: Mutex<Vec<(usize, f64, Vec<Point>)>>,
+}
+
+impl Beside {
+    fn hearing(others: Vec<Point>) -> Self {
+        Self {
+            others: Mutex::new(others),
+            told: Mutex::default(),
+        }
+    }
+
+    fn told(self) -> Vec<(usize, f64, Vec<Point>)> {
+        self.told.into_inner().unwrap()
+    }
+}
+
+impl Control for Beside {
+    fn halt(&self) -> Option<Halt> {
+        None
+    }
+
+    fn progress(&self, _: &Progress) {}
+
+    fn found(&self, found: &Found) {
+        self.told.lock().unwrap().push((found.epochs, found.best(), found.points()));
+    }
+
+    fn others(&self) -> Vec<Point> {
+        std::mem::take(&mut self.others.lock().unwrap())
+    }
+}
+
+#[test]
+fn prop_a_search_goes_on_from_what_another_has_found() {
+    let problem = problem(iiwa14_limited(), Form::Paper, Start::Zero);
+    let alone = search(&problem, &options(1, 4000), &never());
+    let first = Beside::hearing(vec![]);
+    // Being told of changes nothing.
+    assert_eq!(search(&problem, &options(1, 4000), &first), alone);
+    let told = first.told();
+    assert!(told.windows(2).all(|w| w[1].1 <= w[0].1 && w[1].0 >= w[0].0));
+    let (_, best, mut points) = told.last().unwrap().clone();
+    assert!(points.windows(2).all(|w| w[0].value <= w[1].value) && points[0].value == best);
+    // What another version of the program might write is left aside.
+    let (mut short, mut wild) = (points[0].clone(), points[0].clone());
+    short.x.pop();
+    wild.x[0] = f64::NAN;
+    points.extend([short, wild]);
+    let second = Beside::hearing(points);
+    let on = search(&problem, &options(2, 100), &second);
+    let value = |d: &Design| d.criteria.unwrap().condition_number;
+    // The grid of the coefficients moves the value by less than a millionth.
+    assert!(
+        value(&on) <= value(&alone) * (1.0 + 1e-6),
+        "{} then {}",
+        value(&alone),
+        value(&on)
+    );
+    assert!(second.told()[0].1 <= best + 1e-6, "it knows from the first round on");
 }
 
 /// The paper's own result is 65; an eighth of a minute of one core is enough to be below it.

@@ -3,7 +3,7 @@
 
 use std::io::Write;
 use std::net::{TcpListener, TcpStream};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// killed, their end of the pipe is closed. PostgreSQL refuses to run as root. Besides this machine, it knows the network namespaces of the tests
 /// (198.18.0.0/15 is for tests of networks, and nobody's).
 const KEEPER: &str = r#"
-folder=$(mktemp -d /tmp/dynident-postgres.XXXXXX); bin=$1; port=$2; as=""
+folder=$(mktemp -d "$3/dynident-postgres.XXXXXX"); bin=$1; port=$2; as=""
 if [ "$(id -u)" = 0 ]; then chown postgres "$folder"; as="setpriv --reuid=postgres --regid=postgres --init-groups"; fi
 cd "$folder"
 $as "$bin/initdb" -D "$folder/db" -U dynident -A trust --no-sync -E UTF8 > /dev/null 2> "$folder/log" || { cat "$folder/log" >&2; exit 1; }
@@ -49,6 +49,11 @@ fn free_port() -> u16 {
 impl Postgres {
     /// A server of its own.
     pub fn start() -> Self {
+        Self::start_in(&std::env::temp_dir())
+    }
+
+    /// Its files in `folder`, which the user `postgres` can enter.
+    pub fn start_in(folder: &Path) -> Self {
         if installed().is_none() {
             let setup = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/setup");
             assert!(Command::new(setup).status().unwrap().success(), "{setup} failed");
@@ -59,6 +64,7 @@ impl Postgres {
             .args(["-c", KEEPER, "keeper"])
             .arg(&bin)
             .arg(port.to_string())
+            .arg(folder)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .spawn()
@@ -119,5 +125,12 @@ impl Postgres {
         create.args(["-h", "127.0.0.1", "-p", &self.port.to_string(), "-U", "dynident", &name]);
         assert!(create.status().unwrap().success());
         format!("postgres://dynident@127.0.0.1:{}/{name}", self.port)
+    }
+
+    /// What a query with one number says.
+    pub fn ask(&self, database: &str, sql: &str) -> String {
+        let answer = Command::new(self.bin.join("psql")).args(["-tA", database, "-c", sql]).output().unwrap();
+        assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
+        String::from_utf8_lossy(&answer.stdout).trim().to_string()
     }
 }

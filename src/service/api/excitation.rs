@@ -1,12 +1,13 @@
 //! `/excitation`: design a trajectory, hand it out.
 
+use super::common::{Begun, WaitHeader, WorkHeaders};
 use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
 use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
 use crate::app::Problem;
 use crate::app::{Code, Error};
-use crate::io::{DesignDocument, TableFormat, trajectory_csv, trajectory_json};
+use crate::io::{DesignDocument, TableFormat, trajectory_csv_parts, trajectory_json_parts};
 use crate::service::access::Access;
 use crate::service::design::Motion;
 use crate::service::document::JsonBody;
@@ -17,11 +18,12 @@ use crate::service::store::{JobRow, sha256};
 use crate::service::submit::Asked;
 use crate::service::work::Kind;
 use crate::trajectory::{FourierSeries, Trajectory};
-use axum::Json;
+use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
+use std::convert::Infallible;
 
 /// The result of a design, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
@@ -39,21 +41,14 @@ pub struct Excitation {
 #[utoipa::path(
     post, path = "/excitation", tag = "excitation", operation_id = "design_excitation",
     request_body(content = ExcitationRequestSchema, content_type = "application/json"),
-    params(
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
-        ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
-        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
-        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
-    ),
+    params(WorkHeaders),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = Excitation),
-        (status = 202, description = "The job; its address is in `Location`", body = JobDocument,
-            headers(("Location" = String, description = "Address of the job"))),
+        Begun,
         (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Too many jobs; see `Retry-After`", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn post(
@@ -80,7 +75,7 @@ pub async fn post(
     get, path = "/excitation/{id}", tag = "excitation", operation_id = "get_excitation",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
+        WaitHeader,
     ),
     responses(
         (status = 200, description = "The result", body = Excitation),
@@ -149,17 +144,24 @@ pub async fn trajectory(
     );
     query.finish()?;
     let name = format!("attachment; filename=\"excitation-{id}.csv\"");
-    let written = tokio::task::spawn_blocking(move || match format {
+    Ok(match format {
         TableFormat::Csv => {
             let headers = [
                 (header::CONTENT_TYPE, "text/csv; charset=utf-8".to_string()),
                 (header::CONTENT_DISPOSITION, name),
             ];
-            (headers, trajectory_csv(&series, rate_hz, periods)).into_response()
+            (headers, streamed(trajectory_csv_parts(series, rate_hz, periods))).into_response()
         }
-        TableFormat::Json => Json(trajectory_json(&series, rate_hz, periods)).into_response(),
-    });
-    written.await.map_err(|_| Failure(internal_error()))
+        TableFormat::Json => {
+            let headers = [(header::CONTENT_TYPE, "application/json")];
+            (headers, streamed(trajectory_json_parts(series, rate_hz, periods))).into_response()
+        }
+    })
+}
+
+/// A body that is written as fast as the client takes it.
+fn streamed(parts: impl Iterator<Item = String> + Send + 'static) -> Body {
+    Body::from_stream(tokio_stream::iter(parts.map(Ok::<_, Infallible>)))
 }
 
 async fn series_of(service: &Service, job: &JobRow) -> Result<(FourierSeries, f64), Failure> {

@@ -1,6 +1,6 @@
 //! `/identify` and `/validate`: from logs to a model, and a model against logs.
 
-use super::jobs::JobDocument;
+use super::common::{Begun, NoResultOfLogs, UploadRefused, WaitHeader, WorkHeaders};
 use super::query::QueryFields;
 use super::results::{answer, answer_as, begin, document, find, not_multipart};
 use super::schemas::{IdentifyUpload, ModelFormat, ValidateUpload};
@@ -45,21 +45,11 @@ pub struct ValidationResult {
 #[utoipa::path(
     post, path = "/identify", tag = "identification", operation_id = "identify",
     request_body(content = IdentifyUpload, content_type = "multipart/form-data"),
-    params(
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
-        ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
-        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
-        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
-    ),
+    params(WorkHeaders),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = IdentificationResult),
-        (status = 202, description = "The job; its address is in `Location`", body = JobDocument,
-            headers(("Location" = String, description = "Address of the job"))),
-        (status = 400, description = "No multipart body with a JSON part", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Logs too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Not multipart/form-data", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them; or a log that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Too many jobs; see `Retry-After`", body = Problem, content_type = "application/problem+json"),
+        Begun,
+        UploadRefused,
     )
 )]
 pub async fn post(
@@ -79,21 +69,11 @@ pub async fn post(
 #[utoipa::path(
     post, path = "/validate", tag = "identification", operation_id = "validate",
     request_body(content = ValidateUpload, content_type = "multipart/form-data"),
-    params(
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
-        ("Idempotency-Key" = Option<String>, Header, description = "Any text; a retry with it finds the job that was begun"),
-        ("Priority" = Option<String>, Header, description = "RFC 9218: `u=0` (urgent) to `u=7`, `u=3` if left out"),
-        ("Cache-Control" = Option<String>, Header, description = "`no-cache`: do it again, even if the same was done before"),
-    ),
+    params(WorkHeaders),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = ValidationResult),
-        (status = 202, description = "The job; its address is in `Location`", body = JobDocument,
-            headers(("Location" = String, description = "Address of the job"))),
-        (status = 400, description = "No multipart body with a JSON part", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Logs too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Not multipart/form-data", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them; or a log that cannot be used", body = Problem, content_type = "application/problem+json"),
-        (status = 503, description = "Too many jobs; see `Retry-After`", body = Problem, content_type = "application/problem+json"),
+        Begun,
+        UploadRefused,
     )
 )]
 pub async fn post_validation(
@@ -134,15 +114,12 @@ async fn read(
     params(
         ("id" = String, Path, description = "Id of the job"),
         ("predictions" = Option<bool>, Query, description = "`false`: without the series to draw, which are most of the answer"),
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
+        WaitHeader,
     ),
     responses(
         (status = 200, description = "The result", body = IdentificationResult),
-        (status = 202, description = "The job, which goes on", body = JobDocument),
         (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "Cancelled before it had a result", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
+        NoResultOfLogs,
     )
 )]
 pub async fn get(
@@ -178,14 +155,11 @@ fn without_predictions(whole: Vec<u8>) -> Vec<u8> {
     get, path = "/validate/{id}", tag = "identification", operation_id = "get_validation",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("Prefer" = Option<String>, Header, description = "`wait=N`: hold the answer back up to N seconds for the result"),
+        WaitHeader,
     ),
     responses(
         (status = 200, description = "The result", body = ValidationResult),
-        (status = 202, description = "The job, which goes on", body = JobDocument),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "Cancelled before it had a result", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
+        NoResultOfLogs,
     )
 )]
 pub async fn get_validation(

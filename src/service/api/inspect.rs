@@ -1,8 +1,9 @@
 //! `/identify/preview`: what is understood of logs, before anything is estimated.
 
+use super::common::UploadRefused;
 use super::results::not_multipart;
 use super::schemas::IdentifyUpload;
-use crate::app::{Error, Problem, inspect};
+use crate::app::{Error, inspect};
 use crate::io::{InspectDocument, read_identify_request};
 use crate::service::access::Access;
 use crate::service::known::Known;
@@ -25,10 +26,7 @@ use axum::extract::{Multipart, State};
     request_body(content = IdentifyUpload, content_type = "multipart/form-data"),
     responses(
         (status = 200, body = InspectDocument),
-        (status = 400, description = "No multipart body with a JSON part", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Logs too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Not multipart/form-data", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them; or a log that cannot be used", body = Problem, content_type = "application/problem+json"),
+        UploadRefused,
     )
 )]
 pub async fn post(

@@ -109,6 +109,20 @@ fn rfc3339(us: i64) -> String {
     humantime::format_rfc3339_millis(time).to_string()
 }
 
+/// One server-sent event.
+#[derive(utoipa::ToSchema)]
+#[allow(dead_code)] // for the documentation: events are written field by field
+pub struct JobEvent {
+    /// `progress`, or `end` with the last.
+    #[schema(example = "progress")]
+    event: String,
+    /// Grows from event to event: to be sent as `Last-Event-ID` after a break.
+    #[schema(example = "7")]
+    id: String,
+    /// The job, as JSON text.
+    data: String,
+}
+
 async fn find(service: &Service, access: &Access, id: &str) -> Result<JobRow, Failure> {
     let unknown = || Error::new(Code::UnknownJob, format!("there is no job `{id}`")).with_hint("GET /jobs lists them");
     Ok(service.find_job(id, access).await?.ok_or_else(unknown)?)
@@ -194,7 +208,7 @@ pub async fn cancel(State(service): State<Service>, access: Access, Path(id): Pa
         ("Last-Event-ID" = Option<String>, Header, description = "Id of the last event seen"),
     ),
     responses(
-        (status = 200, description = "Events `progress` and `end`", body = JobDocument, content_type = "text/event-stream"),
+        (status = 200, description = "Events, each of this form", body = JobEvent, content_type = "text/event-stream"),
         (status = 204, description = "The last event was seen already"),
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
     )

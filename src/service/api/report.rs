@@ -24,6 +24,7 @@ use serde_json::Value;
         (status = 200, description = "The report", body = String, content_type = "text/html"),
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "No result yet", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Html<String>, Failure> {

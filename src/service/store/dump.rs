@@ -11,8 +11,8 @@ use tokio_stream::StreamExt;
 /// Version of the archive.
 const FORMAT: u64 = 1;
 
-/// Tables in the order in which they can be filled, with their columns; those of numbers start with `#`. Shares are not among them: they
-/// end with the process. Nor are the parts of files, which are in the archive as files.
+/// Tables in the order in which they can be filled, with their columns; those of numbers start with `#`. Shares, and what running searches
+/// have found, are not among them: a job that is restored begins again. Nor are the parts of files, which are in the archive as files.
 const TABLES: &[(&str, &[&str])] = &[
     ("robots", &["id", "document", "#updated_us"]),
     (

@@ -283,12 +283,15 @@ impl Store {
         row.as_ref().map(JobRow::read).transpose()
     }
 
-    /// Ends a waiting job, and asks a running one to end.
+    /// Ends a waiting job, and asks a running one to end; one that was put back has something to hand out first.
     pub async fn cancel(&self, id: &str) -> Result<(), Error> {
-        let sql = "UPDATE jobs SET cancel_requested = 1, sequence = sequence + 1, \
-             finished_us = CASE WHEN state = 'queued' THEN $2 ELSE finished_us END, \
-             state = CASE WHEN state = 'queued' THEN 'cancelled' ELSE state END \
-             WHERE id = $1 AND state IN ('queued', 'running')";
+        let at_once = "state = 'queued' AND NOT EXISTS (SELECT 1 FROM found f WHERE f.job = jobs.id)";
+        let sql = self.sql(&format!(
+            "UPDATE jobs SET cancel_requested = 1, sequence = sequence + 1, \
+             finished_us = CASE WHEN {at_once} THEN $2 ELSE finished_us END, \
+             state = CASE WHEN {at_once} THEN 'cancelled' ELSE state END \
+             WHERE id = $1 AND state IN ('queued', 'running')"
+        ));
         let done = sqlx::query(sql).bind(id).bind(now_us()).execute(&self.pool).await;
         done.map(drop).map_err(unavailable)
     }

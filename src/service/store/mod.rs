@@ -6,6 +6,7 @@
 mod audit;
 mod dump;
 mod files;
+mod found;
 mod jobs;
 mod queue;
 mod robots;
@@ -15,6 +16,7 @@ mod tokens;
 pub use audit::AuditEntry;
 pub use dump::{Amount, backup, restore};
 pub use files::{Files, NewFile, hex, sha256};
+pub use found::{FoundRow, Spent};
 pub use jobs::{JobRow, Key, NewJob, State, Submission, Waiting};
 pub use queue::{Claimed, Ended, Renewed};
 pub use shares::{Share, ShareResult};
@@ -28,7 +30,10 @@ use std::path::Path;
 use std::str::FromStr;
 use std::time::{Duration, SystemTime};
 
-const MIGRATIONS: &[(i64, &str, &str)] = &[(1, "first", include_str!("migrations/0001_first.sql"))];
+const MIGRATIONS: &[(i64, &str, &str)] = &[
+    (1, "first", include_str!("migrations/0001_first.sql")),
+    (2, "found", include_str!("migrations/0002_found.sql")),
+];
 
 type Transaction = sqlx::Transaction<'static, sqlx::Any>;
 
@@ -183,7 +188,10 @@ pub fn now_us() -> i64 {
 fn unavailable(e: sqlx::Error) -> Error {
     tracing::error!(error = %e, "the database failed");
     let detail = match &e {
-        sqlx::Error::Database(e) if e.message().contains("disk is full") => "the disk of the database is full",
+        // SQLite says it in words, PostgreSQL by its code `disk_full`.
+        sqlx::Error::Database(e) if e.message().contains("disk is full") || e.code().as_deref() == Some("53100") => {
+            "the disk of the database is full"
+        }
         _ => "the database does not answer as it should",
     };
     Error::new(Code::StorageUnavailable, detail).with_hint("nothing was changed; try again later")

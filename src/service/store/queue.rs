@@ -46,6 +46,15 @@ pub struct Ended {
 /// One step of urgency is worth this much waiting (µs): urgent jobs go first, and nothing waits for ever behind them.
 const STEP_OF_URGENCY: i64 = 60_000_000;
 
+/// Of a job `j`: nobody has it, and its robot does not run as many as it may; $1 is the class, $2 the bound.
+const CLAIMABLE: &str = "j.class = $1 AND (j.state = 'queued' OR (j.state = 'running' AND j.lease_until_us < {now})) \
+     AND (SELECT COUNT(*) FROM jobs r WHERE r.robot = j.robot AND r.class = j.class AND r.state = 'running' \
+          AND r.lease_until_us >= {now}) < $2";
+
+fn bound(most_of_robot: Option<usize>) -> i64 {
+    most_of_robot.map_or(i64::MAX, |n| n as i64)
+}
+
 impl Store {
     /// Takes the next job of a class, if there is one.
     ///
@@ -58,7 +67,7 @@ impl Store {
         lease: Duration,
         most_of_robot: Option<usize>,
     ) -> Result<Option<Claimed>, Error> {
-        if !self.may_claim(class).await? {
+        if !self.may_claim(class, most_of_robot).await? {
             return Ok(None);
         }
         let mut transaction = self.begin().await?;
@@ -70,12 +79,9 @@ impl Store {
                 .map_err(unavailable)?;
         }
         let sql = format!(
-            "UPDATE jobs SET state = 'running', lease = lease + 1, lease_until_us = {{now}} + $3, worker = $2, spread_until_us = NULL, \
+            "UPDATE jobs SET state = 'running', lease = lease + 1, lease_until_us = {{now}} + $3, worker = $5, spread_until_us = NULL, \
              attempts = attempts + 1, started_us = COALESCE(started_us, $4), sequence = sequence + 1 \
-             WHERE id = (SELECT j.id FROM jobs j WHERE j.class = $1 \
-               AND (j.state = 'queued' OR (j.state = 'running' AND j.lease_until_us < {{now}})) \
-               AND (SELECT COUNT(*) FROM jobs r WHERE r.robot = j.robot AND r.class = j.class AND r.state = 'running' \
-                    AND r.lease_until_us >= {{now}}) < $5 \
+             WHERE id = (SELECT j.id FROM jobs j WHERE {CLAIMABLE} \
                ORDER BY j.urgency * {STEP_OF_URGENCY} + (SELECT MAX(t.at) FROM (SELECT j.created_us AS at UNION ALL \
                     SELECT MAX(r.started_us) FROM jobs r WHERE r.robot = j.robot AND r.class = j.class) t), \
                  j.urgency * {STEP_OF_URGENCY} + j.created_us, j.id \
@@ -84,10 +90,10 @@ impl Store {
         );
         let rows = sqlx::query(self.sql(&sql))
             .bind(class.name())
-            .bind(worker)
+            .bind(bound(most_of_robot))
             .bind(lease.as_micros() as i64)
             .bind(now_us())
-            .bind(most_of_robot.map_or(i64::MAX, |n| n as i64))
+            .bind(worker)
             .fetch_all(&mut *transaction)
             .await
             .map_err(unavailable)?;
@@ -96,11 +102,13 @@ impl Store {
     }
 
     /// Looks without taking the writer's place.
-    pub async fn may_claim(&self, class: Class) -> Result<bool, Error> {
-        let sql = self.sql(
-            "SELECT 1 AS one FROM jobs WHERE class = $1 AND (state = 'queued' OR (state = 'running' AND lease_until_us < {now})) LIMIT 1",
-        );
-        let row = sqlx::query(sql).bind(class.name()).fetch_optional(&self.pool).await;
+    pub async fn may_claim(&self, class: Class, most_of_robot: Option<usize>) -> Result<bool, Error> {
+        let sql = self.sql(&format!("SELECT 1 AS one FROM jobs j WHERE {CLAIMABLE} LIMIT 1"));
+        let row = sqlx::query(sql)
+            .bind(class.name())
+            .bind(bound(most_of_robot))
+            .fetch_optional(&self.pool)
+            .await;
         row.map(|r| r.is_some()).map_err(unavailable)
     }
 
@@ -158,11 +166,10 @@ impl Store {
         for hash in [&ended.result, &ended.model].into_iter().flatten() {
             name_file(&mut transaction, id, hash).await?;
         }
-        sqlx::query("DELETE FROM shares WHERE job = $1")
-            .bind(id)
-            .execute(&mut *transaction)
-            .await
-            .map_err(unavailable)?;
+        for sql in ["DELETE FROM shares WHERE job = $1", "DELETE FROM found WHERE job = $1"] {
+            let done = sqlx::query(sql).bind(id).execute(&mut *transaction).await;
+            done.map_err(unavailable)?;
+        }
         transaction.commit().await.map_err(unavailable)?;
         Ok(true)
     }

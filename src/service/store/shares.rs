@@ -122,7 +122,8 @@ impl Store {
             .bind(worker)
             .bind(time.as_micros() as i64)
             .bind(evaluations as i64)
-            .bind(best)
+            // Not NULL: sqlx calls an absent f64 a REAL, and PostgreSQL then refuses the eight bytes of one that is there.
+            .bind(best.unwrap_or(f64::INFINITY))
             .execute(&self.pool)
             .await;
         Ok(done.map_err(unavailable)?.rows_affected() == 1)
@@ -144,26 +145,6 @@ impl Store {
             .map_err(unavailable)?;
         if let Some(hash) = result.filter(|_| done.rows_affected() == 1) {
             name_file(&mut transaction, &share.job, hash).await?;
-        }
-        transaction.commit().await.map_err(unavailable)
-    }
-
-    /// Keeps what a search that is put back had found.
-    pub async fn add_share(&self, job: &str, lease: i64, worker: &str, result: &str) -> Result<(), Error> {
-        let mut transaction = self.begin().await?;
-        let sql = "INSERT INTO shares (job, number, lease, worker, lease_until_us, evaluations, result) \
-             SELECT j.id, (SELECT COALESCE(MAX(s.number), 0) + 1 FROM shares s WHERE s.job = j.id), j.lease, $3, 0, 0, $4 \
-             FROM jobs j WHERE j.id = $1 AND j.lease = $2 AND j.state = 'running'";
-        let done = sqlx::query(sql)
-            .bind(job)
-            .bind(lease)
-            .bind(worker)
-            .bind(result)
-            .execute(&mut *transaction)
-            .await
-            .map_err(unavailable)?;
-        if done.rows_affected() == 1 {
-            name_file(&mut transaction, job, result).await?;
         }
         transaction.commit().await.map_err(unavailable)
     }
@@ -196,6 +177,7 @@ fn add(all: &mut ShareResult, row: &AnyRow) -> Result<(), sqlx::Error> {
         .map(i64::from)
         .or_else(|_| row.try_get::<i64, _>("out"))?;
     all.evaluations += row.try_get::<i64, _>("evaluations")?;
+    let best = best.filter(|b| b.is_finite());
     all.best = [all.best, best].into_iter().flatten().reduce(f64::min);
     all.results.extend(row.try_get::<Option<String>, _>("result")?);
     all.outstanding += out as usize;

@@ -2,7 +2,7 @@
 
 use super::Circumstances;
 use super::formula;
-use super::html::{Cell, Html, items, listed, number, text, words};
+use super::html::{Cell, Html, items, listed, text, words};
 use crate::web::figures::{before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
 
