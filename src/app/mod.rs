@@ -14,7 +14,7 @@ mod trace;
 mod validate;
 
 pub use error::{Code, Error};
-pub use excite::{CancelFlag, Excited, Exchange, excite, excite_beside};
+pub use excite::{CancelFlag, Exchange, Excited, excite, excite_beside};
 pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};
 pub use inspect::inspect;
 pub use motion::motion;

@@ -73,7 +73,11 @@ fn parts(
 }
 
 /// As comma-separated values with a header, part by part: the whole may be gigabytes. Numbers read back to the same bits.
-pub fn trajectory_csv_parts(series: FourierSeries, rate_hz: f64, periods: usize) -> impl Iterator<Item = String> + Send + 'static {
+pub fn trajectory_csv_parts(
+    series: FourierSeries,
+    rate_hz: f64,
+    periods: usize,
+) -> impl Iterator<Item = String> + Send + 'static {
     let head = header(series.joints()).join(",") + "\n";
     let write = |text: &mut String, _, row: Vec<f64>| {
         for (column, value) in row.iter().enumerate() {
@@ -91,9 +95,16 @@ pub fn trajectory_csv(series: &FourierSeries, rate_hz: f64, periods: usize) -> S
 }
 
 /// As an object of `columns` and `rows`, part by part.
-pub fn trajectory_json_parts(series: FourierSeries, rate_hz: f64, periods: usize) -> impl Iterator<Item = String> + Send + 'static {
+pub fn trajectory_json_parts(
+    series: FourierSeries,
+    rate_hz: f64,
+    periods: usize,
+) -> impl Iterator<Item = String> + Send + 'static {
     let columns = json!(header(series.joints()));
-    let head = format!("{{\"columns\":{columns},\"rate_hz\":{},\"periods\":{periods},\"rows\":[", json!(rate_hz));
+    let head = format!(
+        "{{\"columns\":{columns},\"rate_hz\":{},\"periods\":{periods},\"rows\":[",
+        json!(rate_hz)
+    );
     let write = |text: &mut String, index, row: Vec<f64>| {
         let separator = if index == 0 { "" } else { "," };
         write!(text, "{separator}{}", json!(row)).expect("writing to a string cannot fail");

@@ -214,7 +214,9 @@ async fn goes_on(service: &Service, share: &Share, (evaluations, best): (u64, Op
     let time = service.config().lease;
     let renew = store.renew_share(share, service.worker(), time, evaluations, best);
     let wanted = in_time(time / 3, renew).await;
-    let other_work = in_time(time / 3, store.may_claim(Class::Long, service.config().running_per_robot)).await.unwrap_or(false);
+    let other_work = in_time(time / 3, store.may_claim(Class::Long, service.config().running_per_robot))
+        .await
+        .unwrap_or(false);
     // While the database is away the search goes on: it may be back before the time is over.
     wanted.unwrap_or(true) && !other_work && !service.is_closing()
 }

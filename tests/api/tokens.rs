@@ -258,11 +258,14 @@ fn jobs_on_documents_belong_to_the_robot_of_the_token() {
 
 #[test]
 fn one_token_cannot_fill_the_queue() {
-    let guarded = Guarded::with("queue", Config {
-        waiting_per_token: 2,
-        concurrent_jobs: 0,
-        ..Config::default()
-    });
+    let guarded = Guarded::with(
+        "queue",
+        Config {
+            waiting_per_token: 2,
+            concurrent_jobs: 0,
+            ..Config::default()
+        },
+    );
     let (_, one) = guarded.token(Role::Run, &["*"]);
     let (_, other) = guarded.token(Role::Run, &["*"]);
     let post = |token: &str, seed: u64| {

@@ -24,7 +24,17 @@ impl Proxy {
     fn start(folder: &Path, server: &str) -> Option<Self> {
         let (key, certificate) = (folder.join("key.pem"), folder.join("cert.pem"));
         let made = Command::new("openssl")
-            .args(["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", "/CN=dynident.example.org"])
+            .args([
+                "req",
+                "-x509",
+                "-newkey",
+                "rsa:2048",
+                "-nodes",
+                "-days",
+                "1",
+                "-subj",
+                "/CN=dynident.example.org",
+            ])
             .arg("-keyout")
             .arg(&key)
             .arg("-out")
@@ -33,7 +43,10 @@ impl Proxy {
         let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let site = example("nginx.conf")
             .replace("listen 443", &format!("listen 127.0.0.1:{port}"))
-            .replace("/etc/letsencrypt/live/dynident.example.org/fullchain.pem", certificate.to_str()?)
+            .replace(
+                "/etc/letsencrypt/live/dynident.example.org/fullchain.pem",
+                certificate.to_str()?,
+            )
             .replace("/etc/letsencrypt/live/dynident.example.org/privkey.pem", key.to_str()?)
             .replace("http://127.0.0.1:8080", server);
         let at = folder.display();
@@ -107,10 +120,18 @@ fn the_shipped_proxy_passes_on_results_events_and_large_logs() {
     assert_eq!(curl(&[&address("/jobs")]).status.code(), Some(22));
 
     let headers = ["-H", &bearer, "-H", "Content-Type: application/json"];
-    let waited = curl(&[&headers[..], &["-H", "Prefer: wait=30", "-d", &search(2.0), &address("/excitation")]].concat());
+    let waited = curl(
+        &[
+            &headers[..],
+            &["-H", "Prefer: wait=30", "-d", &search(2.0), &address("/excitation")],
+        ]
+        .concat(),
+    );
     assert!(document(&waited)["condition_number"].as_f64().unwrap() > 1.0);
 
-    let job = document(&curl(&[&headers[..], &["-d", &search(6.0), &address("/excitation")]].concat()));
+    let job = document(&curl(
+        &[&headers[..], &["-d", &search(6.0), &address("/excitation")]].concat(),
+    ));
     let events = address(job["links"]["events"].as_str().unwrap());
     let begun = Instant::now();
     let stream = Command::new("curl")
@@ -158,9 +179,16 @@ fn the_shipped_units_are_ones_that_systemd_takes() {
             println!("SKIPPED the_shipped_units_are_ones_that_systemd_takes: systemd-analyze is not installed");
             return;
         };
-        assert!(output.status.success() && output.stderr.is_empty(), "{name}: {}", text(&output.stderr));
+        assert!(
+            output.status.success() && output.stderr.is_empty(),
+            "{name}: {}",
+            text(&output.stderr)
+        );
         // The command line in it is one that the program takes.
-        let line = unit.lines().find_map(|l| l.strip_prefix("ExecStart=/usr/local/bin/dynident ")).unwrap();
+        let line = unit
+            .lines()
+            .find_map(|l| l.strip_prefix("ExecStart=/usr/local/bin/dynident "))
+            .unwrap();
         let (command, flags) = line.split_once(' ').unwrap();
         assert!(["serve", "worker"].contains(&command));
         let settings = folder.place().command("config").args(flags.split(' ')).output().unwrap();

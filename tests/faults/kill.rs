@@ -117,7 +117,9 @@ fn goes_on(place: &Place) {
     let (_, job) = server.post("/excitation", &long);
     let path = format!("/jobs/{}", job["id"].as_str().unwrap());
     let progress = |server: &Process| server.get(&path).1["progress"].clone();
-    wait_until("most of the time is over", || progress(&server)["elapsed_s"].as_f64() > Some(7.0));
+    wait_until("most of the time is over", || {
+        progress(&server)["elapsed_s"].as_f64() > Some(7.0)
+    });
     let told = progress(&server);
     // What was found is written down every other second, and the time spent at least every ten: all that was told is safe after those.
     wait_until("it is written down", || progress(&server)["elapsed_s"].as_f64() > Some(13.0));
@@ -127,14 +129,27 @@ fn goes_on(place: &Place) {
     let (status, result) = server.send("GET", job["links"]["result"].as_str().unwrap(), &[("prefer", "wait=60")], "");
     assert_eq!(status, 200, "{result}");
     // At most the ten seconds that it may not know of, beside what was left.
-    assert!(again.elapsed() < Duration::from_secs_f64(LIMIT_S - 3.0 + 1.0), "{:?}", again.elapsed());
+    assert!(
+        again.elapsed() < Duration::from_secs_f64(LIMIT_S - 3.0 + 1.0),
+        "{:?}",
+        again.elapsed()
+    );
     // What is handed out keeps clear of the limits by 1e-8 of them, and its value differs by a few times as much.
     let best = told["best"].as_f64().unwrap();
-    assert!(result["condition_number"].as_f64().unwrap() <= best * (1.0 + 1e-6), "{told} then {result}");
+    assert!(
+        result["condition_number"].as_f64().unwrap() <= best * (1.0 + 1e-6),
+        "{told} then {result}"
+    );
     let search = &result["search"];
     assert!(search["elapsed_s"].as_f64().unwrap() < LIMIT_S + 1.0, "{search}");
-    assert!(search["evaluations"].as_u64() > told["evaluations"].as_u64(), "{told} then {search}");
-    assert_eq!((&result["request"], server.get(&path).1["state"].as_str()), (&long, Some("finished")));
+    assert!(
+        search["evaluations"].as_u64() > told["evaluations"].as_u64(),
+        "{told} then {search}"
+    );
+    assert_eq!(
+        (&result["request"], server.get(&path).1["state"].as_str()),
+        (&long, Some("finished"))
+    );
 }
 
 #[test]

@@ -136,7 +136,12 @@ fn send_log(server: &Process) -> (u16, Value) {
         "--b\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{{\"robot\": \"planar_two_link\"}}\r\n\
          --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\n{log}\r\n--b--\r\n"
     );
-    server.send("POST", "/identify", &[("content-type", "multipart/form-data; boundary=b")], &body)
+    server.send(
+        "POST",
+        "/identify",
+        &[("content-type", "multipart/form-data; boundary=b")],
+        &body,
+    )
 }
 
 /// Fills the disk of the data folder.
@@ -173,7 +178,10 @@ fn a_full_disk_is_told_of_and_the_service_goes_on_on_sqlite() {
 #[test]
 fn a_full_disk_is_told_of_and_the_service_goes_on_on_postgresql() {
     let folder = Folder::new("full-disk-postgres");
-    tells_of_a_full_disk("a_full_disk_is_told_of_and_the_service_goes_on_on_postgresql", &on_postgres(&folder));
+    tells_of_a_full_disk(
+        "a_full_disk_is_told_of_and_the_service_goes_on_on_postgresql",
+        &on_postgres(&folder),
+    );
 }
 
 /// Not the disk of the data folder but that of the database is full: PostgreSQL has no room for the log.

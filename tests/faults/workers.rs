@@ -138,7 +138,9 @@ fn searches_beside_each_other_hand_on_what_they_find() {
     let id = server.post("/excitation", &request).1["id"].as_str().unwrap().to_string();
     let job = format!("/jobs/{id}");
     let progress = || server.get(&job).1["progress"].clone();
-    wait_until("the first has found something", || progress()["elapsed_s"].as_f64() > Some(6.0));
+    wait_until("the first has found something", || {
+        progress()["elapsed_s"].as_f64() > Some(6.0)
+    });
     let best = progress()["best"].as_f64().unwrap();
     let second = Process::worker(&lab.machine("second"), LEASE);
     let found = |number: i64| {
@@ -150,7 +152,11 @@ fn searches_beside_each_other_hand_on_what_they_find() {
     let given = found(1).unwrap();
     assert!(given <= best * (1.0 + 1e-6), "{best} then {given}");
     assert!(result(&server, &id)["condition_number"].as_f64().unwrap() <= given * (1.0 + 1e-6));
-    assert_eq!(Postgres::shared().ask(&lab.database, "SELECT COUNT(*) FROM found"), "0", "nothing is left");
+    assert_eq!(
+        Postgres::shared().ask(&lab.database, "SELECT COUNT(*) FROM found"),
+        "0",
+        "nothing is left"
+    );
     drop((first, second));
 }
 

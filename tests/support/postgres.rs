@@ -129,7 +129,10 @@ impl Postgres {
 
     /// What a query with one number says.
     pub fn ask(&self, database: &str, sql: &str) -> String {
-        let answer = Command::new(self.bin.join("psql")).args(["-tA", database, "-c", sql]).output().unwrap();
+        let answer = Command::new(self.bin.join("psql"))
+            .args(["-tA", database, "-c", sql])
+            .output()
+            .unwrap();
         assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
         String::from_utf8_lossy(&answer.stdout).trim().to_string()
     }

@@ -1,26 +1,10 @@
-//! Trials of the tracing on virtual robots, and the tables of `docs/closing-the-loop.md`.
-//!
-//! `trials nothing COUNT [FIRST]`: logs with nothing in them. `trials grid`: every effect on three joints at three sizes. `trials pairs COUNT [FIRST]`.
+//! Logs with nothing in them, every effect at three sizes, and pairs: arms with random bodies on moderate motions.
 
-#[path = "../tests/effects/bench.rs"]
-mod bench;
-
-use bench::*;
+use crate::bench::*;
 use dynident::model::Robot;
 use dynident::residual::{Outcome, Verdict};
 use dynident::simulate::{HiddenEffect, Noise};
 use std::collections::BTreeMap;
-
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |i: usize, otherwise: u64| arguments.get(i).and_then(|a| a.parse().ok()).unwrap_or(otherwise);
-    match arguments.first().map(String::as_str) {
-        Some("nothing") => nothing(number(1, 200), number(2, 0)),
-        Some("grid") => grid(&arguments[1..]),
-        Some("pairs") => pairs(number(1, 20), number(2, 0)),
-        _ => eprintln!("usage: trials nothing COUNT [FIRST] | grid [CODE…] | pairs [COUNT [FIRST]]"),
-    }
-}
 
 /// What was found: codes with joints, or `nothing`, or `unexplained`.
 fn found(outcome: &Outcome) -> Vec<String> {
@@ -40,7 +24,7 @@ fn found(outcome: &Outcome) -> Vec<String> {
     list
 }
 
-fn nothing(count: u64, first: u64) {
+pub fn nothing(count: u64, first: u64) {
     let mut false_findings = 0;
     for seed in first..first + count {
         let robots = robots();
@@ -68,7 +52,7 @@ fn nothing(count: u64, first: u64) {
 
 const SIZES: [f64; 3] = [0.15, 0.5, 1.5];
 
-fn grid(only: &[String]) {
+pub fn grid(only: &[String]) {
     let robot = seven_axes();
     let noise = sensor_noise(7);
     let mut confusion: BTreeMap<(String, String), usize> = BTreeMap::new();
@@ -179,7 +163,7 @@ fn explain(outcome: &Outcome) {
     println!("    lack of fit afterwards {}", left.join(" "));
 }
 
-fn pairs(count: u64, first: u64) {
+pub fn pairs(count: u64, first: u64) {
     let robot = seven_axes();
     let noise = sensor_noise(7);
     let mut right = 0;

@@ -1,0 +1,31 @@
+//! Trials of the tracing on virtual robots, and the tables of `docs/closing-the-loop.md`.
+//!
+//! - `trials family COUNT [FIRST] [CODE…]`: the published iiwa 14 with one, two or three hidden effects of any size, judged.
+//! - `trials detect [REPEATS] [CODE…]`: the size at which half of the logs have their effect found.
+//! - `trials confusion [REPEATS] [CODE…]`: what is found for what was hidden.
+//! - `trials nothing COUNT [FIRST]`: logs with nothing in them.
+//! - `trials grid [CODE…]`: every effect on three joints at three sizes. `trials pairs [COUNT [FIRST]]`.
+
+#[path = "../../tests/effects/bench/mod.rs"]
+mod bench;
+mod detect;
+mod family;
+mod grid;
+mod judge;
+mod visible;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let numbers: Vec<u64> = arguments.iter().skip(1).map_while(|a| a.parse().ok()).collect();
+    let words: Vec<String> = arguments.iter().skip(1 + numbers.len()).cloned().collect();
+    let number = |i: usize, otherwise: u64| numbers.get(i).copied().unwrap_or(otherwise);
+    match arguments.first().map(String::as_str) {
+        Some("family") => family::family(number(0, 40), number(1, 0), &words),
+        Some("detect") => detect::detect(number(0, 4), &words),
+        Some("confusion") => detect::confusion(number(0, 3), &words),
+        Some("nothing") => grid::nothing(number(0, 200), number(1, 0)),
+        Some("grid") => grid::grid(&words),
+        Some("pairs") => grid::pairs(number(0, 20), number(1, 0)),
+        _ => eprintln!("usage: trials family|detect|confusion|nothing|grid|pairs [COUNT [FIRST]] [CODE…]"),
+    }
+}
