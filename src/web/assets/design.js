@@ -133,9 +133,9 @@ async function watch(id) {
       await follow(id, (now) => live.show(now), signal);
     }
     const result = await getJson(`/excitation/${id}`);
-    live.end();
     await refill(result.request);
     await showDesign(find('#result'), result);
+    live.end();
     if (scrollY > 0) find('#result').scrollIntoView({ block: 'start' });
   } catch (error) {
     live.end();

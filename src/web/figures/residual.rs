@@ -44,7 +44,7 @@ fn panel(residual: &Value, key: &str, name: &str) -> Panel {
 /// Points of a cloud: more than this is ink on ink.
 const CLOUD: usize = 1500;
 
-/// What the declared model leaves on a finding's joint and what is left with all effects found, against the variable that the finding is a
+/// What the base parameters leave on a finding's joint and what is left with all effects found, against the variable that the finding is a
 /// function of (its `against`). `None` where the document has no series to draw.
 pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
     let (joint, variable) = (&finding["against"]["joint"], finding["against"]["variable"].as_str()?);
@@ -83,7 +83,7 @@ pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
         x,
         places: Vec::new(),
         panels: vec![
-            panel("declared model", "base", 1),
+            panel("base parameters alone", "base", 1),
             panel("with the effects found", "augmented", 0),
         ],
         size: (900, 400),

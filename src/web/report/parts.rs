@@ -247,7 +247,7 @@ fn describe(page: &mut Html, result: &Value, finding: &Value) {
     if let Some(figure) = finding_figure(result, finding) {
         page.figure(
             &figure,
-            "What is left on the joint, with the declared model and with all effects found.",
+            "What is left on the joint, with the base parameters alone and with all effects found.",
         );
     }
 }
@@ -280,45 +280,26 @@ pub(super) fn physical(page: &mut Html, result: &Value) {
         return;
     }
     page.heading(2, "Physical parameters");
-    let row = |l: &Value| {
-        let i = &l["inertia"];
-        let numbers = [
-            &l["mass"],
-            &l["center_of_mass"][0],
-            &l["center_of_mass"][1],
-            &l["center_of_mass"][2],
-            &i["xx"],
-            &i["yy"],
-            &i["zz"],
-            &i["xy"],
-            &i["xz"],
-            &i["yz"],
-            &l["viscous"],
-            &l["coulomb"],
-        ];
-        std::iter::once(format!("{} {}", text(&l["link"]), text(&l["name"])))
-            .chain(numbers.map(text))
-            .collect::<Vec<_>>()
+    let link = |l: &Value| format!("{} {}", text(&l["link"]), text(&l["name"]));
+    // Two tables: all of it in one is wider than a page.
+    let body = |l: &Value| {
+        let c = &l["center_of_mass"];
+        let numbers = [&l["mass"], &c[0], &c[1], &c[2], &l["viscous"], &l["coulomb"]];
+        std::iter::once(link(l)).chain(numbers.map(text)).collect::<Vec<_>>()
     };
-    let heads = [
-        "Link",
-        "#Mass (kg)",
-        "#x (m)",
-        "#y (m)",
-        "#z (m)",
-        "#Ixx (kg m²)",
-        "#Iyy",
-        "#Izz",
-        "#Ixy",
-        "#Ixz",
-        "#Iyz",
-        "#Viscous",
-        "#Coulomb",
-    ];
     page.table(
-        "In the frames of the robot's description; inertia about the centre of mass",
-        &heads,
-        items(&result["physical_parameters"]).map(row),
+        "In the frames of the robot's description",
+        &["Link", "#Mass (kg)", "#x (m)", "#y (m)", "#z (m)", "#Viscous", "#Coulomb"],
+        items(&result["physical_parameters"]).map(body),
+    );
+    let inertia = |l: &Value| {
+        let numbers = ["xx", "yy", "zz", "xy", "xz", "yz"].map(|k| text(&l["inertia"][k]));
+        std::iter::once(link(l)).chain(numbers).collect::<Vec<_>>()
+    };
+    page.table(
+        "Inertia about the centre of mass (kg m²)",
+        &["Link", "#Ixx", "#Iyy", "#Izz", "#Ixy", "#Ixz", "#Iyz"],
+        items(&result["physical_parameters"]).map(inertia),
     );
     let margin = |m: &Value| vec![text(&m["link"]), words(&m["constraint"]), text(&m["margin"])];
     page.table(
