@@ -6,6 +6,7 @@ import { Live } from './design-live.js';
 import { showDesign } from './design-result.js';
 import { Known } from './known-form.js';
 import { Obstacles } from './obstacles.js';
+import { plotly } from './plot.js';
 
 const value = (id) => find(`#${id}`).value.trim();
 const list = (text) => (text ? text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(numeric) : undefined);
@@ -165,6 +166,8 @@ find('#form').addEventListener('submit', async (event) => {
 addEventListener('popstate', () => location.reload());
 
 const query = new URLSearchParams(location.search);
+if (query.get('id')) plotly();
+
 fillRobots(query.get('robot') ?? 'iiwa14')
   .then(() => query.get('id') && watch(query.get('id')))
   .catch((e) => explain(find('#trouble'), e));

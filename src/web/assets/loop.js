@@ -3,7 +3,7 @@ import { explain, getJson, postJson } from './api.js';
 import { designButton } from './decide.js';
 import { fill, figure, find, h, measured, number, table, time, unit, words } from './dom.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
-import { colour, plotLater, variable } from './plot.js';
+import { colour, plotLater, plotly, variable } from './plot.js';
 import { residualPlot } from './residual-plot.js';
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
@@ -134,4 +134,5 @@ async function begin() {
   await show(chosen);
 }
 
+plotly();
 begin().catch((e) => explain(find('#trouble'), e));

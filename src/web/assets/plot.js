@@ -13,8 +13,8 @@ export const colour = (index) => COLOURS[isDark() ? 'dark' : 'light'][index % 7]
 export const dash = (index) => DASHES[index % 7];
 
 let loading = null;
-/** plotly.js, fetched when the first plot asks for it. */
-function plotly() {
+/** plotly.js, fetched when the first plot asks for it, or before by pages that wait for what they will plot. */
+export function plotly() {
   loading ??= new Promise((done, failed) => {
     const script = document.createElement('script');
     script.src = '/assets/plotly.js';
