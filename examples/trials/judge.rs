@@ -98,8 +98,8 @@ pub fn truth(hidden: &HiddenEffect) -> Truth {
             "friction_drift",
             vec![*joint],
             vec![
-                ("viscous_change", *viscous),
-                ("coulomb_change", *coulomb),
+                ("viscous_change_over_log", -viscous * faded(*time_constant)),
+                ("coulomb_change_over_log", -coulomb * faded(*time_constant)),
                 ("time_constant", *time_constant),
             ],
         ),
@@ -111,6 +111,11 @@ pub fn truth(hidden: &HiddenEffect) -> Truth {
         Unmodelled { joints, .. } => ("unexplained", joints.to_vec(), vec![]),
     };
     Truth { code, joints, values }
+}
+
+/// Share of a drift that is over by the end of the log: six periods of 10 s.
+fn faded(time_constant: f64) -> f64 {
+    1.0 - (-60.0 / time_constant).exp()
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

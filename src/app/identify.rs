@@ -8,13 +8,13 @@ use super::{CancelFlag, Code, Error};
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::{FeasibleFit, FitObjective, PhysicalFit, fit_feasible};
 use crate::identification::{
-    Estimate, Observation, PreparedLog, PreprocessOptions, Quality, estimate, normal_equations, prepare, quality,
+    Estimate, Log, Observation, PreparedLog, PreprocessOptions, Quality, estimate, normal_equations, prepare, quality,
 };
 use crate::io::log::{Columns, LogError, LogReport, read_joined_log};
 use crate::io::{IdentifyDocument, IdentifyRequest, robot_value, urdf};
 use crate::model::{LinkPrior, Robot, from_urdf};
 use crate::parameters::{BaseParameters, Layout};
-use crate::residual::{AugmentedModel, DataFault, RawLog, Stretch, sample_faults};
+use crate::residual::{AugmentedModel, DataFault, RawLog, Stretch, leave_out, lost_rows, sample_faults};
 use nalgebra::DVector;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -259,18 +259,13 @@ pub(super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(String, Path
         read_joined_log(&file.path, beside, reading.columns, &names).map_err(|e| invalid(called(e, file, beside).to_string()))?;
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);
-    let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
-    let stretch = reading.trace.then(|| Stretch::new(&prepared, &log));
-    let raw = RawLog {
-        time: Vec::new(),
-        q: log.q,
-        tau: log.tau,
-    };
     let sample_faults = if reading.trace {
-        sample_faults(reading.robot, &raw)
+        left_out(reading.robot, &mut log)
     } else {
         Vec::new()
     };
+    let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
+    let stretch = reading.trace.then(|| Stretch::new(&prepared, &log));
     let mut observation = Observation::new(reading.robot, reading.base, &prepared);
     if reading.offset {
         observation.push_offsets(&prepared);
@@ -282,6 +277,20 @@ pub(super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(String, Path
         stretch,
         sample_faults,
     })
+}
+
+/// Faults of the log's samples; the rows that they have spoiled are left out of it.
+fn left_out(robot: &Robot, log: &mut Log) -> Vec<DataFault> {
+    let raw = RawLog {
+        time: Vec::new(),
+        q: log.q.clone(),
+        tau: log.tau.clone(),
+    };
+    let faults = sample_faults(robot, &raw);
+    if !faults.is_empty() {
+        leave_out(log, &lost_rows(&raw));
+    }
+    faults
 }
 
 /// The error with the names that the user knows: an upload is a temporary file with a name of its own.

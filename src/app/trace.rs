@@ -6,15 +6,15 @@ use crate::io::augmented_value;
 use crate::io::log::{FindingKind, LogReport};
 use crate::model::Robot;
 use crate::residual::{
-    AugmentedModel, DataFault, Evidence, FaultKind, Finding, Prior, ResidualReport, RmsPair, Stretch, TraceOptions, Traced,
-    column_faults, trace,
+    AugmentedModel, DataFault, Evidence, FaultKind, Finding, Prior, Remedy, ResidualReport, RmsPair, Stretch, TraceOptions,
+    Traced, column_faults, trace,
 };
 use serde_json::Value;
 
 /// Traces the identification logs; the validation logs only measure.
 ///
-/// Inverted torque signs are named and then undone, so that what else is there can be seen. With joints in another order or mixed-up units
-/// nothing physical can be said: the faults are all that comes back.
+/// Inverted torque signs are named and then undone, so that what else is there can be seen. With joints in another order, mixed-up units or a
+/// column that was not recorded nothing physical can be said: the faults are all that comes back.
 ///
 /// With an `existing` model the question is what has changed since it was made.
 pub(super) fn residual(
@@ -26,9 +26,7 @@ pub(super) fn residual(
     let stretches = |logs: &[UsedLog]| logs.iter().filter_map(|l| l.stretch.clone()).collect::<Vec<_>>();
     let (mut measured, mut held_out) = (stretches(identification), stretches(validation));
     let faults = faults(robot, identification);
-    let beyond_repair = faults
-        .iter()
-        .any(|f| matches!(f.fault, FaultKind::JointOrder | FaultKind::UnitMismatch));
+    let beyond_repair = faults.iter().any(|f| f.remedy == Remedy::Nothing);
     let options = TraceOptions {
         existing,
         ..TraceOptions::default()
@@ -41,7 +39,7 @@ pub(super) fn residual(
         true => None,
         false => Some(trace(robot, &measured, &held_out, &nothing_added)),
     };
-    for fault in faults.iter().filter(|f| f.fault == FaultKind::TorqueSign) {
+    for fault in faults.iter().filter(|f| f.remedy == Remedy::Turn) {
         let joints = robot
             .joints()
             .iter()
@@ -138,13 +136,14 @@ fn recording_faults(report: &LogReport) -> Vec<DataFault> {
             fault: FaultKind::BadSamples,
             joints: Vec::new(),
             detail: format!("{}: {}", report.file, f.detail),
+            remedy: Remedy::LeaveOut,
         })
         .collect()
 }
 
 /// A fault in the form of a finding: the error with the data as recorded, and after what could be undone.
 fn fault_finding(fault: &DataFault, before: &ResidualReport, after: &ResidualReport) -> Finding {
-    let undone = fault.fault == FaultKind::TorqueSign;
+    let undone = fault.remedy == Remedy::Turn;
     let rms = |report: &ResidualReport| RmsPair {
         ..report.rms_before.clone()
     };

@@ -3,6 +3,7 @@
 //! What is missing repeats in every period, so a wrong effect that mimics it repeats as well: only parts of the motion that the fit has
 //! not seen can tell that. And noise that is not as assumed shows between periods.
 
+use super::product::transposed_product;
 use super::system::{Data, System, Whitened, pseudo_inverse, reduce};
 use nalgebra::{DMatrix, DVector};
 use std::ops::AddAssign;
@@ -47,7 +48,7 @@ fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
                     z.columns_mut(p, k).copy_from(&m.rows(from, to - from));
                 }
                 let fold = &mut folds[b % FOLDS];
-                fold.0 += z.tr_mul(&z);
+                fold.0 += transposed_product(&z, &z);
                 fold.1 += z.tr_mul(&block.residual.rows(from, to - from));
             }
         }
@@ -105,7 +106,7 @@ fn half_right_side(data: &Data, system: &System, columns: &Whitened, half: usize
             through += block.jacobian.tr_mul(&white);
             if let Some((_, m)) = parts.iter().find(|(joint, _)| *joint == j) {
                 direct += m.tr_mul(&white);
-                cross += block.jacobian.tr_mul(m);
+                cross += transposed_product(&block.jacobian, m);
             }
         }
     }

@@ -12,6 +12,7 @@ mod dependence;
 mod faults;
 mod model;
 mod noise;
+mod product;
 mod remainder;
 mod report;
 mod rivals;
@@ -20,7 +21,7 @@ mod stretch;
 mod system;
 mod trace;
 
-pub use faults::{DataFault, FaultKind, RawLog, column_faults, sample_faults};
+pub use faults::{DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, leave_out, lost_rows, sample_faults};
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
 pub use report::{Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Verdict};

@@ -192,7 +192,15 @@ impl Stretch {
         let n = prepared.samples();
         let (mut periods, mut starts) = (Vec::new(), vec![prepared.start_s]);
         if let Some(p) = prepared.periods.as_ref().filter(|p| p.count >= 2) {
-            let unfolded: Vec<Vec<f64>> = log.tau.iter().map(|t| p.unfold(t)).collect();
+            // What is no measurement deviates from nothing.
+            let usable = p.usable(log);
+            let measured = |(t, mean): (&Vec<f64>, &Vec<f64>)| {
+                let mut unfolded = p.unfold(t);
+                let values = unfolded.iter_mut().zip(&usable).enumerate();
+                values.filter(|(_, (_, u))| !**u).for_each(|(s, (v, _))| *v = mean[s % n]);
+                unfolded
+            };
+            let unfolded: Vec<Vec<f64>> = log.tau.iter().zip(&prepared.torque).map(measured).collect();
             let rows = |k: usize| {
                 unfolded
                     .iter()

@@ -1,7 +1,8 @@
 //! Weighted least squares of an augmented model: normal equations at a model, Gauss-Newton, and what a further block of columns would gain.
 
 use super::model::{Evaluated, ShapedRows};
-use super::{AugmentedModel, NoiseModel, NoiseSource, Stretch};
+use super::product::transposed_product;
+use super::{AugmentedModel, NoiseModel, NoiseSource, Stretch, Term};
 use crate::dynamics::Motion;
 use crate::effects::Column;
 use nalgebra::{DMatrix, DVector};
@@ -24,12 +25,16 @@ pub(crate) struct Data<'a> {
     pub prior: Option<&'a Prior>,
     /// Rows of the base parameters along the undistorted motion, per stretch: they are the same in every fit.
     base: Arc<OnceLock<Vec<ShapedRows>>>,
+    /// The same whitened by this noise, per stretch and joint.
+    white: OnceLock<Vec<Vec<Block>>>,
 }
 
 /// The whitened rows of one joint over one stretch.
 pub(crate) struct Block {
     /// M × parameters.
     pub jacobian: DMatrix<f64>,
+    /// J'J.
+    normal: DMatrix<f64>,
     /// M; measured minus predicted.
     pub residual: DVector<f64>,
     /// Rows that count.
@@ -69,15 +74,18 @@ impl<'a> Data<'a> {
             noise,
             prior,
             base: Arc::default(),
+            white: OnceLock::new(),
         }
     }
 
     /// The same data with other noise.
     pub fn with_noise(&self, noise: Vec<NoiseModel>) -> Self {
         Self {
+            stretches: self.stretches,
             noise,
+            prior: self.prior,
             base: self.base.clone(),
-            ..*self
+            white: OnceLock::new(),
         }
     }
 
@@ -85,21 +93,26 @@ impl<'a> Data<'a> {
         let base = self
             .base
             .get_or_init(|| self.stretches.par_iter().map(|s| model.base_rows(s)).collect());
+        // As long as nothing bends the motion, only the columns of the effects are new.
+        let bent = model.terms.iter().any(Term::is_distortion);
+        let none = vec![Vec::new(); model.robot.joint_count()];
         let evaluated: Vec<Evaluated> = self
             .stretches
             .par_iter()
             .zip(base)
-            .map(|(s, rows)| model.evaluate(s, Some(rows)))
+            .map(|(s, rows)| model.evaluate(s, Some(if bent { rows } else { &none })))
             .collect();
         let p = model.parameters();
+        let white = (!bent).then(|| self.white.get_or_init(|| self.whitened_base(base, model.values.len())));
         let blocks: Vec<Vec<Block>> = self
             .stretches
             .iter()
             .zip(&evaluated)
-            .map(|(stretch, e)| {
+            .enumerate()
+            .map(|(i, (stretch, e))| {
                 (0..stretch.joints())
                     .into_par_iter()
-                    .map(|j| self.block(stretch, e, j, p))
+                    .map(|j| self.block(stretch, e, j, p, white.map(|w| &w[i][j])))
                     .collect()
             })
             .collect();
@@ -107,7 +120,7 @@ impl<'a> Data<'a> {
         let parts: Vec<_> = blocks
             .par_iter()
             .flatten()
-            .map(|b| (b.normal(), b.jacobian.tr_mul(&b.residual)))
+            .map(|b| (&b.normal, b.jacobian.tr_mul(&b.residual)))
             .collect();
         for (g, r) in parts {
             normal += g;
@@ -153,22 +166,50 @@ impl<'a> Data<'a> {
         self.noise.iter().enumerate().map(of).collect()
     }
 
-    fn block(&self, stretch: &Stretch, e: &Evaluated, joint: usize, parameters: usize) -> Block {
+    /// The base parameters' rows of every joint, whitened, along the motion as measured.
+    fn whitened_base(&self, base: &[ShapedRows], parameters: usize) -> Vec<Vec<Block>> {
+        let of = |(stretch, shaped): (&Stretch, &ShapedRows)| {
+            let joint = |j: usize| {
+                let noise = &self.noise[j];
+                let rows = noise.whitened_rows(&stretch.kept(&stretch.motion, j), stretch.periodic);
+                let mut jacobian = DMatrix::zeros(stretch.rows(), parameters);
+                whiten_into(&mut jacobian, &shaped[j], noise, &rows, stretch.repetitions());
+                Block {
+                    normal: transposed_product(&jacobian, &jacobian),
+                    jacobian,
+                    residual: DVector::zeros(0),
+                    rows,
+                }
+            };
+            (0..stretch.joints()).into_par_iter().map(joint).collect()
+        };
+        self.stretches.iter().zip(base).map(of).collect()
+    }
+
+    fn block(&self, stretch: &Stretch, e: &Evaluated, joint: usize, parameters: usize, base: Option<&Block>) -> Block {
         let noise = &self.noise[joint];
-        let rows = noise.whitened_rows(&stretch.kept(&e.motion, joint), stretch.periodic);
+        let rows = match base {
+            Some(base) => base.rows.clone(),
+            None => noise.whitened_rows(&stretch.kept(&e.motion, joint), stretch.periodic),
+        };
         let mut jacobian = DMatrix::zeros(stretch.rows(), parameters);
-        for (at, values) in &e.jacobian[joint] {
-            let white = noise.whiten(values, &rows, stretch.repetitions());
-            jacobian.column_mut(*at).iter_mut().zip(white).for_each(|(m, v)| *m += v);
+        if let Some(base) = base {
+            jacobian.columns_mut(0, base.jacobian.ncols()).copy_from(&base.jacobian);
         }
+        whiten_into(&mut jacobian, &e.jacobian[joint], noise, &rows, stretch.repetitions());
         let difference: Vec<f64> = stretch.torque[joint]
             .iter()
             .zip(&e.torque[joint])
             .map(|(y, f)| y - f)
             .collect();
         let residual = DVector::from_vec(noise.whiten(&difference, &rows, stretch.repetitions()));
+        let normal = match base {
+            Some(base) => bordered(&base.normal, &jacobian),
+            None => transposed_product(&jacobian, &jacobian),
+        };
         Block {
             jacobian,
+            normal,
             residual,
             rows,
         }
@@ -214,7 +255,7 @@ impl<'a> Data<'a> {
         let doubts: Vec<f64> = (0..self.noise.len()).map(doubt).collect();
         let blocks = system.blocks.iter().flat_map(|b| b.iter().zip(&doubts));
         let mut normal = blocks
-            .map(|(block, doubt)| block.normal() / *doubt)
+            .map(|(block, doubt)| &block.normal / *doubt)
             .fold(DMatrix::zeros(p, p), |a, b| a + b);
         if let Some(prior) = self.prior {
             let k = prior.mean.len();
@@ -269,10 +310,32 @@ const RUNS: usize = 50;
 /// Reweighted linear columns settle in 3 to 5 steps, distortions of any sensible size in fewer than 10.
 const MOST_STEPS: usize = 15;
 
-impl Block {
-    fn normal(&self) -> DMatrix<f64> {
-        self.jacobian.tr_mul(&self.jacobian)
+fn whiten_into(
+    jacobian: &mut DMatrix<f64>,
+    columns: &[(usize, Vec<f64>)],
+    noise: &NoiseModel,
+    rows: &[bool],
+    repetitions: usize,
+) {
+    for (at, values) in columns {
+        let white = noise.whiten(values, rows, repetitions);
+        jacobian.column_mut(*at).iter_mut().zip(white).for_each(|(m, v)| *m += v);
     }
+}
+
+/// `J'J` where that of the first columns is known.
+fn bordered(known: &DMatrix<f64>, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+    let (base, all) = (known.nrows(), jacobian.ncols());
+    let mut normal = DMatrix::zeros(all, all);
+    normal.view_mut((0, 0), (base, base)).copy_from(known);
+    if all > base {
+        let cross = transposed_product(jacobian, &jacobian.columns(base, all - base).into_owned());
+        normal.columns_mut(base, all - base).copy_from(&cross);
+        normal
+            .view_mut((base, 0), (all - base, base))
+            .copy_from(&cross.rows(0, base).transpose());
+    }
+    normal
 }
 
 impl System {
@@ -404,8 +467,8 @@ impl System {
         for (blocks, parts) in self.blocks.iter().zip(columns) {
             for (j, m) in parts {
                 let block = &blocks[*j];
-                own += m.tr_mul(m);
-                cross += block.jacobian.tr_mul(m);
+                own += transposed_product(m, m);
+                cross += transposed_product(&block.jacobian, m);
                 right += m.tr_mul(&block.residual);
             }
         }
@@ -419,7 +482,7 @@ impl System {
         let mut cross = DMatrix::zeros(self.covariance.nrows(), k);
         for (blocks, parts) in self.blocks.iter().zip(columns) {
             for (j, m) in parts {
-                cross += blocks[*j].jacobian.tr_mul(m);
+                cross += transposed_product(&blocks[*j].jacobian, m);
             }
         }
         cross

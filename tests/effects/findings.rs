@@ -1,7 +1,7 @@
 //! The right effect on the right joint with the right value, and nothing where there is nothing.
 
 use crate::bench::*;
-use dynident::residual::{Outcome, TraceOptions, Verdict, trace};
+use dynident::residual::{Outcome, ResidualReport, TraceOptions, Verdict, trace};
 use dynident::simulate::{HiddenEffect, Noise};
 
 /// The only finding: its code, joint, and the value of its first parameter within `sigmas` of the truth.
@@ -148,21 +148,50 @@ fn prop_what_nobody_knows_is_unexplained() {
 
 #[test]
 fn prop_a_payload_is_found_against_an_existing_model() {
-    let robot = seven_axes();
-    let noise = sensor_noise(7);
     let body = HiddenEffect::Payload {
         mass: 2.3,
         center_of_mass: [0.01, 0.03, 0.11],
         inertia: [[0.005, 0.0, 0.0], [0.0, 0.005, 0.0], [0.0, 0.0, 0.003]],
     };
-    let before = traced(&robot, &[], &noise, 9);
-    let [_, with] = logs(&robot, &[body], &noise, 9);
-    let options = TraceOptions {
-        existing: Some(before.existing()),
-        ..TraceOptions::default()
-    };
-    let report = trace(&robot, &[stretch(&with, "with")], &[], &options).report;
+    let report = against_a_model(&[body], 9);
     assert_eq!(report.findings[0].effect, "payload");
     let mass = report.findings[0].parameters[0].value;
     assert!((mass - 2.3).abs() < 0.02 * 2.3, "{mass}");
+}
+
+/// What is traced on a second log with these effects, against the model of a first one without.
+fn against_a_model(effects: &[HiddenEffect], seed: u64) -> ResidualReport {
+    let (robot, noise) = (seven_axes(), sensor_noise(7));
+    let options = TraceOptions {
+        existing: Some(traced(&robot, &[], &noise, seed).existing()),
+        ..TraceOptions::default()
+    };
+    let [_, with] = logs(&robot, effects, &noise, seed);
+    trace(&robot, &[stretch(&with, "with")], &[], &options).report
+}
+
+#[test]
+fn prop_what_changed_since_the_model_is_found() {
+    assert_eq!(against_a_model(&[], 10).verdict, Verdict::NothingMissing);
+    let tilt = HiddenEffect::BaseTilt {
+        roll: 0.015,
+        pitch: -0.01,
+    };
+    // Warm-up that takes months: friction has changed since.
+    let change = HiddenEffect::FrictionDrift {
+        joint: 2,
+        viscous: 0.5,
+        coulomb: 0.3,
+        time_constant: 1e7,
+    };
+    for (effect, code, values) in [(tilt, "base_tilt", [0.015, -0.01]), (change, "friction_drift", [0.5, 0.3])] {
+        let report = against_a_model(&[effect], 11);
+        assert_eq!(report.findings.len(), 1, "{:?}", report.findings);
+        let found = &report.findings[0];
+        assert_eq!(found.effect, code);
+        assert!(code == "base_tilt" || found.joints == ["J3"], "{:?}", found.joints);
+        for (p, truth) in found.parameters.iter().zip(values) {
+            assert!((p.value - truth).abs() < 4.0 * p.std_dev, "{p:?}, truth {truth}");
+        }
+    }
 }

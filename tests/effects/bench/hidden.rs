@@ -56,13 +56,15 @@ impl Hidden {
         }
     }
 
-    /// Size beyond which nobody would speak of a small effect: a third of a gain, 30 ms, 6 degrees, a spring of 800 N·m/rad.
+    /// Size beyond which nobody would speak of a small effect: a third of a gain, 30 ms, 6 degrees, a joint that
+    /// springs in less than 7 Hz.
     pub fn largest(&self) -> f64 {
         match self.code {
             "torque_gain" => 6.0,
             "torque_delay" => 3.0,
             "base_tilt" => 4.0,
-            "encoder_offset" | "joint_elasticity" => 5.0,
+            "encoder_offset" => 5.0,
+            "joint_elasticity" => [0.3, 0.3, 0.3, 0.5, 1.0, 1.0, 5.0][self.joint],
             "torque_crosstalk" | "load_dependent_friction" => 10.0,
             "payload" => 2.0,
             _ => 30.0,

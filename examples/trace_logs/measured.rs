@@ -1,6 +1,6 @@
-//! Traces measured logs: `real_logs DIRECTORY [NAME…]`, the directory as of the data's documentation. Nothing happens for a folder that is absent.
+//! Logs of real robots, published by others.
 
-use dynident::dynamics::Motion;
+use crate::show::show;
 use dynident::identification::preprocess::Period;
 use dynident::identification::{Log, PreprocessOptions, prepare};
 use dynident::io::log::{Columns, JointColumns, read_log_file};
@@ -125,6 +125,18 @@ fn trials(root: &Path) -> Vec<Trial> {
             1.0,
         ));
     }
+    let lwr = root.join("kuka_lwr4plus_flobaroid/kuka_lwr4.urdf");
+    if lwr.exists() {
+        list.push(trial(
+            "kuka_lwr4plus_flobaroid",
+            urdf(&lwr),
+            vec!["measurements_1.csv.gz", "measurements_2.csv.gz"],
+            vec!["measurements_3.csv.gz"],
+            plain(),
+            0.0,
+            1.0,
+        ));
+    }
     let med7 = root.join("lbr_med7_r800/med7dock.urdf");
     if med7.exists() {
         let log = "measurements_with_ext_tau_1_dgr.csv";
@@ -174,15 +186,10 @@ fn made(trial: &Trial, log: &Log) -> Stretch {
     stretch
 }
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let Some(root) = arguments.first().map(Path::new) else {
-        return eprintln!("usage: real_logs DIRECTORY [NAME…]");
-    };
-    for trial in trials(root)
-        .iter()
-        .filter(|t| arguments.len() == 1 || arguments[1..].iter().any(|a| t.name.contains(a.as_str())))
-    {
+/// Traces the data sets whose names contain one of `names`, all of them without names.
+pub fn measured(root: &Path, names: &[String]) {
+    let wanted = |t: &&Trial| names.is_empty() || names.iter().any(|a| t.name.contains(a.as_str()));
+    for trial in trials(root).iter().filter(wanted) {
         if !root.join(trial.name).exists() {
             println!("{} is absent", trial.name);
             continue;
@@ -202,65 +209,19 @@ fn run(trial: &Trial, root: &Path) {
         }
     }
     held_out.extend(trial.held_out.iter().map(|f| made(trial, &read(trial, root, f))));
-    let first = &identify[0];
-    let step = (first.motion.samples() / 1000).max(1);
-    let motion = Motion::from_fn(first.joints(), first.motion.samples() / step, |j, s| {
-        first.motion.get(j, s * step)
-    });
     let log = read(trial, root, trial.identify[0]);
-    let torque: Vec<Vec<f64>> = log
-        .tau
-        .iter()
-        .map(|t| (0..motion.samples()).map(|s| t[s * step]).collect())
-        .collect();
     let raw = RawLog {
         time: Vec::new(),
         q: log.q.clone(),
         tau: log.tau.clone(),
     };
+    let prepared = prepare(&log, trial.robot.joint_count(), &PreprocessOptions::default()).unwrap();
     sample_faults(&trial.robot, &raw)
         .iter()
-        .chain(&column_faults(&trial.robot, &motion, &torque))
+        .chain(&column_faults(&trial.robot, &prepared.motion, &prepared.torque))
         .for_each(|f| println!("  FAULT {f:?}"));
     let t = Instant::now();
     let out = trace(&trial.robot, &identify, &held_out, &TraceOptions::default());
     println!("  traced in {:.1?}", t.elapsed());
     show(&out.report);
-}
-
-fn show(r: &ResidualReport) {
-    let fits = |l: &[JointFit]| {
-        l.iter()
-            .map(|f| format!("{:.2}/{:.0e}", f.statistic, f.p_value))
-            .collect::<Vec<_>>()
-            .join(" ")
-    };
-    println!(
-        "  verdict {:?} floor {:.4?} ({})\n  lack of fit {}\n  afterwards  {}",
-        r.verdict,
-        r.noise_floor,
-        r.noise_source,
-        fits(&r.lack_of_fit),
-        fits(&r.lack_of_fit_after)
-    );
-    for f in &r.findings {
-        println!(
-            "  FOUND {} {:?} evidence {:.1}",
-            f.effect, f.joints, f.evidence.log_evidence_ratio
-        );
-        f.parameters
-            .iter()
-            .for_each(|p| println!("     {} = {:.5} ± {:.5} {}", p.name, p.value, p.std_dev, p.unit));
-        f.rivals
-            .iter()
-            .for_each(|v| println!("     rival {} {:?} {:.1}", v.effect, v.joints, v.evidence));
-        println!("     held out {:.3?} -> {:.3?}", f.rms_before.held_out, f.rms_after.held_out);
-    }
-    if let Some(x) = &r.remainder {
-        println!("  REMAINDER {x:?}");
-    }
-    println!(
-        "  identification {:.3?} -> {:.3?}\n  held out {:.3?} -> {:.3?}",
-        r.rms_before.identification, r.rms_after.identification, r.rms_before.held_out, r.rms_after.held_out
-    );
 }
