@@ -46,6 +46,8 @@ fn main() {
         torque_noise: None,
         torque: None,
         space: None,
+        harmonics: None,
+        knowledge: Knowledge::default(),
     };
     let problem = Problem::new(spec).expect("a sound problem");
     println!("seed  condition number  found after [s]  stopped after [s]  evaluations  per second");

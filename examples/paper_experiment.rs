@@ -4,7 +4,9 @@
 //!
 //! `cargo run --release --example paper_experiment [evaluations of the excitation search]`
 
-use dynident::excitation::{Control, Criterion, Form, Halt, Problem, ProblemSpec, Progress, SearchOptions, Start, search};
+use dynident::excitation::{
+    Control, Criterion, Form, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, Start, search,
+};
 use dynident::identification::physical::{
     ConsistentOptions, FeasibleMethod, FeasibleOptions, FitObjective, PaperFit, PaperOptions, Triangle, fit_feasible,
 };
@@ -316,6 +318,8 @@ fn main() {
         torque_noise: None,
         torque: None,
         space: None,
+        harmonics: None,
+        knowledge: Knowledge::default(),
     })
     .expect("the paper's problem");
     let options = SearchOptions {

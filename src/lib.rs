@@ -31,7 +31,7 @@
 //! # A first trajectory
 //!
 //! ```
-//! use dynident::excitation::{Control, Halt, Problem, ProblemSpec, Progress, SearchOptions, search};
+//! use dynident::excitation::{Control, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, search};
 //! use dynident::excitation::{Criterion, Form, Start};
 //! use dynident::io::{NamedRobots, shipped::Shipped};
 //!
@@ -57,6 +57,8 @@
 //!     torque_noise: None,
 //!     torque: None,
 //!     space: None,
+//!     harmonics: None,
+//!     knowledge: Knowledge::default(),
 //! })?;
 //! let options = SearchOptions { max_evaluations: Some(500), ..SearchOptions::default() };
 //! let design = search(&problem, &options, &Alone);

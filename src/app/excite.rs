@@ -1,10 +1,12 @@
 //! Design an excitation trajectory.
 
-use crate::excitation::{Control, Found, Halt, Point, Progress, search_from};
+use crate::excitation::{
+    Backoff, Control, Design, Found, Given, Halt, Point, Problem, ProblemSpec, Progress, first_run, search_from,
+};
 use crate::io::{DesignDocument, ExcitationRequest};
 use crate::trajectory::FourierSeries;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// A switch that ends a running job; clones are the same switch.
@@ -27,6 +29,8 @@ pub struct Excited {
     pub document: DesignDocument,
     /// `None` where the problem is infeasible.
     pub series: Option<FourierSeries>,
+    /// Smaller amplitudes, where they were asked for.
+    pub first_run: Option<FourierSeries>,
 }
 
 /// What connects a search with its earlier life and with those beside it; see [`Control::found`] and [`Control::others`].
@@ -51,22 +55,133 @@ pub fn excite_beside(
     observe: &(dyn Fn(&Progress) + Sync),
 ) -> Excited {
     let started = Instant::now();
-    let clock = Clock {
-        deadline: started + Duration::from_secs_f64(request.search.time_limit_s),
+    let course = Course {
+        request,
         cancel,
         exchange,
         observe,
+        done: AtomicU64::new(0),
     };
-    let run = || search_from(&request.problem, &request.search.options, request.earlier.as_ref(), &clock);
+    let run = || course.designs();
     // Threads of its own: in a shared pool a search whose time is up would wait for the local solves of another.
-    let design = match rayon::ThreadPoolBuilder::new().build() {
+    let designs = match rayon::ThreadPoolBuilder::new().build() {
         Ok(pool) => pool.install(run),
         Err(_) => run(),
     };
-    let document = DesignDocument::new(request, &design, started.elapsed().as_secs_f64());
+    let backoff = request.backoff.map(|amplitude| Backoff {
+        amplitude,
+        slowness: 1.0,
+    });
+    let (problem, design) = &designs[0];
+    let first_run = backoff
+        .filter(|_| design.criteria.is_some())
+        .and_then(|asked| first_run(problem, &design.series, asked));
+    let document = DesignDocument::new(request, &designs, first_run.as_ref(), started.elapsed().as_secs_f64());
     Excited {
         document,
-        series: design.criteria.map(|_| design.series),
+        series: design.criteria.map(|_| design.series.clone()),
+        first_run: first_run.map(|run| run.series),
+    }
+}
+
+/// The searches of one request, one after the other.
+struct Course<'a> {
+    request: &'a ExcitationRequest,
+    cancel: &'a CancelFlag,
+    exchange: Option<&'a dyn Exchange>,
+    observe: &'a (dyn Fn(&Progress) + Sync),
+    /// Evaluations of the searches that are over.
+    done: AtomicU64,
+}
+
+impl Course<'_> {
+    /// As many trajectories as asked for, each given those before it; at least one, and none after one that could not be found.
+    fn designs(&self) -> Vec<(Problem, Design)> {
+        let count = self.request.trajectories;
+        let mut found: Vec<(Problem, Design)> = Vec::new();
+        let mut spec = self.request.problem.spec().clone();
+        for index in 0..count {
+            let (problem, design) = self.best_fundamental(&spec, index, 1.0 / count as f64);
+            let periods = spec.knowledge.periods;
+            spec = problem.spec().clone();
+            spec.knowledge.given.push(Given::Motion {
+                series: design.series.clone(),
+                periods,
+            });
+            let over = design.criteria.is_none() || self.cancel.is_cancelled();
+            found.push((problem, design));
+            if over {
+                break;
+            }
+        }
+        found
+    }
+
+    /// The best over the fundamentals to choose from: half of the time for all of them alike, the other half for going on from the best.
+    fn best_fundamental(&self, spec: &ProblemSpec, index: usize, share: f64) -> (Problem, Design) {
+        let earlier = self.request.earlier.as_ref().filter(|_| index == 0);
+        let fundamentals = &self.request.fundamentals[..];
+        let [only] = fundamentals else {
+            let share_of_each = 0.5 * share / fundamentals.len() as f64;
+            let all = fundamentals.iter().map(|&f| self.search(spec, f, earlier, share_of_each));
+            let (problem, first) = all
+                .reduce(|best, next| {
+                    if worth(&next.0, &next.1) < worth(&best.0, &best.1) {
+                        next
+                    } else {
+                        best
+                    }
+                })
+                .expect("a request has a fundamental");
+            if first.criteria.is_none() || self.cancel.is_cancelled() {
+                return (problem, first);
+            }
+            let (_, last) = self.search(spec, problem.spec().fundamental_hz, Some(&first.series), 0.5 * share);
+            let best = if worth(&problem, &first) < worth(&problem, &last) {
+                first
+            } else {
+                last
+            };
+            return (problem, best);
+        };
+        self.search(spec, *only, earlier, share)
+    }
+
+    fn search(&self, spec: &ProblemSpec, fundamental_hz: f64, earlier: Option<&FourierSeries>, share: f64) -> (Problem, Design) {
+        let spec = ProblemSpec {
+            fundamental_hz,
+            ..spec.clone()
+        };
+        // All fundamentals were checked when the request was read.
+        let problem = Problem::new(spec).unwrap_or_else(|_| self.request.problem.clone());
+        let search = &self.request.search;
+        let mut options = search.options;
+        options.max_evaluations = options
+            .max_evaluations
+            .map(|most| ((most as f64 * share).ceil() as u64).max(1));
+        // A search among several ends by the clock or when it has converged.
+        let clock = Clock {
+            deadline: Instant::now() + Duration::from_secs_f64(search.time_limit_s * share),
+            cancel: self.cancel,
+            // Points of one problem mean nothing in another.
+            exchange: self.exchange.filter(|_| self.request.is_single()),
+            observe: self.observe,
+            before: self.done.load(Ordering::Relaxed),
+        };
+        let design = search_from(&problem, &options, earlier, &clock);
+        self.done.fetch_add(design.evaluations, Ordering::Relaxed);
+        (problem, design)
+    }
+}
+
+/// What is minimised, for recordings of equal length: deviations fall with the root of the time, ratios do not.
+fn worth(problem: &Problem, design: &Design) -> f64 {
+    let criterion = problem.spec().criterion;
+    let value = design.criteria.map_or(f64::INFINITY, |c| c.value(criterion));
+    if criterion.is_condition_number() {
+        value
+    } else {
+        value / problem.spec().fundamental_hz.sqrt()
     }
 }
 
@@ -76,6 +191,8 @@ struct Clock<'a> {
     cancel: &'a CancelFlag,
     exchange: Option<&'a dyn Exchange>,
     observe: &'a (dyn Fn(&Progress) + Sync),
+    /// Evaluations before this search.
+    before: u64,
 }
 
 impl Control for Clock<'_> {
@@ -87,7 +204,10 @@ impl Control for Clock<'_> {
     }
 
     fn progress(&self, progress: &Progress) {
-        (self.observe)(progress);
+        (self.observe)(&Progress {
+            evaluations: self.before + progress.evaluations,
+            ..progress.clone()
+        });
     }
 
     fn found(&self, found: &Found) {

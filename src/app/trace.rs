@@ -2,8 +2,8 @@
 
 use super::identify::{ModelFiles, UsedLog};
 use super::tell::tell;
-use crate::io::augmented_value;
 use crate::io::log::{FindingKind, LogReport};
+use crate::io::traced_value;
 use crate::model::Robot;
 use crate::residual::{
     AugmentedModel, DataFault, Evidence, FaultKind, Finding, Prior, Remedy, ResidualReport, RmsPair, Stretch, TraceOptions,
@@ -85,7 +85,7 @@ pub(super) fn add_effects(files: &mut ModelFiles, traced: &Traced) {
         })
         .collect();
     if let Some(map) = files.json.as_object_mut() {
-        map.insert("augmented".into(), augmented_value(&traced.model, &traced.information));
+        map.insert("augmented".into(), traced_value(traced));
         map.insert("not_in_urdf".into(), not_held.clone().into());
     }
     if let Some(end) = files.urdf.find("?>").filter(|_| !not_held.is_empty()) {

@@ -9,6 +9,7 @@ use crate::io::{ExcitationRequest, Parsed, read_excitation_request, trajectory_c
 use crate::model::FieldProblem;
 use crate::web::figures::design_figure;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::Value;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -23,12 +24,24 @@ pub struct Arguments {
     /// Where the result goes; standard output if left out.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Model with effects to design for: JSON as `identify --model` writes it; replaces the one in the request.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// What there is already and the new trajectory complements: JSON models or results of designs; adds to `given` of the request.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    given: Vec<PathBuf>,
     /// Also write one sampled period as CSV (time, q1…, qd1…, qdd1…).
     #[arg(long, value_name = "FILE")]
     trajectory: Option<PathBuf>,
     /// Samples per second of that file; the rate of the request if left out.
     #[arg(long, value_name = "HZ", requires = "trajectory", value_parser = positive)]
     rate_hz: Option<f64>,
+    /// Also write a first run as CSV: smaller amplitudes around where the motion starts.
+    #[arg(long, value_name = "FILE", requires = "backoff")]
+    first_run: Option<PathBuf>,
+    /// Factor on the amplitudes of the first run, above 0 to 1; replaces the one in the request.
+    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    backoff: Option<f64>,
     /// Also draw positions, velocities and accelerations: SVG, or PNG if the name ends so.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -65,8 +78,37 @@ fn read_request(arguments: &Arguments) -> Result<ExcitationRequest, Error> {
     if let Some(robot) = &arguments.robot {
         put_robot(&mut parsed, files::robot(robot)?);
     }
+    put_data(&mut parsed, arguments)?;
     let invalid = |errors| files::in_file(&arguments.request, Error::invalid("the excitation request", errors));
     read_excitation_request(&parsed, &Shipped).map_err(invalid)
+}
+
+/// Puts model, data and back-off of the command line into the request.
+fn put_data(request: &mut Parsed, arguments: &Arguments) -> Result<(), Error> {
+    let Some(fields) = request.value.as_object_mut() else {
+        return Ok(());
+    };
+    if let Some(path) = &arguments.model {
+        fields.insert("model".into(), files::parse_json(path)?.value);
+    }
+    if let Some(factor) = arguments.backoff {
+        fields.insert("backoff".into(), factor.into());
+    }
+    for path in &arguments.given {
+        let read = files::parse_json(path)?.value;
+        // Of the result of a design, what makes its motion.
+        let motion = ["coefficients", "offset", "fundamental_hz", "periods"];
+        let part = |name: &str| Some((name.to_string(), read.get(name)?.clone()));
+        let entry = match read.get("coefficients") {
+            Some(_) => Value::Object(motion.into_iter().filter_map(part).collect()),
+            None => read,
+        };
+        let given = fields.entry("given").or_insert_with(|| Value::Array(Vec::new()));
+        if let Some(list) = given.as_array_mut() {
+            list.push(entry);
+        }
+    }
+    Ok(())
 }
 
 /// Puts the robot of the command line into the request, with what was wrong with its numbers.
@@ -120,6 +162,10 @@ fn write_results(arguments: &Arguments, json: bool, excited: &Excited) -> Result
         None => files::print(&document)?,
     }
     if let (Some(path), Some(series)) = (&arguments.trajectory, &excited.series) {
+        let rate = arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz);
+        files::write(path, trajectory_csv(series, rate, 1))?;
+    }
+    if let (Some(path), Some(series)) = (&arguments.first_run, &excited.first_run) {
         let rate = arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz);
         files::write(path, trajectory_csv(series, rate, 1))?;
     }

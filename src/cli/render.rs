@@ -36,6 +36,32 @@ pub fn summary(design: &DesignDocument) -> String {
         let _ = writeln!(text, "  A-optimality      {:.4e}", c.a_optimality);
         let _ = writeln!(text, "  I-optimality      {:.4e}", c.i_optimality);
     }
+    if let Some(rivals) = &design.rivals {
+        let e = &rivals.expected_evidence;
+        let of_data = e
+            .recorded
+            .as_ref()
+            .map_or(String::new(), |r| format!(" (the data so far: {:.1})", r.least));
+        let _ = writeln!(
+            text,
+            "  {} or {}: expected evidence {:.1}{of_data}; {}",
+            rivals.finding.effect,
+            rivals.rival.effect,
+            e.together.least,
+            if rivals.decides {
+                "decides"
+            } else {
+                "does not decide: record more periods, or move more freely"
+            }
+        );
+    }
+    if design.first_run.is_none() && design.request.get("backoff").is_some_and(|b| b.is_number()) && design.coefficients.is_some()
+    {
+        let _ = writeln!(
+            text,
+            "  no first run: no part of this motion keeps every limit along the path"
+        );
+    }
     let tightest = design.margins.iter().min_by(|a, b| a.margin.total_cmp(&b.margin));
     if let Some(m) = tightest {
         let percent = 100.0 * m.margin;

@@ -21,7 +21,7 @@ impl Effect for AsymmetricViscousFriction {
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
-        vec![own_joint(scene, joints[0], |[_, v, _]| v.abs())]
+        vec![own_joint(scene, joints[0], |[_, v, _]| v * scene.sign(v))]
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

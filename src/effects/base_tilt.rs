@@ -1,6 +1,6 @@
 //! A base that does not stand as the model says.
 
-use super::{About, Effect, Kind, ParameterInfo, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 use nalgebra::Rotation3;
 
@@ -19,6 +19,10 @@ impl Effect for BaseTilt {
             rivals: &["torque_offset", "encoder_offset"],
             source: "Swevers, Verdonck & De Schutter 2007",
         }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Arm
     }
 
     fn kind(&self) -> Kind {

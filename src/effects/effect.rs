@@ -1,6 +1,6 @@
 //! What an effect says about itself, and what it is evaluated on.
 
-use crate::dynamics::Motion;
+use crate::dynamics::{Coulomb, Motion};
 use crate::model::Robot;
 use nalgebra::{DMatrix, Vector3};
 
@@ -17,9 +17,16 @@ pub struct Scene<'a> {
     pub interval: f64,
     /// Whether the sample after the last is the first.
     pub periodic: bool,
+    /// How the sign of a velocity is taken: as it is for data, smooth where a motion is searched along gradients.
+    pub coulomb: Coulomb,
 }
 
 impl Scene<'_> {
+    /// Sign of a velocity; 0 for 0.
+    pub fn sign(&self, velocity: f64) -> f64 {
+        self.coulomb.value(velocity)
+    }
+
     /// Number of samples.
     pub fn samples(&self) -> usize {
         self.motion.samples()
@@ -62,6 +69,17 @@ pub enum Kind {
     AgainstModel,
     /// Seen only when the periods are looked at one by one.
     BetweenPeriods,
+}
+
+/// What the columns of an effect at one sample depend on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reads {
+    /// On the states of the effect's own joints at that sample.
+    OwnJoints,
+    /// On the state of the whole arm at that sample.
+    Arm,
+    /// On other samples as well.
+    Course,
 }
 
 /// A parameter that is reported.
@@ -131,6 +149,11 @@ pub trait Effect: Sync + Send {
 
     fn kind(&self) -> Kind {
         Kind::Additive
+    }
+
+    /// What its columns at one sample depend on. Designs differentiate them by that and nothing else.
+    fn reads(&self) -> Reads {
+        Reads::OwnJoints
     }
 
     /// The joints it can sit on: one list per candidate; an empty list stands for the whole robot.

@@ -1,6 +1,6 @@
 //! An encoder whose zero is not where the model has it.
 
-use super::{About, Effect, Kind, ParameterInfo, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `q_true = q + δ_j`.
@@ -19,6 +19,10 @@ impl Effect for EncoderOffset {
             rivals: &["base_tilt", "joint_elasticity", "joint_spring"],
             source: "Khalil & Dombre 2004, chapter 11",
         }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Arm
     }
 
     fn kind(&self) -> Kind {

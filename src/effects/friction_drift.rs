@@ -26,10 +26,9 @@ impl Effect for FrictionDrift {
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
-        let sign = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
         vec![
             own_joint(scene, joints[0], |[_, v, _]| v),
-            own_joint(scene, joints[0], |[_, v, _]| sign(v)),
+            own_joint(scene, joints[0], |[_, v, _]| scene.sign(v)),
         ]
     }
 

@@ -1,7 +1,7 @@
 //! A gear that winds up between the encoder and the link.
 
 use super::interpolation::derivatives;
-use super::{About, Effect, Kind, ParameterInfo, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
 /// Encoder on the motor side: `q_link = q − c tau_rigid`, c = 1/K the compliance, with velocity and acceleration to match.
@@ -19,6 +19,10 @@ impl Effect for JointElasticity {
             rivals: &["encoder_offset", "rotor_inertia", "torque_gain", "base_tilt"],
             source: "Spong 1987; De Luca & Book 2016 (quasi-static part)",
         }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Course
     }
 
     fn kind(&self) -> Kind {

@@ -1,6 +1,6 @@
 //! Friction that grows with the torque carried.
 
-use super::{About, Column, Effect, ParameterInfo, Scene};
+use super::{About, Column, Effect, ParameterInfo, Reads, Scene};
 use crate::model::Robot;
 
 /// `tau_j += μ |tau_rigid,j| sign qd`.
@@ -20,16 +20,19 @@ impl Effect for LoadDependentFriction {
         }
     }
 
+    fn reads(&self) -> Reads {
+        Reads::Arm
+    }
+
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         let j = joints[0];
         let load = &scene.rigid[j];
-        let direction = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
         let values = scene
             .motion
             .velocities(j)
             .iter()
             .zip(load)
-            .map(|(&v, t)| t.abs() * direction(v));
+            .map(|(&v, t)| t.abs() * scene.sign(v));
         vec![Column::on(j, values.collect())]
     }
 

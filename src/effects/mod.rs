@@ -28,7 +28,7 @@ mod torque_offset;
 mod transmission_coupling;
 mod unexplained;
 
-pub use effect::{About, Column, Effect, Kind, ParameterInfo, Scene, Shape, Span, World};
+pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, World};
 pub(crate) use effect::{own_joint, times_position_unit};
 pub use payload::consistent_payload;
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};

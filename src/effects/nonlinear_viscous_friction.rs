@@ -44,7 +44,7 @@ impl Effect for NonlinearViscousFriction {
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let alpha = Self::exponent(form, shape);
-        vec![own_joint(scene, joints[0], |[_, v, _]| v.abs().powf(alpha) * v.signum())]
+        vec![own_joint(scene, joints[0], |[_, v, _]| v.abs().powf(alpha) * scene.sign(v))]
     }
 
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

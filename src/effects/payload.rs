@@ -1,6 +1,6 @@
 //! A body that was not there when the model was made.
 
-use super::{About, Column, Effect, Kind, ParameterInfo, Scene};
+use super::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{Inertial, Layout};
@@ -22,6 +22,10 @@ impl Effect for Payload {
             rivals: &["base_tilt", "torque_gain", "torque_offset"],
             source: "Khalil, Gautier & Lemoine 2007; consistency: Traversaro et al. 2016",
         }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Arm
     }
 
     fn kind(&self) -> Kind {

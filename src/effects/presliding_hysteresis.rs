@@ -1,6 +1,6 @@
 //! Friction that builds up over a distance after reversal instead of jumping.
 
-use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span};
+use super::{About, Column, Effect, ParameterInfo, Reads, Scene, Shape, Span};
 use crate::model::Robot;
 
 /// `tau_j += F (z − sign qd)` with Dahl's state `dz/dq = (1 − z sign qd)/w`, w the width [rad or m].
@@ -23,6 +23,10 @@ impl Effect for PreslidingHysteresis {
         }
     }
 
+    fn reads(&self) -> Reads {
+        Reads::Course
+    }
+
     fn shapes(&self, _form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
         let span = spans[joints[0]];
         // Narrower than a fiftieth of the travel per sample at top speed it is a jump; wider than the range it never slides.
@@ -35,8 +39,7 @@ impl Effect for PreslidingHysteresis {
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let j = joints[0];
         let z = dahl_state(scene, j, shape[0]);
-        let sign = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
-        let values = z.iter().zip(scene.motion.velocities(j)).map(|(z, &v)| z - sign(v));
+        let values = z.iter().zip(scene.motion.velocities(j)).map(|(z, &v)| z - scene.sign(v));
         vec![Column::on(j, values.collect())]
     }
 

@@ -45,13 +45,7 @@ impl Effect for StribeckFriction {
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let exponent = [2.0, 1.0, shape.get(1).copied().unwrap_or(2.0)][form];
-        let bump = |[_, v, _]: [f64; 3]| {
-            if v == 0.0 {
-                0.0
-            } else {
-                (-(v.abs() / shape[0]).powf(exponent)).exp() * v.signum()
-            }
-        };
+        let bump = |[_, v, _]: [f64; 3]| (-(v.abs() / shape[0]).powf(exponent)).exp() * scene.sign(v);
         vec![own_joint(scene, joints[0], bump)]
     }
 

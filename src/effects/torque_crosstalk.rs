@@ -1,6 +1,6 @@
 //! A torque sensor that feels its neighbour.
 
-use super::{About, Column, Effect, ParameterInfo, Scene};
+use super::{About, Column, Effect, ParameterInfo, Reads, Scene};
 use crate::model::Robot;
 
 /// `tau_j += c tau_i`; the joints of a finding are the disturbed one and the one it comes from.
@@ -18,6 +18,10 @@ impl Effect for TorqueCrosstalk {
             rivals: &["transmission_coupling", "torque_gain"],
             source: "Hashimoto 1993 (torque sensors in gears)",
         }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Arm
     }
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {

@@ -1,7 +1,7 @@
 //! A torque stream that is late.
 
 use super::interpolation::at_time;
-use super::{About, Effect, Kind, ParameterInfo, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `tau(t) = tau_model(t − T)` on all joints; T in seconds, any fraction of a sample.
@@ -19,6 +19,10 @@ impl Effect for TorqueDelay {
             rivals: &["rotor_inertia", "nonlinear_viscous_friction", "joint_elasticity"],
             source: "Swevers, Verdonck & De Schutter 2007; Gautier 1997 (filter delays)",
         }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Course
     }
 
     fn kind(&self) -> Kind {

@@ -1,6 +1,6 @@
 //! A torque channel with the wrong scale.
 
-use super::{About, Effect, Kind, ParameterInfo, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `tau_j = (1 + γ) tau_true,j`.
@@ -19,6 +19,10 @@ impl Effect for TorqueGain {
             rivals: &["load_dependent_friction", "rotor_inertia", "joint_elasticity"],
             source: "Gautier & Briot 2014 (drive gains)",
         }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads::Arm
     }
 
     fn kind(&self) -> Kind {

@@ -63,7 +63,7 @@ impl Effect for TransmissionCoupling {
         let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + k * b).collect::<Vec<_>>();
         let v = sum(scene.motion.velocities(i), scene.motion.velocities(j));
         let a = sum(scene.motion.accelerations(i), scene.motion.accelerations(j));
-        let sign = v.iter().map(|&v| if v == 0.0 { 0.0 } else { v.signum() }).collect();
+        let sign = v.iter().map(|&v| scene.sign(v)).collect();
         let both = |x: Vec<f64>| Column {
             rows: vec![(j, x.iter().map(|x| k * x).collect()), (i, x)],
         };

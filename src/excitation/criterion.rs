@@ -1,6 +1,7 @@
 //! Criteria as functions of the Gram matrix `M = Y_bᵀ Y_b`, with derivatives.
 
 use super::problem::Criterion;
+use super::rivals::Rivals;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// A criterion made differentiable, as the logarithm of what is reported.
@@ -17,6 +18,8 @@ pub(super) enum SmoothCriterion<'a> {
     AOptimality,
     /// `½ ln (tr(M⁻¹ C)/n)`
     IOptimality { workspace: &'a DMatrix<f64>, joints: usize },
+    /// `−½ ln` of a soft minimum (power p) of the expected evidence in both directions.
+    RivalEvidence { rivals: &'a Rivals, base: usize, power: f64 },
 }
 
 impl SmoothCriterion<'_> {
@@ -24,6 +27,9 @@ impl SmoothCriterion<'_> {
     pub fn evaluate(&self, gram: DMatrix<f64>) -> (f64, DMatrix<f64>) {
         if let Self::ScaledConditionNumber { power } = *self {
             return through_scaling(gram, |scaled| Self::ConditionNumber { power }.evaluate(scaled));
+        }
+        if let Self::RivalEvidence { rivals, base, power } = *self {
+            return rivals.smooth(&gram, base, power);
         }
         let eigen = SymmetricEigen::new(gram);
         let size = eigen.eigenvalues.len() as f64;
@@ -52,6 +58,7 @@ impl SmoothCriterion<'_> {
                 let symmetric = (&gradient + gradient.transpose()) * 0.5;
                 (0.5 * (trace / *joints as f64).ln(), symmetric)
             }
+            Self::RivalEvidence { .. } => unreachable!("needs no eigenvalues"),
         }
     }
 }
@@ -67,6 +74,7 @@ pub(super) fn true_log_value(criterion: &SmoothCriterion, gram: DMatrix<f64>) ->
             let lambda = gram.symmetric_eigenvalues();
             0.5 * (lambda.max() / lambda.min().max(lambda.max() * f64::EPSILON)).ln()
         }
+        SmoothCriterion::RivalEvidence { rivals, base, .. } => rivals.true_log_value(&gram, *base),
         smooth => smooth.evaluate(gram).0,
     }
 }
@@ -132,6 +140,8 @@ pub struct Criteria {
     pub a_optimality: f64,
     /// `sqrt(tr(M⁻¹ C)/n)`
     pub i_optimality: f64,
+    /// Least expected evidence between two rivals, where there are two: the larger the better.
+    pub rival_evidence: Option<f64>,
 }
 
 impl Criteria {
@@ -155,9 +165,11 @@ impl Criteria {
             d_optimality: (-s.map(f64::ln).sum() / size).exp(),
             a_optimality: (s.map(|s| 1.0 / (s * s)).sum() / size).sqrt(),
             i_optimality: (squared_error / joints as f64).sqrt(),
+            rival_evidence: None,
         }
     }
 
+    /// What is minimised; of rivals one over the root of their evidence, the noise over what tells them apart.
     pub fn value(&self, criterion: Criterion) -> f64 {
         match criterion {
             Criterion::ConditionNumber => self.condition_number,
@@ -165,6 +177,7 @@ impl Criteria {
             Criterion::DOptimality => self.d_optimality,
             Criterion::AOptimality => self.a_optimality,
             Criterion::IOptimality => self.i_optimality,
+            Criterion::RivalEvidence => self.rival_evidence.map_or(f64::INFINITY, |e| 1.0 / e.sqrt()),
         }
     }
 }

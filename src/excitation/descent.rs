@@ -100,6 +100,9 @@ pub(super) const POLISH: [Stage; 2] = [
 /// exceeded by about a percent where a percent of amplitude is worth a percent of the criterion; drawing in takes that back.
 const PENALTY_PER_POWER: f64 = 5.0;
 
+/// Power of the soft minimum of the evidence in both directions: within 3.5 % of the minimum.
+const SOFT_MINIMUM: f64 = 10.0;
+
 /// Stop a stage when an iteration gains less than this relative part of the criterion; below what a user would notice.
 const LEAST_IMPROVEMENT: f64 = 1e-6;
 
@@ -251,7 +254,15 @@ impl<'a> Descent<'a> {
         let asked = self.problem.samples();
         match grid {
             Grid::Asked => asked,
-            Grid::Coarse => asked.min((20 * self.problem.spec().order).next_multiple_of(8)),
+            Grid::Coarse => {
+                // Effects of friction and ripple are finer than bodies are.
+                let per_harmonic = if self.problem.spec().knowledge.added.is_some() {
+                    80
+                } else {
+                    20
+                };
+                asked.min((per_harmonic * self.problem.spec().order).next_multiple_of(8))
+            }
         }
     }
 
@@ -260,6 +271,17 @@ impl<'a> Descent<'a> {
             (Criterion::ScaledConditionNumber, _) => SmoothCriterion::ScaledConditionNumber { power },
             (Criterion::DOptimality, _) => SmoothCriterion::DOptimality,
             (Criterion::AOptimality, _) => SmoothCriterion::AOptimality,
+            (Criterion::RivalEvidence, _) => SmoothCriterion::RivalEvidence {
+                rivals: self
+                    .problem
+                    .spec()
+                    .knowledge
+                    .rivals
+                    .as_ref()
+                    .expect("checked with the problem"),
+                base: self.problem.base().len(),
+                power: SOFT_MINIMUM,
+            },
             (Criterion::IOptimality, Some(workspace)) => SmoothCriterion::IOptimality {
                 workspace,
                 joints: self.problem.robot().joint_count(),

@@ -1,10 +1,11 @@
 //! One evaluation of the criterion with its exact gradient: variables → coefficients → motion → Y_b → M, and the way back.
 
+use super::added::Beside;
 use super::criterion::SmoothCriterion;
-use super::problem::{Criterion, Problem};
+use super::problem::Problem;
 use super::variables::Variables;
 use crate::dynamics::{ColumnSet, Coulomb, LANES, Motion, MotionGradient, RowBlocks};
-use crate::trajectory::{FourierSeries, harmonic};
+use crate::trajectory::harmonic;
 use matrixmultiply::dgemm;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -23,12 +24,17 @@ pub(super) struct Evaluator<'a> {
     problem: &'a Problem,
     variables: &'a Variables,
     columns: ColumnSet,
-    /// Weight of every joint's rows in M: one for the condition number, `1/σ²` for the optimality criteria.
+    /// Weight of every joint's rows in M: one for the condition number of a trajectory alone; otherwise `1/σ²` times the measurements that a
+    /// sample stands for.
     row_weights: Vec<f64>,
     /// Basis of q, qd, qdd: `stride × (2L + 1)` column-major, zero in the padding.
     basis: [Vec<f64>; 3],
+    /// What is known beside the motion.
+    known: Option<DMatrix<f64>>,
     motion: Motion,
     rows: RowBlocks,
+    /// Columns of effects, where there are any.
+    beside: Option<Beside>,
     weights: RowBlocks,
     gradient: MotionGradient,
 }
@@ -40,18 +46,19 @@ impl<'a> Evaluator<'a> {
         let columns = ColumnSet::new(problem.robot(), problem.layout(), &problem.base().kept);
         let rows = RowBlocks::new(&columns, samples);
         let motion = Motion::zeros(joints, samples);
-        let row_weights = match problem.spec().criterion {
-            Criterion::ConditionNumber | Criterion::ScaledConditionNumber => vec![1.0; joints],
-            _ => problem.torque_noise().iter().map(|s| 1.0 / (s * s)).collect(),
-        };
+        let period = 1.0 / problem.spec().fundamental_hz;
+        let added = problem.spec().knowledge.added.as_ref();
+        let beside = added.map(|a| Beside::new(a, problem.base().len(), joints, period / samples as f64, motion.stride()));
         Self {
             problem,
             variables,
-            row_weights,
+            row_weights: row_weights(problem, samples),
+            known: problem.known_before(),
             basis: basis(problem.spec().order, problem.spec().fundamental_hz, samples, motion.stride()),
             motion,
             weights: rows.clone(),
             rows,
+            beside,
             gradient: MotionGradient::new(joints, samples),
             columns,
         }
@@ -62,14 +69,20 @@ impl<'a> Evaluator<'a> {
         let coulomb = smoothing.coulomb;
         let projected = self.variables.project(x);
         self.set_motion(&projected.coefficients);
-        self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
+        self.fill(coulomb);
         let (value, slope) = criterion.evaluate(self.gram());
         self.set_weights(&slope);
         let excess = self.add_torque_excess(smoothing.penalty);
         self.gradient
             .fill(self.problem.chain(), &self.columns, &self.motion, coulomb, &self.weights);
         let intrusion = self.add_intrusion(smoothing.penalty);
-        let to_coefficients = self.to_coefficients();
+        if let Some(beside) = &self.beside {
+            beside.add_local(&self.motion, coulomb, &mut self.gradient);
+        }
+        let mut to_coefficients = self.to_coefficients();
+        if let Some(beside) = &self.beside {
+            beside.add_course(&self.motion, coulomb, &self.basis, &mut to_coefficients);
+        }
         self.variables.pull_back(&projected, &to_coefficients, gradient);
         value + excess + intrusion
     }
@@ -78,28 +91,28 @@ impl<'a> Evaluator<'a> {
     pub fn gram_at(&mut self, coulomb: Coulomb, x: &[f64]) -> DMatrix<f64> {
         let projected = self.variables.project(x);
         self.set_motion(&projected.coefficients);
-        self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
+        self.fill(coulomb);
         self.gram()
     }
 
-    /// Largest torque of every joint over what it is allowed, and the sample where, at `x` with the true sign; empty without torque limits.
-    pub fn torque_peaks(&mut self, x: &[f64]) -> Vec<TorquePeak> {
-        self.peaks(&self.variables.project(x).coefficients)
+    fn fill(&mut self, coulomb: Coulomb) {
+        self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
+        if let Some(beside) = &mut self.beside {
+            beside.fill(&self.columns, &self.rows, &self.motion, coulomb);
+        }
     }
 
-    /// The same of a finished series.
-    pub fn torque_peaks_of(&mut self, series: &FourierSeries) -> Vec<TorquePeak> {
-        let order = series.order();
-        let coefficients = DMatrix::from_fn(2 * order + 1, series.offset.len(), |i, j| match i {
-            i if i < order => series.a[(j, i)],
-            i if i < 2 * order => series.b[(j, i - order)],
-            _ => series.offset[j] - self.variables.rest()[j],
-        });
-        self.peaks(&coefficients)
+    /// All columns that are not zero on the rows of a joint, and which they are.
+    fn block(&self, joint: usize) -> (&[f64], &[usize]) {
+        match &self.beside {
+            Some(beside) => (beside.block(joint), beside.outputs(joint)),
+            None => (self.rows.block(joint), self.columns.row(joint)),
+        }
     }
 
-    fn peaks(&mut self, coefficients: &DMatrix<f64>) -> Vec<TorquePeak> {
-        self.set_motion(coefficients);
+    /// Largest torque of every joint over what it is allowed, at the samples of `x` with the true sign; none without torque limits.
+    fn torque_used(&mut self, x: &[f64]) -> Vec<f64> {
+        self.set_motion(&self.variables.project(x).coefficients);
         self.rows
             .fill(self.problem.chain(), &self.columns, &self.motion, Coulomb::Sign);
         let Some(limits) = self.problem.torque() else {
@@ -109,16 +122,16 @@ impl<'a> Evaluator<'a> {
         (0..self.columns.joints())
             .map(|j| {
                 self.torque_of(j, &limits.base, &mut torque);
-                TorquePeak::of(&torque, self.motion.velocities(j), limits.allowed[j])
+                torque.iter().fold(0.0f64, |most, t| most.max(t.abs())) / limits.allowed[j]
             })
             .collect()
     }
 
     /// Whether all limits along the path hold at the samples, with the true sign; `room` of each limit is left for rounding.
     pub fn path_holds(&mut self, x: &[f64], room: f64) -> bool {
-        let torques = self.torque_peaks(x);
+        let torques = self.torque_used(x);
         let (robot, motion) = (self.problem.robot(), &self.motion);
-        torques.iter().all(|p| p.used() <= 1.0 - room) && self.problem.space().is_none_or(|set| set.holds(robot, motion, room))
+        torques.iter().all(|used| *used <= 1.0 - room) && self.problem.space().is_none_or(|set| set.holds(robot, motion, room))
     }
 
     /// Adds what comes too near in space to the gradient, and returns its part of the criterion.
@@ -181,13 +194,14 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// `M = Σ_j w_j A_jᵀ A_j` over the row blocks.
+    /// `M = Σ_j w_j A_jᵀ A_j` over the row blocks, and what is given.
     fn gram(&self) -> DMatrix<f64> {
         let stride = self.rows.stride();
-        let mut total = DMatrix::zeros(self.columns.len(), self.columns.len());
+        let size = self.problem.columns();
+        let mut total = self.known.clone().unwrap_or_else(|| DMatrix::zeros(size, size));
         let mut product = Vec::new();
         for j in 0..self.columns.joints() {
-            let (block, outputs) = (self.rows.block(j), self.columns.row(j));
+            let (block, outputs) = self.block(j);
             let width = outputs.len();
             product.resize(width * width, 0.0);
             multiply(
@@ -211,7 +225,7 @@ impl<'a> Evaluator<'a> {
         let stride = self.rows.stride();
         let mut part = Vec::new();
         for j in 0..self.columns.joints() {
-            let outputs = self.columns.row(j);
+            let (_, outputs) = self.block(j);
             let width = outputs.len();
             let weight = 2.0 * self.row_weights[j];
             part.clear();
@@ -221,13 +235,15 @@ impl<'a> Evaluator<'a> {
                     .flat_map(|&c| outputs.iter().map(move |&r| weight * slope[(r, c)])),
             );
             let to = self.weights.block_mut(j);
-            multiply(
-                [stride, width, width],
-                (self.rows.block(j), [1, stride]),
-                (&part, [1, width]),
-                0.0,
-                to,
-            );
+            let Some(beside) = &mut self.beside else {
+                let sizes = [stride, width, width];
+                multiply(sizes, (self.rows.block(j), [1, stride]), (&part, [1, width]), 0.0, to);
+                continue;
+            };
+            let block = beside.block(j).to_vec();
+            let all = beside.weights_mut(j);
+            multiply([stride, width, width], (&block, [1, stride]), (&part, [1, width]), 0.0, all);
+            to.copy_from_slice(&all[..to.len()]);
         }
     }
 
@@ -252,43 +268,12 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Extremes of one joint's torque over the samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TorquePeak {
-    /// Lowest and highest torque [N·m or N], and the samples where.
-    pub lowest: (f64, usize),
-    pub highest: (f64, usize),
-    /// Largest change from one sample to the next, around the period, the jumps of friction at standstill left out: both their sides
-    /// are among the samples.
-    pub largest_smooth_step: f64,
-    pub allowed: f64,
-}
-
-impl TorquePeak {
-    fn of(torque: &[f64], velocity: &[f64], allowed: f64) -> Self {
-        let numbered = || torque.iter().copied().zip(0..);
-        let least = |a: (f64, usize), b: (f64, usize)| if b.0 < a.0 { b } else { a };
-        let most = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 { b } else { a };
-        let size = torque.len();
-        let smooth = |s: &usize| Coulomb::Sign.value(velocity[*s]) == Coulomb::Sign.value(velocity[(s + 1) % size]);
-        let steps = (0..size).filter(smooth).map(|s| (torque[(s + 1) % size] - torque[s]).abs());
-        Self {
-            lowest: numbered().fold((f64::INFINITY, 0), least),
-            highest: numbered().fold((f64::NEG_INFINITY, 0), most),
-            largest_smooth_step: steps.fold(0.0, f64::max),
-            allowed,
-        }
+fn row_weights(problem: &Problem, samples: usize) -> Vec<f64> {
+    if problem.spec().criterion.is_condition_number() && problem.given().is_none() {
+        return vec![1.0; problem.robot().joint_count()];
     }
-
-    /// Largest magnitude over what is allowed.
-    pub fn used(&self) -> f64 {
-        self.highest.0.max(-self.lowest.0) / self.allowed
-    }
-
-    /// The same with room for what lies between two samples.
-    pub fn used_between_samples(&self) -> f64 {
-        self.used() + 0.5 * self.largest_smooth_step / self.allowed
-    }
+    let measurements = problem.spec().knowledge.periods * problem.samples() as f64 / samples as f64;
+    problem.torque_noise().iter().map(|s| measurements / (s * s)).collect()
 }
 
 /// `C ← A B + beta C` with A m × k, B k × n, C m × n column-major; `[row stride, column stride]` beside each operand.
@@ -338,9 +323,12 @@ fn basis(order: usize, fundamental_hz: f64, samples: usize, stride: usize) -> [V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::problem::{Form, ProblemSpec, Start};
+    use crate::excitation::added::{Added, AddedColumn, AddedColumns, Course};
+    use crate::excitation::problem::{Criterion, Form, Given, Knowledge, ProblemSpec, Start};
+    use crate::excitation::rivals::{Hypothesis, Rivals};
     use crate::model::{Friction, Joint, JointKind, Limits, Mdh, Robot};
     use nalgebra::Vector3;
+    use std::sync::Arc;
 
     /// A sliding joint between two turning ones, off-centre limits: every path of the chain rule.
     fn problem(form: Form, start: Start, criterion: Criterion) -> Problem {
@@ -377,6 +365,8 @@ mod tests {
             torque_noise: Some(vec![0.5, 2.0, 0.1]),
             torque: None,
             space: None,
+            harmonics: None,
+            knowledge: Knowledge::default(),
         };
         Problem::new(spec).unwrap()
     }
@@ -396,6 +386,118 @@ mod tests {
                     assert_gradient(&problem, &smooth);
                 }
             }
+        }
+    }
+
+    /// A column of one sample's states with a sign in it, and one that looks at the sample before.
+    #[derive(Debug)]
+    struct Stand;
+
+    impl AddedColumns for Stand {
+        fn count(&self) -> usize {
+            2
+        }
+
+        fn groups(&self) -> usize {
+            2
+        }
+
+        fn columns(&self, group: usize, course: &Course) -> Vec<AddedColumn> {
+            let (motion, n) = (course.motion, course.motion.samples());
+            let local = |s: usize| {
+                let ([q, v, _], [p, _, a]) = (motion.get(0, s), motion.get(2, s));
+                (3.0 * q).sin() * course.coulomb.value(v) + 0.2 * p * a
+            };
+            let late = |s: usize| {
+                let before = motion.get(1, (s + n - 1) % n);
+                before[0] * motion.get(1, s)[1] + 0.1 * before[2]
+            };
+            let column = |rows: Vec<(usize, Vec<f64>)>| vec![AddedColumn { at: group, rows }];
+            match group {
+                0 => column(vec![
+                    (0, (0..n).map(local).collect()),
+                    (2, (0..n).map(|s| 2.0 * local(s)).collect()),
+                ]),
+                _ => column(vec![(1, (0..n).map(late).collect())]),
+            }
+        }
+
+        fn joints(&self, group: usize) -> Vec<usize> {
+            [vec![0, 2], vec![1]][group].clone()
+        }
+
+        fn is_local(&self, group: usize) -> bool {
+            group == 0
+        }
+    }
+
+    /// `problem` with the columns of [`Stand`] beside its own, and something known before.
+    fn with_columns(problem: &Problem, criterion: Criterion) -> Problem {
+        let side = |at: usize, value: f64| Hypothesis {
+            columns: at..at + 1,
+            values: vec![value],
+        };
+        let rivals = Rivals {
+            finding: side(0, 0.4),
+            rival: side(1, 0.7),
+            recorded: None,
+            nested: [false; 2],
+        };
+        let size = problem.base().len() + 2;
+        let known = DMatrix::from_fn(size, size, |r, c| if r == c { 0.3 } else { 0.01 * ((r * c) as f64).cos() });
+        let knowledge = Knowledge {
+            added: Some(Added(Arc::new(Stand))),
+            rivals: Some(rivals),
+            given: vec![Given::Information(&known + known.transpose())],
+            periods: 3.0,
+        };
+        Problem::new(ProblemSpec {
+            criterion,
+            knowledge,
+            ..problem.spec().clone()
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn prop_gradient_goes_through_added_columns_and_what_is_given() {
+        for criterion in [Criterion::DOptimality, Criterion::RivalEvidence, Criterion::ConditionNumber] {
+            let problem = with_columns(&problem(Form::Exact, Start::Free, Criterion::DOptimality), criterion);
+            let smooth = match criterion {
+                Criterion::DOptimality => SmoothCriterion::DOptimality,
+                Criterion::RivalEvidence => SmoothCriterion::RivalEvidence {
+                    rivals: problem.spec().knowledge.rivals.as_ref().unwrap(),
+                    base: problem.base().len(),
+                    power: 10.0,
+                },
+                _ => SmoothCriterion::ConditionNumber { power: 5.0 },
+            };
+            assert_gradient(&problem, &smooth);
+        }
+    }
+
+    #[test]
+    fn prop_gradient_with_harmonics_of_every_joint_s_own() {
+        let whole = problem(Form::Exact, Start::Zero, Criterion::DOptimality);
+        let harmonics = Some(vec![vec![1, 2, 3, 4], vec![2, 3], vec![1, 3, 4]]);
+        let own = Problem::new(ProblemSpec {
+            harmonics,
+            ..whole.spec().clone()
+        })
+        .unwrap();
+        assert_gradient(&own, &SmoothCriterion::DOptimality);
+        let variables = Variables::new(&own);
+        let x: Vec<f64> = (0..variables.len()).map(|i| ((i * 5 + 1) as f64).cos()).collect();
+        let series = variables.series(&x);
+        for (j, list) in [vec![1, 2, 3, 4], vec![2, 3], vec![1, 3, 4]].iter().enumerate() {
+            for l in 1..=4 {
+                assert_eq!(series.amplitude(j, l) > 0.0, list.contains(&l), "joint {j} harmonic {l}");
+            }
+            // Rest at the start, to the last bit and in either order.
+            let (a, b) = (series.a.row(j), series.b.row(j));
+            assert_eq!(a.iter().sum::<f64>(), 0.0);
+            assert_eq!((1..=4).map(|l| l as f64 * b[l - 1]).sum::<f64>(), 0.0);
+            assert_eq!((1..=4).rev().map(|l| b[l - 1] / l as f64).sum::<f64>(), 0.0);
         }
     }
 

@@ -215,7 +215,7 @@ impl CertifiedExtremes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::problem::{Criterion, Problem};
+    use crate::excitation::problem::{Criterion, Knowledge, Problem};
     use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
     use nalgebra::Vector3;
 
@@ -247,6 +247,8 @@ mod tests {
             torque_noise: None,
             torque: None,
             space: None,
+            harmonics: None,
+            knowledge: Knowledge::default(),
         }
     }
 

@@ -1,8 +1,7 @@
 //! How far a trajectory stays from every limit, between the samples too.
 
-use super::evaluator::{Evaluator, TorquePeak};
 use super::problem::{Form, Problem};
-use super::variables::Variables;
+use super::torque_proof::{TorqueExtremes, certified_torques};
 use crate::trajectory::{FourierSeries, Trajectory};
 use std::f64::consts::{PI, TAU};
 
@@ -35,8 +34,8 @@ pub struct Margin {
     pub limit: f64,
     /// Extreme value reached, at `at_s`.
     pub peak: f64,
-    /// Bound on the extreme over all time. Of motions proven: `middle ± half range / cos(π L / N)` of N equispaced values. Of torques: the
-    /// extreme sample and half the largest change between neighbours on a thousand per harmonic.
+    /// Proven bound on the extreme over all time: of motions `middle ± half range / cos(π L / N)` of N equispaced values, of torques by bounds
+    /// on their second derivative.
     pub certified_peak: f64,
     /// Time of the extreme (s).
     pub at_s: f64,
@@ -67,37 +66,26 @@ pub fn margins(problem: &Problem, series: &FourierSeries) -> Vec<Margin> {
     all
 }
 
-/// Samples per harmonic on which torques are looked at: a thousandth of a period of the fastest harmonic apart, where a torque changes by
-/// less than a percent of its range, and friction's jumps fall between two of them with both sides seen.
-pub(super) const TORQUE_SAMPLES: usize = 1000;
-
 fn torque_margins(problem: &Problem, series: &FourierSeries) -> Vec<Margin> {
-    if problem.torque().is_none() {
-        return Vec::new();
-    }
-    let samples = TORQUE_SAMPLES * series.order();
-    let variables = Variables::new(problem);
-    let peaks = Evaluator::new(problem, &variables, samples).torque_peaks_of(series);
-    let time = |sample: usize| sample as f64 * series.duration() / samples as f64;
-    let of = |(joint, peak): (usize, TorquePeak)| {
-        let side = |sign: f64, (torque, sample): (f64, usize)| {
-            let limit = sign * peak.allowed;
-            let certified_peak = torque + sign * 0.5 * peak.largest_smooth_step;
+    let of = |(joint, extremes): (usize, TorqueExtremes)| {
+        let side = |sign: f64, (peak, at_s): (f64, f64), certified_peak: f64| {
+            let limit = sign * extremes.allowed;
             Margin {
                 joint,
                 quantity: Quantity::Torque,
                 limit,
-                peak: torque,
+                peak,
                 certified_peak,
-                at_s: time(sample),
+                at_s,
                 margin: 1.0 - certified_peak / limit,
                 bound_used: None,
             }
         };
-        [side(-1.0, peak.lowest), side(1.0, peak.highest)]
+        let [low, high] = extremes.certified;
+        [side(-1.0, extremes.lowest, low), side(1.0, extremes.highest, high)]
     };
-    let limited = peaks.into_iter().enumerate().filter(|(_, p)| p.allowed.is_finite());
-    limited.flat_map(of).collect()
+    let all = certified_torques(problem, series).into_iter().enumerate();
+    all.filter(|(_, e)| e.allowed.is_finite()).flat_map(of).collect()
 }
 
 /// Value of the derivative that `quantity` stands for.

@@ -2,6 +2,8 @@
 //!
 //! [`Problem`] is what is asked, [`search`] solves it, [`Design`] is the answer. The paper's section 3.3 and (12)–(14), corrected.
 
+mod added;
+mod backoff;
 mod course;
 mod criterion;
 mod descent;
@@ -12,19 +14,25 @@ mod margins;
 mod moves;
 mod path;
 mod pool;
+mod postures;
 mod problem;
 mod report;
+mod rivals;
 mod search;
 mod space;
 mod symmetry;
+mod torque_proof;
 mod variables;
 mod workspace;
 
+pub use added::{Added, AddedColumn, AddedColumns, Course};
+pub use backoff::{Backoff, FirstRun, first_run};
 pub use criterion::Criteria;
 pub use margins::{Margin, Quantity, margins};
 pub use path::{DEFAULT_SAFETY_FACTOR, TorqueLimits};
 pub use pool::Point;
-pub use problem::{Criterion, Form, Problem, ProblemSpec, Start};
-pub use report::{Design, Outcome, Predicted, StartReport, assess};
-pub use search::{Control, Found, Halt, Progress, SearchOptions, search, search_from};
+pub use problem::{Criterion, Form, Given, Knowledge, Problem, ProblemSpec, Start};
+pub use report::{Design, Outcome, Predicted, RivalReport, StartReport, assess};
+pub use rivals::{ExpectedEvidence, Hypothesis, Rivals};
+pub use search::{Control, Found, Halt, Progress, SearchOptions, random_design, search, search_from};
 pub use space::{Clearance, DEFAULT_CLEARANCE_M, HalfSpace, Obstacle, SelfCollision, SpaceLimits};

@@ -1,13 +1,20 @@
 //! What is asked: a robot, a Fourier series, a criterion, constraints.
 
+use super::added::{Added, Course};
+use super::moves::{random_numbers, random_start};
 use super::path::{TorqueLimits, TorqueSet};
+use super::postures::Postures;
+use super::rivals::Rivals;
 use super::space::{SpaceLimits, SpaceSet};
-use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
+use super::variables::Variables;
+use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks, inverse_dynamics_batch};
 use crate::model::{FieldProblem, ModelError, Robot};
 use crate::parameters::{BaseParameters, Layout};
-use crate::trajectory::sample_count;
+use crate::trajectory::{FourierSeries, Trajectory, sample_count};
+use nalgebra::DMatrix;
 
-/// What makes one trajectory better than another; all are functions of the Gram matrix `M = Y_bᵀ Y_b` and are minimised.
+/// What makes one trajectory better than another; all are functions of the Gram matrix `M = Y_bᵀ Y_b`, the columns of effects beside those of
+/// `Y_b` where there are any, and are minimised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
     /// `cond(Y_b) = sqrt(λ_max / λ_min)`, the paper's (13).
@@ -20,6 +27,8 @@ pub enum Criterion {
     AOptimality,
     /// `sqrt(tr(M⁻¹ C)/n)`, C the mean of `Y_bᵀ Y_b` over random states inside the limits: the expected torque-prediction error.
     IOptimality,
+    /// One over the root of the expected evidence between two explanations of a residual ([`super::rivals`]), in the worse of the two cases.
+    RivalEvidence,
 }
 
 impl Criterion {
@@ -47,11 +56,45 @@ pub enum Start {
     Free,
 }
 
+/// What is known already, whose information is added to that of the new trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Given {
+    /// A trajectory that has been or will be recorded, so many periods of it, with the noise of the problem.
+    Motion { series: FourierSeries, periods: f64 },
+    /// `WᵀW` over all columns, rows over their noise.
+    Information(DMatrix<f64>),
+}
+
+/// What the information matrix holds beside one period of `Y_b`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knowledge {
+    /// Columns of effects beside the regressor's.
+    pub added: Option<Added>,
+    /// Two of the effects, for [`Criterion::RivalEvidence`].
+    pub rivals: Option<Rivals>,
+    pub given: Vec<Given>,
+    /// Periods of the new trajectory that will be recorded.
+    pub periods: f64,
+}
+
+impl Default for Knowledge {
+    fn default() -> Self {
+        Self {
+            added: None,
+            rivals: None,
+            given: Vec::new(),
+            periods: 1.0,
+        }
+    }
+}
+
 /// A request as it was made; [`Problem::new`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProblemSpec {
     pub robot: Robot,
     pub order: usize,
+    /// Harmonics that every joint has, from 1 to `order`; for `None` all of them.
+    pub harmonics: Option<Vec<Vec<usize>>>,
     pub fundamental_hz: f64,
     pub sample_rate_hz: f64,
     pub criterion: Criterion,
@@ -66,6 +109,7 @@ pub struct ProblemSpec {
     pub torque: Option<TorqueLimits>,
     /// What the arm keeps off.
     pub space: Option<SpaceLimits>,
+    pub knowledge: Knowledge,
 }
 
 /// A checked problem with all that follows from it.
@@ -79,6 +123,10 @@ pub struct Problem {
     samples: usize,
     torque: Option<TorqueSet>,
     space: Option<SpaceSet>,
+    /// Where a motion with free start scales from, if the middle of the ranges is not allowed.
+    elsewhere: Option<Vec<f64>>,
+    /// Sum of all that is given, over all columns.
+    given: Option<DMatrix<f64>>,
 }
 
 /// More harmonics than any controller's bandwidth carries; keeps accidental requests from asking for hours.
@@ -93,6 +141,7 @@ impl Problem {
     pub fn new(spec: ProblemSpec) -> Result<Self, ModelError> {
         let mut found = Vec::new();
         series_problems(&spec, &mut found);
+        harmonic_problems(&spec, &mut found);
         limit_problems(&spec, &mut found);
         let start_position = start_position(&spec, &mut found);
         noise_problems(&spec, &mut found);
@@ -105,8 +154,10 @@ impl Problem {
         }
         let chain = Chain::new(&spec.robot);
         let samples = sample_count(1.0 / spec.fundamental_hz, spec.sample_rate_hz);
-        size_problem(samples, spec.robot.joint_count(), base.len())?;
-        Ok(Self {
+        let all = base.len() + spec.knowledge.added.as_ref().map_or(0, |a| a.0.count());
+        size_problem(samples, spec.robot.joint_count(), all)?;
+        knowledge_problems(&spec, all)?;
+        let mut problem = Self {
             spec,
             start_position,
             layout,
@@ -115,7 +166,119 @@ impl Problem {
             samples,
             torque,
             space,
-        })
+            elsewhere: None,
+            given: None,
+        };
+        problem.elsewhere = problem.another_rest();
+        problem.given = problem.sum_of_given();
+        problem.look_for_nesting();
+        Ok(problem)
+    }
+
+    /// Columns of all that is estimated: base parameters, then parameters of effects.
+    pub fn columns(&self) -> usize {
+        self.base.len() + self.spec.knowledge.added.as_ref().map_or(0, |a| a.0.count())
+    }
+
+    /// What the search adds to the information of a motion; `None` where nothing is.
+    ///
+    /// Between rivals it is what is known of all other parameters: else the best motion could be one that tells them apart only beside the data so
+    /// far, and whatever changed between the two recordings would pass for one of them.
+    pub(super) fn known_before(&self) -> Option<DMatrix<f64>> {
+        match self.spec.criterion {
+            Criterion::RivalEvidence => self.given.is_some().then(|| self.given_of_others()),
+            _ => self.given.clone(),
+        }
+    }
+
+    /// What is given with the two rivals taken out by their Schur complement; zero where nothing is given.
+    pub(super) fn given_of_others(&self) -> DMatrix<f64> {
+        let size = self.columns();
+        let mut left = DMatrix::zeros(size, size);
+        let (Some(given), Some(rivals)) = (&self.given, &self.spec.knowledge.rivals) else {
+            return left;
+        };
+        let base = self.base.len();
+        let of_rivals = |c: &usize| {
+            *c >= base && (rivals.finding.columns.contains(&(c - base)) || rivals.rival.columns.contains(&(c - base)))
+        };
+        let (two, others): (Vec<usize>, Vec<usize>) = (0..size).partition(of_rivals);
+        let part = |rows: &[usize], columns: &[usize]| given.select_rows(rows).select_columns(columns);
+        let cross = part(&others, &two);
+        let inverse = pseudo_inverse(&part(&two, &two));
+        let rest = part(&others, &others) - &cross * inverse * cross.transpose();
+        for (r, &row) in others.iter().enumerate() {
+            others
+                .iter()
+                .enumerate()
+                .for_each(|(c, &column)| left[(row, column)] = rest[(r, c)]);
+        }
+        left
+    }
+
+    /// `WᵀW` of all that is known already; `None` where nothing is.
+    pub(super) fn given(&self) -> Option<&DMatrix<f64>> {
+        self.given.as_ref()
+    }
+
+    /// Whether one rival is a special case of the other: nothing of it is left over on any motion, two random ones for example.
+    fn look_for_nesting(&mut self) {
+        let Some(rivals) = &self.spec.knowledge.rivals else { return };
+        let variables = Variables::new(self);
+        let series = (0..2).map(|index| variables.series(&random_start(&variables, &mut random_numbers(0, 0, index))));
+        let grams: Vec<DMatrix<f64>> = series.map(|s| self.information_of(&s)).collect();
+        let nested = rivals.nested_on(&grams, self.base.len());
+        if let Some(rivals) = &mut self.spec.knowledge.rivals {
+            rivals.nested = nested;
+        }
+    }
+
+    fn sum_of_given(&self) -> Option<DMatrix<f64>> {
+        let information = |given: &Given| match given {
+            Given::Motion { series, periods } => self.information_of(series) * *periods,
+            Given::Information(matrix) => matrix.clone(),
+        };
+        self.spec.knowledge.given.iter().map(information).reduce(|a, b| a + b)
+    }
+
+    /// `[Y_b, C]` of one period on the asked samples, with the true sign; rows go joint by joint within a sample.
+    pub(super) fn observation_matrix(&self, series: &FourierSeries) -> DMatrix<f64> {
+        self.rows_along(&series.sample(self.spec.sample_rate_hz), 1.0 / self.spec.sample_rate_hz, true)
+    }
+
+    /// The same along any motion.
+    pub(super) fn rows_along(&self, motion: &Motion, interval: f64, periodic: bool) -> DMatrix<f64> {
+        let columns = ColumnSet::new(&self.spec.robot, &self.layout, &self.base.kept);
+        let mut rows = RowBlocks::new(&columns, motion.samples());
+        rows.fill(&self.chain, &columns, motion, Coulomb::Sign);
+        let y_b = rows.observation_matrix(&columns);
+        let Some(added) = &self.spec.knowledge.added else { return y_b };
+        let course = Course {
+            motion,
+            interval,
+            periodic,
+            coulomb: Coulomb::Sign,
+        };
+        let beside = added.observation_matrix(&course);
+        let mut all = y_b.resize_horizontally(self.columns(), 0.0);
+        all.columns_mut(self.base.len(), beside.ncols()).copy_from(&beside);
+        all
+    }
+
+    /// `WᵀW` of one period of a series, every row over the noise of its joint.
+    pub(super) fn information_of(&self, series: &FourierSeries) -> DMatrix<f64> {
+        let noise = self.torque_noise();
+        let mut rows = self.observation_matrix(series);
+        for (r, mut row) in rows.row_iter_mut().enumerate() {
+            row /= noise[r % noise.len()];
+        }
+        rows.tr_mul(&rows)
+    }
+
+    /// The harmonics of a joint, ascending.
+    pub(super) fn harmonics_of(&self, joint: usize) -> Vec<usize> {
+        let all = || (1..=self.spec.order).collect();
+        self.spec.harmonics.as_ref().map_or_else(all, |h| h[joint].clone())
     }
 
     pub fn robot(&self) -> &Robot {
@@ -151,8 +314,22 @@ impl Problem {
                 joint.name
             )
         })
-        .or_else(|| self.too_heavy_at_rest())
-        .or_else(|| self.too_near_at_rest())
+        .or_else(|| {
+            let alike = self.spec.criterion == Criterion::RivalEvidence
+                && self.spec.knowledge.rivals.as_ref().is_some_and(|r| r.nested == [true, true]);
+            alike.then(|| "the two rivals make the same torques on any motion of this arm, once the other parameters are fitted: no motion tells them apart".into())
+        })
+        .or_else(|| {
+            let reasons: Vec<String> = self.too_heavy_at_rest().into_iter().chain(self.too_near_at_rest()).collect();
+            (!reasons.is_empty()).then(|| format!("{}; {}", reasons.join("; "), Postures::of(self).in_words(self)))
+        })
+    }
+
+    /// For a free start whose middle of the ranges is not allowed: a posture that is, if there is one.
+    fn another_rest(&self) -> Option<Vec<f64>> {
+        let stuck = self.too_heavy_at_rest().is_some() || self.too_near_at_rest().is_some();
+        let searched = self.spec.start == Start::Free && stuck;
+        searched.then(|| Postures::of(self).best).flatten()
     }
 
     /// The first joint that exceeds its torque limit by holding the arm still, in words.
@@ -217,8 +394,12 @@ impl Problem {
         self.samples
     }
 
-    /// Where the coefficients of `joint` scale from: the start position, or the middle of the range when the start is free.
+    /// Where the coefficients of `joint` scale from: the start position, or the middle of the range when the start is free, or where limits along
+    /// the path do not allow that another posture that they do.
     pub fn rest_position(&self, joint: usize) -> f64 {
+        if let Some(rest) = &self.elsewhere {
+            return rest[joint];
+        }
         match (self.spec.start, self.spec.robot.joints()[joint].limits.position) {
             (Start::Free, Some([low, high])) => 0.5 * (low + high),
             _ => self.start_position[joint],
@@ -276,6 +457,70 @@ fn series_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
             .with_hint("raise sample_rate_hz, lower the order or the fundamental"),
         );
     }
+}
+
+/// Of a positive semidefinite matrix scaled to a unit diagonal; directions below 1e-10 of the largest are those in which rivals are the same.
+fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let scale = matrix.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)] * scale[r] * scale[c]);
+    let eigen = scaled.symmetric_eigen();
+    let least = 1e-10 * eigen.eigenvalues.amax();
+    let inverse = eigen.eigenvalues.map(|v| if v > least { 1.0 / v } else { 0.0 });
+    let mut out = &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose();
+    for r in 0..out.nrows() {
+        (0..out.ncols()).for_each(|c| out[(r, c)] *= scale[r] * scale[c]);
+    }
+    out
+}
+
+fn harmonic_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
+    let Some(lists) = &spec.harmonics else { return };
+    let joints = spec.robot.joint_count();
+    if lists.len() != joints {
+        let detail = format!("has {} lists, the robot has {joints} joints", lists.len());
+        found.push(FieldProblem::new("/fourier/harmonics", detail));
+    }
+    for (i, list) in lists.iter().enumerate() {
+        let ascending = list.windows(2).all(|w| w[0] < w[1]);
+        let inside = list.iter().all(|l| (1..=spec.order).contains(l));
+        if list.len() < 2 || !ascending || !inside {
+            let detail = format!(
+                "is {list:?}; a joint has at least two harmonics between 1 and the order, {}, ascending",
+                spec.order
+            );
+            let hint = "rest at the start binds two of them together: with one harmonic nothing would move";
+            found.push(FieldProblem::new(format!("/fourier/harmonics/{i}"), detail).with_hint(hint));
+        }
+    }
+}
+
+/// What is known already has to fit the columns; whoever hands it in made it for them.
+fn knowledge_problems(spec: &ProblemSpec, columns: usize) -> Result<(), ModelError> {
+    let knowledge = &spec.knowledge;
+    let joints = spec.robot.joint_count();
+    let mut found = Vec::new();
+    for (i, given) in knowledge.given.iter().enumerate() {
+        let fits = match given {
+            Given::Motion { series, .. } => series.offset.len() == joints,
+            Given::Information(matrix) => matrix.shape() == (columns, columns),
+        };
+        if !fits {
+            let detail = "is of another robot or model: its joints or parameters are not those of this problem";
+            found.push(FieldProblem::new(format!("/given/{i}"), detail));
+        }
+    }
+    if spec.criterion == Criterion::RivalEvidence && knowledge.rivals.is_none() {
+        let detail = "is missing: rival_evidence needs the two effects to tell apart";
+        let hint = "give `model`, and in `rivals` a finding of it and one of the finding's rivals";
+        found.push(FieldProblem::new("/rivals", detail).with_hint(hint));
+    }
+    if !(knowledge.periods.is_finite() && knowledge.periods >= 1.0) {
+        found.push(FieldProblem::new(
+            "/periods",
+            format!("is {}; at least one period is recorded", knowledge.periods),
+        ));
+    }
+    if found.is_empty() { Ok(()) } else { Err(ModelError(found)) }
 }
 
 fn size_problem(samples: usize, joints: usize, parameters: usize) -> Result<(), ModelError> {

@@ -9,14 +9,13 @@
 
 use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, POLISH, ROOM_FOR_ROUNDING, drawn_in_until};
 use super::epoch::{Epoch, Job, NOTICEABLE, Result};
-use super::evaluator::Evaluator;
-use super::margins::TORQUE_SAMPLES;
 use super::moves::{hop, random_numbers, random_start, shake};
 use super::pool::{Point, Pool, is_near};
 use super::problem::{Criterion, Problem};
 use super::report::{Design, Outcome, StartReport, design, infeasible};
 use super::space::certified_clearances;
 use super::symmetry::Symmetries;
+use super::torque_proof::torques_hold;
 use super::variables::Variables;
 use crate::trajectory::FourierSeries;
 use rayon::prelude::*;
@@ -323,16 +322,27 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
     }
 }
 
+/// A random trajectory within every limit, the `index`-th of a seed: where the search begins, and something to compare designs with.
+///
+/// Limits along the path are met by drawing it in. `None` where the arm cannot even stand where the motion starts.
+pub fn random_design(problem: &Problem, seed: u64, index: usize) -> Option<FourierSeries> {
+    if problem.no_room().is_some() {
+        return None;
+    }
+    let variables = Variables::new(problem);
+    let x = random_start(&variables, &mut random_numbers(seed, 0, index));
+    Some(variables.series(&certified(problem, &variables, x)))
+}
+
 /// With limits along the path held between the samples too.
 fn certified(problem: &Problem, variables: &Variables, x: Vec<f64>) -> Vec<f64> {
     if !problem.has_path_limits() {
         return x;
     }
-    let mut evaluator = Evaluator::new(problem, variables, TORQUE_SAMPLES * problem.spec().order);
     drawn_in_until(variables, x, |x| {
-        let torques = evaluator.torque_peaks(x);
-        let near = |set| certified_clearances(problem.robot(), set, &variables.series(x));
-        torques.iter().all(|p| p.used_between_samples() <= 1.0 - ROOM_FOR_ROUNDING)
+        let series = variables.series(x);
+        let near = |set| certified_clearances(problem.robot(), set, &series);
+        torques_hold(problem, &series, ROOM_FOR_ROUNDING)
             && problem
                 .space()
                 .is_none_or(|set| near(set).iter().all(|c| c.certified >= c.asked))
@@ -341,5 +351,5 @@ fn certified(problem: &Problem, variables: &Variables, x: Vec<f64>) -> Vec<f64> 
 
 /// A condition number at the floor that rounding sets, `1/sqrt(ε b)`, is that of a regressor with dependent columns.
 fn has_full_rank(problem: &Problem, log_value: f64) -> bool {
-    !problem.spec().criterion.is_condition_number() || log_value < -0.5 * (f64::EPSILON * problem.base().len() as f64).ln()
+    !problem.spec().criterion.is_condition_number() || log_value < -0.5 * (f64::EPSILON * problem.columns() as f64).ln()
 }

@@ -10,15 +10,13 @@ use super::moves::{random_numbers, random_start};
 use super::problem::Problem;
 use super::variables::Variables;
 use crate::dynamics::Coulomb;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// The group of a problem's symmetries.
 #[derive(Debug, Clone)]
 pub(super) struct Symmetries {
     /// Sign of every joint's variables; the first is the identity.
     signs: Vec<Vec<f64>>,
-    /// One joint's variables run backwards.
-    reversal: DMatrix<f64>,
 }
 
 /// Sign patterns tried: all up to this many joints, beyond it reversal in time alone (a thousand patterns cost 0.1 s).
@@ -47,17 +45,14 @@ impl Symmetries {
                 signs.push(sign);
             }
         }
-        Self {
-            signs,
-            reversal: variables.reversal(),
-        }
+        Self { signs }
     }
 
     /// All images of `x`, itself first.
     pub fn images(&self, variables: &Variables, x: &[f64]) -> Vec<Vec<f64>> {
         let x = variables.settled(x);
-        let reversed = &self.reversal * DMatrix::from_column_slice(variables.per_joint(), x.len() / variables.per_joint(), &x);
-        let both = [x, reversed.as_slice().to_vec()];
+        let reversed = variables.reversed(&x);
+        let both = [x, reversed];
         both.iter()
             .flat_map(|x| self.signs.iter().map(move |s| flipped(variables, x, s)))
             .collect()

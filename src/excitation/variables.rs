@@ -19,8 +19,11 @@ pub(super) struct Variables {
     joints: usize,
     order: usize,
     per_joint: usize,
-    /// Coefficients of one joint `[a_1…a_L, b_1…b_L, offset − rest]` from its variables; orthonormal columns.
-    null_space: DMatrix<f64>,
+    /// Of every joint: coefficients `[a_1…a_L, b_1…b_L, offset − rest]` from its variables; orthonormal columns, and columns of zeros for a joint
+    /// with fewer harmonics than another.
+    null_spaces: Vec<DMatrix<f64>>,
+    /// The two lowest harmonics of every joint: (14c) binds them to the others.
+    lowest: Vec<[usize; 2]>,
     /// Rest position of every joint: where the ray starts.
     rest: Vec<f64>,
     sets: Vec<JointSet>,
@@ -43,15 +46,18 @@ impl Variables {
     pub fn new(problem: &Problem) -> Self {
         let spec = problem.spec();
         let order = spec.order;
-        let null_space = null_space(order, spec.start);
+        let harmonics: Vec<Vec<usize>> = (0..problem.robot().joint_count()).map(|j| problem.harmonics_of(j)).collect();
+        let bases: Vec<DMatrix<f64>> = harmonics.iter().map(|h| null_space(order, h, spec.start)).collect();
+        let per_joint = bases.iter().map(DMatrix::ncols).max().unwrap_or(0);
         let limits = problem.robot().joints().iter().map(|j| j.limits);
         let rest: Vec<f64> = (0..problem.robot().joint_count()).map(|j| problem.rest_position(j)).collect();
         let sets = limits.zip(&rest).map(|(l, &q)| JointSet::new(&l, q, spec)).collect();
         Self {
             joints: rest.len(),
             order,
-            per_joint: null_space.ncols(),
-            null_space,
+            per_joint,
+            null_spaces: bases.into_iter().map(|b| b.resize_horizontally(per_joint, 0.0)).collect(),
+            lowest: harmonics.iter().map(|h| [h[0], h[1]]).collect(),
             rest,
             sets,
             radial: if problem.has_path_limits() {
@@ -78,9 +84,8 @@ impl Variables {
 
     /// Coefficients on the surface of the admissible set, in the direction of `x`.
     pub fn project(&self, x: &[f64]) -> Projected {
-        let raw = &self.null_space * DMatrix::from_column_slice(self.per_joint, self.joints, x);
-        let mut gauge_gradients = DMatrix::zeros(raw.nrows(), self.joints);
-        let mut coefficients = raw;
+        let mut coefficients = self.raw(x);
+        let mut gauge_gradients = DMatrix::zeros(coefficients.nrows(), self.joints);
         let mut gauges = Vec::with_capacity(self.joints);
         for (j, set) in self.sets.iter().enumerate() {
             let gauge = set.gauge(
@@ -107,7 +112,7 @@ impl Variables {
             column.scale_mut(factor);
             column.axpy(along * slope, &at.gauge_gradients.column(j), 1.0);
         }
-        gradient.copy_from_slice(self.null_space.tr_mul(&to_raw).as_slice());
+        gradient.copy_from_slice(&self.from_coefficients(&to_raw));
     }
 
     /// The same direction with every joint at gauge 1, so that steps and distances mean the same for all joints.
@@ -121,13 +126,13 @@ impl Variables {
     }
 
     fn rescaled(&self, x: &[f64], to: &dyn Fn(f64) -> f64) -> Vec<f64> {
-        let mut raw = &self.null_space * DMatrix::from_column_slice(self.per_joint, self.joints, x);
-        let mut unused = vec![0.0; self.null_space.nrows()];
+        let mut raw = self.raw(x);
+        let mut unused = vec![0.0; raw.nrows()];
         for (set, mut column) in self.sets.iter().zip(raw.column_iter_mut()) {
             let gauge = set.gauge(column.as_slice(), &mut unused).max(f64::MIN_POSITIVE);
             column.scale_mut(to(gauge) / gauge);
         }
-        self.null_space.tr_mul(&raw).as_slice().to_vec()
+        self.from_coefficients(&raw)
     }
 
     /// The whole motion drawn towards rest: variables of `share` times the coefficients of `x`.
@@ -141,11 +146,20 @@ impl Variables {
         self.from_coefficients(&at.coefficients)
     }
 
-    /// Maps one joint's variables to those of the same motion run backwards: `a` changes sign, `b` and the offset do not.
-    pub fn reversal(&self) -> DMatrix<f64> {
-        let mut turned = self.null_space.clone();
+    /// The same motion run backwards: `a` changes sign, `b` and the offset do not.
+    pub fn reversed(&self, x: &[f64]) -> Vec<f64> {
+        let mut turned = self.raw(x);
         turned.rows_mut(0, self.order).neg_mut();
-        self.null_space.tr_mul(&turned)
+        self.from_coefficients(&turned)
+    }
+
+    /// Coefficients of every joint before they are brought onto its set, (2L + 1) × n.
+    fn raw(&self, x: &[f64]) -> DMatrix<f64> {
+        let mut raw = DMatrix::zeros(2 * self.order + 1, self.joints);
+        for (j, (basis, part)) in self.null_spaces.iter().zip(x.chunks_exact(self.per_joint)).enumerate() {
+            raw.set_column(j, &(basis * DVector::from_column_slice(part)));
+        }
+        raw
     }
 
     /// Variables nearest to a series, of whatever order: harmonics that the problem has not are dropped.
@@ -162,7 +176,10 @@ impl Variables {
 
     /// Variables that stand for given coefficients (those of [`Self::project`], up to each joint's scale).
     pub fn from_coefficients(&self, coefficients: &DMatrix<f64>) -> Vec<f64> {
-        self.null_space.tr_mul(coefficients).as_slice().to_vec()
+        let joints = self.null_spaces.iter().zip(coefficients.column_iter());
+        joints
+            .flat_map(|(basis, column)| basis.tr_mul(&column).as_slice().to_vec())
+            .collect()
     }
 
     /// The series, with equalities met to the last bit where floating point allows and every limit met with room for rounding.
@@ -174,7 +191,7 @@ impl Variables {
             // Rounding to the grid moves coefficients by less than 1e-10 of the largest; a second pull-back with that to spare leaves
             // every limit met by whoever evaluates it, in whatever order they sum.
             column *= 1.0 - ROOM;
-            self.to_grid(column.as_mut_slice());
+            self.to_grid(column.as_mut_slice(), self.lowest[j]);
             for l in 0..self.order {
                 series.a[(j, l)] = column[l];
                 series.b[(j, l)] = column[self.order + l];
@@ -186,7 +203,10 @@ impl Variables {
 
     /// Rounds to multiples of a power of two such that `Σ a = 0`, `Σ l b = 0` (and `Σ b/l = 0`) hold exactly in floating point,
     /// whatever the order of summation: the joint then stands still at t = 0 by everybody's arithmetic, and `sign(qd)` there is 0.
-    fn to_grid(&self, c: &mut [f64]) {
+    ///
+    /// The two lowest harmonics, m < n, follow from the others. Of a multiple of `l (n² − m²)` grid for b_l both `Σ b_l/l` and `Σ l b_l` over the
+    /// others are such multiples that `b_n/n = (m² Σ b/l − Σ l b)/(n² − m²)` and `b_m/m = −Σ b/l − b_n/n` are whole grids.
+    fn to_grid(&self, c: &mut [f64], [m, n]: [usize; 2]) {
         let order = self.order;
         let largest = c[..2 * order].iter().fold(0.0f64, |m, v| m.max(v.abs()));
         if largest == 0.0 {
@@ -195,29 +215,28 @@ impl Variables {
         let grid = 2f64.powi(largest.log2().ceil() as i32 - 40);
         let round = |v: f64, step: f64| (v / step).round() * step;
         let (a, b) = c[..2 * order].split_at_mut(order);
-        for v in a.iter_mut().skip(1) {
-            *v = round(*v, grid);
-        }
-        a[0] = -a[1..].iter().sum::<f64>();
+        a.iter_mut().for_each(|v| *v = round(*v, grid));
+        a[m - 1] = 0.0;
+        a[m - 1] = -a.iter().sum::<f64>();
         match self.start {
             Start::Zero => {
-                // b_l a multiple of 3 l grid makes both sums over l ≥ 3 multiples of 3 grid, and b_2 = ⅔ (difference) exact.
                 let (mut over, mut times) = (0.0, 0.0);
-                for l in 3..=order {
-                    let unit = 3.0 * grid * l as f64;
+                let apart = (n * n - m * m) as f64;
+                for l in (1..=order).filter(|l| *l != m && *l != n) {
+                    let unit = apart * grid * l as f64;
                     let k = (b[l - 1] / unit).round();
                     b[l - 1] = k * unit;
-                    over += k * 3.0 * grid;
+                    over += k * apart * grid;
                     times += b[l - 1] * l as f64;
                 }
-                b[1] = (over - times) / 3.0 * 2.0;
-                b[0] = -times - 2.0 * b[1];
+                let of_n = ((m * m) as f64 * over - times) / apart;
+                b[n - 1] = of_n * n as f64;
+                b[m - 1] = (-over - of_n) * m as f64;
             }
             Start::Free => {
-                for v in b.iter_mut().skip(1) {
-                    *v = round(*v, grid);
-                }
-                b[0] = -b.iter().enumerate().skip(1).map(|(i, v)| v * (i + 1) as f64).sum::<f64>();
+                b.iter_mut().for_each(|v| *v = round(*v, grid * m as f64));
+                b[m - 1] = 0.0;
+                b[m - 1] = -b.iter().enumerate().map(|(i, v)| v * (i + 1) as f64).sum::<f64>() / m as f64;
             }
         }
     }
@@ -271,8 +290,8 @@ impl Radial {
 const ROOM: f64 = 1e-8;
 
 /// Orthonormal basis of the coefficients `[a, b, offset]` of one joint that satisfy (14c), corrected: `Σ a = 0` (velocity),
-/// `Σ l b = 0` (acceleration), and for a fixed start `Σ b/l = 0` (position) without offset.
-fn null_space(order: usize, start: Start) -> DMatrix<f64> {
+/// `Σ l b = 0` (acceleration), for a fixed start `Σ b/l = 0` (position) without offset, and that have no other harmonics than these.
+fn null_space(order: usize, harmonics: &[usize], start: Start) -> DMatrix<f64> {
     let size = 2 * order + 1;
     let fixed = start == Start::Zero;
     let row = |f: &dyn Fn(usize) -> f64| DVector::from_fn(size, |i, _| f(i));
@@ -286,6 +305,10 @@ fn null_space(order: usize, start: Start) -> DMatrix<f64> {
             }
         }),
     ];
+    for l in (1..=order).filter(|l| !harmonics.contains(l)) {
+        rows.push(row(&|i| if i == l - 1 { 1.0 } else { 0.0 }));
+        rows.push(row(&|i| if i == order + l - 1 { 1.0 } else { 0.0 }));
+    }
     if fixed {
         rows.push(row(&|i| {
             if (order..2 * order).contains(&i) {

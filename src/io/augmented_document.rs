@@ -4,11 +4,11 @@
 use super::cursor::Cursor;
 use crate::effects::by_code;
 use crate::model::Robot;
-use crate::residual::{AugmentedModel, Prior, Term};
+use crate::residual::{AugmentedModel, Outcome, Prior, RivalTerm, Term};
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 
-pub const AUGMENTED_FIELDS: &[&str] = &["effects", "base_values", "information"];
+pub const AUGMENTED_FIELDS: &[&str] = &["effects", "base_values", "information", "noise"];
 pub const EFFECT_FIELDS: &[&str] = &[
     "effect",
     "joints",
@@ -18,7 +18,34 @@ pub const EFFECT_FIELDS: &[&str] = &[
     "free_shapes",
     "bounds",
     "parameters",
+    "rivals",
 ];
+pub const RIVAL_FIELDS: &[&str] = &[
+    "effect",
+    "joints",
+    "form",
+    "coefficients",
+    "shape",
+    "free_shapes",
+    "bounds",
+    "parameters",
+    "evidence",
+    "base_values",
+    "cross",
+    "own",
+];
+pub const NOISE_FIELDS: &[&str] = &["std_dev", "rate_hz"];
+
+/// An augmented model with all that a design for it needs.
+#[derive(Debug, Clone)]
+pub struct ReadModel {
+    pub model: AugmentedModel,
+    pub prior: Prior,
+    /// Standard deviation of the torque noise of every joint in slow signals [N·m or N], and rows per second that it is of.
+    pub noise: Option<(Vec<f64>, f64)>,
+    /// Of every effect, the rivals that the data do not exclude.
+    pub rivals: Vec<Vec<RivalTerm>>,
+}
 
 /// `model` with its information matrix (inverse covariance of base values, then coefficients and free shapes effect by effect).
 pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Value {
@@ -28,6 +55,29 @@ pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Va
         "base_values": model.values.as_slice(),
         "information": rows,
     })
+}
+
+/// [`augmented_value`] with the noise, and with the rivals of every effect.
+pub fn traced_value(traced: &Outcome) -> Value {
+    let robot = &traced.model.robot;
+    let rows = |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|r| r.iter().copied().collect()).collect() };
+    let mut value = augmented_value(&traced.model, &traced.information);
+    let noise: Vec<f64> = traced.noise.iter().map(|n| n.slow_std_dev()).collect();
+    if traced.rate_hz.is_finite() {
+        value["noise"] = json!({"std_dev": noise, "rate_hz": traced.rate_hz});
+    }
+    for (i, rivals) in traced.rival_terms.iter().enumerate() {
+        let of = |r: &RivalTerm| {
+            let mut rival = effect_value(robot, &r.term);
+            rival["evidence"] = json!(r.evidence);
+            rival["base_values"] = json!(r.base_values.as_slice());
+            rival["cross"] = json!(rows(&r.cross));
+            rival["own"] = json!(rows(&r.own));
+            rival
+        };
+        value["effects"][i]["rivals"] = rivals.iter().map(of).collect();
+    }
+    value
 }
 
 fn effect_value(robot: &Robot, term: &Term) -> Value {
@@ -49,42 +99,94 @@ fn effect_value(robot: &Robot, term: &Term) -> Value {
 
 /// Reads what [`augmented_value`] writes; `None` when something is wrong with it, which is then among the findings.
 pub fn read_augmented(cursor: &Cursor, robot: &Robot) -> Option<(AugmentedModel, Prior)> {
+    read_model_with_effects(cursor, robot).map(|read| (read.model, read.prior))
+}
+
+/// Reads what [`traced_value`] writes; noise and rivals may be missing.
+pub(super) fn read_model_with_effects(cursor: &Cursor, robot: &Robot) -> Option<ReadModel> {
     let fields = cursor.fields(AUGMENTED_FIELDS)?;
     let mut model = AugmentedModel::declared(robot);
     let values = fields
         .required("base_values")
         .and_then(|c| c.numbers(Some(model.values.len())));
-    let terms: Vec<Option<Term>> = fields
-        .required("effects")
-        .and_then(|c| c.items())?
-        .iter()
-        .map(|c| read_effect(c, robot))
-        .collect();
+    let effects = fields.required("effects").and_then(|c| c.items())?;
+    let terms: Vec<Option<Term>> = effects.iter().map(|c| read_effect(c, robot, EFFECT_FIELDS)).collect();
     model.terms = terms.into_iter().collect::<Option<Vec<_>>>()?;
     model.values = DVector::from_vec(values?);
     let information = fields
         .required("information")
         .and_then(|c| read_square(&c, model.parameters()))?;
+    let size = [model.parameters(), model.values.len()];
+    let rivals = effects
+        .iter()
+        .map(|c| read_rivals(c, robot, size))
+        .collect::<Option<Vec<_>>>()?;
+    let noise = fields.nullable("noise").and_then(|c| read_noise(&c, robot.joint_count()));
     let mean = model.vector();
-    Some((model, Prior { mean, information }))
+    Some(ReadModel {
+        model,
+        prior: Prior { mean, information },
+        noise,
+        rivals,
+    })
+}
+
+fn read_noise(cursor: &Cursor, joints: usize) -> Option<(Vec<f64>, f64)> {
+    let fields = cursor.fields(NOISE_FIELDS)?;
+    let std_dev = fields.required("std_dev").and_then(|c| c.numbers(Some(joints)))?;
+    let rate = fields.required("rate_hz").and_then(|c| c.number())?;
+    if !(rate > 0.0 && std_dev.iter().all(|s| *s > 0.0)) {
+        cursor.complain("must hold positive numbers");
+        return None;
+    }
+    Some((std_dev, rate))
+}
+
+fn read_rivals(effect: &Cursor, robot: &Robot, size: [usize; 2]) -> Option<Vec<RivalTerm>> {
+    let fields = effect.fields(EFFECT_FIELDS)?;
+    let Some(list) = fields.nullable("rivals") else {
+        return Some(Vec::new());
+    };
+    list.items()?.iter().map(|c| read_rival(c, robot, size)).collect()
+}
+
+fn read_rival(cursor: &Cursor, robot: &Robot, [parameters, base]: [usize; 2]) -> Option<RivalTerm> {
+    let term = read_effect(cursor, robot, RIVAL_FIELDS)?;
+    let fields = cursor.fields(RIVAL_FIELDS)?;
+    let k = term.parameters();
+    let evidence = fields.required("evidence").and_then(|c| c.number())?;
+    let base_values = fields.required("base_values").and_then(|c| c.numbers(Some(base)))?;
+    let cross = fields.required("cross").and_then(|c| read_matrix(&c, parameters, k))?;
+    let own = fields.required("own").and_then(|c| read_matrix(&c, k, k))?;
+    Some(RivalTerm {
+        term,
+        base_values: DVector::from_vec(base_values),
+        evidence,
+        cross,
+        own,
+    })
 }
 
 fn read_square(cursor: &Cursor, size: usize) -> Option<DMatrix<f64>> {
+    read_matrix(cursor, size, size)
+}
+
+fn read_matrix(cursor: &Cursor, height: usize, width: usize) -> Option<DMatrix<f64>> {
     let rows = cursor.items()?;
-    if rows.len() != size {
+    if rows.len() != height {
         cursor.complain_with(
-            format!("has {} rows, expected {size}", rows.len()),
+            format!("has {} rows, expected {height}", rows.len()),
             "one for every base value, coefficient and free shape, in this order",
         );
         return None;
     }
-    let read: Vec<Option<Vec<f64>>> = rows.iter().map(|row| row.numbers(Some(size))).collect();
+    let read: Vec<Option<Vec<f64>>> = rows.iter().map(|row| row.numbers(Some(width))).collect();
     let rows = read.into_iter().collect::<Option<Vec<_>>>()?;
-    Some(DMatrix::from_fn(size, size, |r, c| rows[r][c]))
+    Some(DMatrix::from_fn(height, width, |r, c| rows[r][c]))
 }
 
-fn read_effect(cursor: &Cursor, robot: &Robot) -> Option<Term> {
-    let fields = cursor.fields(EFFECT_FIELDS)?;
+fn read_effect(cursor: &Cursor, robot: &Robot, known: &[&str]) -> Option<Term> {
+    let fields = cursor.fields(known)?;
     let code = fields.required("effect")?;
     let effect = by_code(code.string()?);
     if effect.is_none() {

@@ -216,6 +216,11 @@ impl<'a> Fields<'a> {
         format!("{}/{}", self.pointer, escaped(name))
     }
 
+    /// Complains about something within.
+    pub fn complain_at(&self, pointer: &str, detail: impl Into<String>) {
+        self.findings.push(FieldProblem::new(pointer, detail));
+    }
+
     pub fn has(&self, name: &str) -> bool {
         self.map.contains_key(name)
     }

@@ -1,8 +1,12 @@
 //! Results of an excitation design.
 
 use super::excitation_request::{ExcitationRequest, criterion_name};
-use crate::excitation::{Criteria, Design, Margin, Outcome, Predicted, Problem, Quantity};
+use super::knowledge_request::DesignTerms;
+use crate::excitation::{
+    Criteria, Design, ExpectedEvidence, FirstRun, Margin, Outcome, Predicted, Problem, Quantity, RivalReport, margins,
+};
 use crate::model::Joint;
+use crate::residual::{Term, reported};
 use crate::trajectory::FourierSeries;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -23,6 +27,12 @@ pub struct DesignDocument {
     pub condition_number: Option<f64>,
     pub criteria: Option<CriteriaDocument>,
     pub predicted: Option<PredictedDocument>,
+    /// The criterion that is recommended, and why.
+    pub recommended_criterion: RecommendedDocument,
+    /// Effects of the model whose columns stand beside those of Y_b, with the accuracy to be expected of them.
+    pub effects: Vec<EffectDocument>,
+    /// How well two explanations of a residual are told apart, where they are asked for.
+    pub rivals: Option<RivalsDocument>,
     /// Of `q_i(t) = offset_i + Σ_l a_il/(ω l) sin(ω l t) − b_il/(ω l) cos(ω l t)`, ω = 2π · fundamental_hz.
     pub coefficients: Option<Coefficients>,
     /// Position of every joint around which it moves [rad or m].
@@ -31,6 +41,8 @@ pub struct DesignDocument {
     pub order: usize,
     pub period_s: f64,
     pub sample_rate_hz: f64,
+    /// Periods that will be recorded, for `predicted` and the evidence.
+    pub periods: f64,
     /// Samples in one period: rows of Y_b per joint.
     pub samples: usize,
     /// Names of the joints, in the order of all lists.
@@ -39,6 +51,10 @@ pub struct DesignDocument {
     pub margins: Vec<MarginDocument>,
     /// Of every pair that keeps a distance, where limits in space are asked for.
     pub clearances: Vec<ClearanceDocument>,
+    /// Smaller amplitudes for a first run, where they are asked for.
+    pub first_run: Option<FirstRunDocument>,
+    /// The other trajectories, where several are asked for: each complements those before it.
+    pub further: Vec<FurtherDocument>,
     pub starts: Vec<StartDocument>,
     /// Names of the base parameters: columns of Y_b, and the order of `predicted`.
     pub base_parameters: Vec<String>,
@@ -77,11 +93,113 @@ pub struct CriteriaDocument {
     pub d_optimality: f64,
     /// `sqrt(tr(M⁻¹)/b)`
     pub a_optimality: f64,
-    /// Expected torque-prediction error per unit of noise [N·m or N].
+    /// Expected torque-prediction error [N·m or N], by the torque noise assumed.
     pub i_optimality: f64,
+    /// Least expected evidence between two rivals, twice the logarithm of the odds: the larger the better.
+    pub rival_evidence: Option<f64>,
 }
 
-/// Accuracy to be expected of an identification from one period of this trajectory.
+/// The recommended criterion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct RecommendedDocument {
+    #[cfg_attr(feature = "service", schema(example = "i_optimality"))]
+    pub criterion: &'static str,
+    pub reason: &'static str,
+}
+
+/// An effect of the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", schema(as = DesignEffect))]
+pub struct EffectDocument {
+    #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
+    pub effect: String,
+    /// None for an effect of the whole robot.
+    pub joints: Vec<String>,
+    pub parameters: Vec<EffectParameterDocument>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct EffectParameterDocument {
+    pub name: String,
+    pub value: f64,
+    pub unit: String,
+    /// To be expected; null where the trajectory does not determine it.
+    pub std_dev: Option<f64>,
+}
+
+/// Two explanations, and the evidence to be expected between them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", schema(as = DesignRivals))]
+pub struct RivalsDocument {
+    pub finding: EffectDocument,
+    pub rival: EffectDocument,
+    pub expected_evidence: ExpectedDocument,
+    /// `finding` or `rival` where that one is a special case of the other: nothing is left over if it is true, whatever the motion, and the
+    /// other is then excluded by its further parameters coming out as zero. `least` looks at the other case alone.
+    #[cfg_attr(feature = "service", schema(example = "finding"))]
+    pub nested: Option<&'static str>,
+    /// Whether the least evidence of all data together is at least 6: odds of 20 to 1.
+    pub decides: bool,
+}
+
+/// Twice the logarithm of the odds to be expected: 6 is 20 to 1, 10 is 150 to 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", schema(as = ExpectedEvidence))]
+pub struct ExpectedDocument {
+    /// From the new trajectory alone, with what is given of all other parameters: what the search makes as large as it can.
+    pub designed: EvidenceDocument,
+    /// From the data that both explanations came from.
+    pub recorded: Option<EvidenceDocument>,
+    /// From what is given and the new trajectory, fitted together.
+    pub together: EvidenceDocument,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", schema(as = EvidenceEitherWay))]
+pub struct EvidenceDocument {
+    pub if_finding: f64,
+    pub if_rival: f64,
+    pub least: f64,
+}
+
+/// A smaller version of the trajectory.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", schema(as = FirstRun))]
+pub struct FirstRunDocument {
+    /// Factor on the amplitudes around where the motion starts; smaller than asked for where a limit along the path would not hold.
+    pub backoff: f64,
+    pub coefficients: Coefficients,
+    pub offset: Vec<f64>,
+    pub fundamental_hz: f64,
+    pub margins: Vec<MarginDocument>,
+}
+
+/// One of several trajectories.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", schema(as = FurtherTrajectory))]
+pub struct FurtherDocument {
+    pub status: &'static str,
+    pub coefficients: Coefficients,
+    pub offset: Vec<f64>,
+    pub fundamental_hz: f64,
+    /// Of this trajectory and all before it together.
+    pub criteria: CriteriaDocument,
+    pub predicted: PredictedDocument,
+    pub effects: Vec<EffectDocument>,
+    pub rivals: Option<RivalsDocument>,
+    pub margins: Vec<MarginDocument>,
+    pub clearances: Vec<ClearanceDocument>,
+}
+
+/// Accuracy to be expected of an identification from this trajectory, as many periods as asked for, and what is given.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct PredictedDocument {
@@ -105,7 +223,7 @@ pub struct MarginDocument {
     pub limit: f64,
     /// Extreme value reached.
     pub peak: f64,
-    /// Bound on the extreme over all time: proven for motions; for torques the extreme of a dense sampling and half its largest step.
+    /// Proven bound on the extreme over all time.
     pub certified_peak: f64,
     /// Time of the extreme (s).
     pub at_s: f64,
@@ -165,8 +283,10 @@ pub struct SearchDocument {
 }
 
 impl DesignDocument {
-    pub fn new(request: &ExcitationRequest, design: &Design, elapsed_s: f64) -> Self {
-        let problem = &request.problem;
+    /// # Panics
+    /// If there is no design: a search hands out one even where it is infeasible.
+    pub fn new(request: &ExcitationRequest, designs: &[(Problem, Design)], first_run: Option<&FirstRun>, elapsed_s: f64) -> Self {
+        let (problem, design) = &designs[0];
         let spec = problem.spec();
         let found = design.criteria.is_some();
         let joints = problem.robot().joints();
@@ -179,34 +299,32 @@ impl DesignDocument {
             condition_number: design.criteria.map(|c| c.condition_number),
             criteria: design.criteria.map(|c| criteria_document(problem, &c)),
             predicted: design.predicted.as_ref().map(predicted_document),
+            recommended_criterion: RECOMMENDATION,
+            effects: effects(problem, &request.effects, design),
+            rivals: rivals(problem, &request.effects, design),
             coefficients: found.then(|| Coefficients::of(&design.series)),
             offset: found.then(|| design.series.offset.clone()),
             fundamental_hz: spec.fundamental_hz,
             order: spec.order,
             period_s: 1.0 / spec.fundamental_hz,
             sample_rate_hz: spec.sample_rate_hz,
+            periods: spec.knowledge.periods,
             samples: problem.samples(),
             joints: joints.iter().map(|j| j.name.clone()).collect(),
-            margins: design.margins.iter().map(|m| margin_document(&joints[m.joint], m)).collect(),
-            clearances: design
-                .clearances
+            margins: margin_documents(problem, &design.margins),
+            clearances: clearance_documents(problem, design),
+            first_run: first_run.map(|run| first_run_document(problem, run)),
+            further: designs[1..]
                 .iter()
-                .map(|c| ClearanceDocument {
-                    joint: joints[c.joint].name.clone(),
-                    from: c.from.clone(),
-                    least: c.least,
-                    at_s: c.at_s,
-                    certified: c.certified,
-                    asked: c.asked,
-                })
+                .filter_map(|(p, d)| further_document(p, &request.effects, d))
                 .collect(),
             starts: design.starts.iter().map(StartDocument::of).collect(),
             base_parameters: problem.base().names.clone(),
             search: SearchDocument {
                 seed: request.search.options.seed,
                 starts: request.search.options.starts,
-                evaluations: design.evaluations,
-                rounds: design.rounds,
+                evaluations: designs.iter().map(|(_, d)| d.evaluations).sum(),
+                rounds: designs.iter().map(|(_, d)| d.rounds).sum(),
                 elapsed_s,
                 searches: 1,
             },
@@ -236,7 +354,126 @@ fn criteria_document(problem: &Problem, c: &Criteria) -> CriteriaDocument {
         d_optimality: c.d_optimality,
         a_optimality: c.a_optimality,
         i_optimality: c.i_optimality,
+        rival_evidence: c.rival_evidence,
     }
+}
+
+const RECOMMENDATION: RecommendedDocument = RecommendedDocument {
+    criterion: "i_optimality",
+    reason: "a model is identified to predict torques, and this is the expected error of that prediction over the workspace, in N m or N, by the torque \
+             noise of every joint; it depends neither on the units of the parameters nor on which set of them is called base. Give torque_noise, and \
+             constraints exact and free: they are worth more than any criterion",
+};
+
+fn effects(problem: &Problem, terms: &DesignTerms, design: &Design) -> Vec<EffectDocument> {
+    let mut first = 0;
+    let of = |term: &Term| {
+        let k = term.parameters();
+        let covariance = design
+            .predicted
+            .as_ref()
+            .map(|p| p.of_effects.view((first, first), (k, k)).into_owned());
+        first += k;
+        effect(problem, term, covariance)
+    };
+    terms.terms.iter().map(of).collect()
+}
+
+fn effect(problem: &Problem, term: &Term, covariance: Option<DMatrix<f64>>) -> EffectDocument {
+    let robot = problem.robot();
+    let k = term.parameters();
+    let unknown = covariance.is_none();
+    let values = reported(term, &covariance.unwrap_or_else(|| DMatrix::zeros(k, k)));
+    let infos = term.effect.parameters(term.form, robot, &term.joints).into_iter();
+    EffectDocument {
+        effect: term.effect.code().to_string(),
+        joints: term.joints.iter().map(|&j| robot.joints()[j].name.clone()).collect(),
+        parameters: infos
+            .zip(values)
+            .map(|(info, (value, std_dev))| EffectParameterDocument {
+                name: info.name,
+                value,
+                unit: info.unit,
+                std_dev: finite(std_dev).filter(|_| !unknown),
+            })
+            .collect(),
+    }
+}
+
+fn rivals(problem: &Problem, terms: &DesignTerms, design: &Design) -> Option<RivalsDocument> {
+    let ([finding, rival], report) = terms.rivals.zip(design.rivals)?;
+    let all = effects(problem, terms, design);
+    let RivalReport {
+        designed,
+        recorded,
+        together,
+    } = report;
+    let evidence = |e: ExpectedEvidence| EvidenceDocument {
+        if_finding: e.if_finding,
+        if_rival: e.if_rival,
+        least: e.least(),
+    };
+    Some(RivalsDocument {
+        finding: all[finding].clone(),
+        rival: all[rival].clone(),
+        nested: match problem.spec().knowledge.rivals.as_ref().map(|r| r.nested) {
+            Some([true, false]) => Some("finding"),
+            Some([false, true]) => Some("rival"),
+            _ => None,
+        },
+        decides: together.least() >= DECISIVE,
+        expected_evidence: ExpectedDocument {
+            designed: evidence(designed),
+            recorded: recorded.map(evidence),
+            together: evidence(together),
+        },
+    })
+}
+
+/// Odds of 20 to 1, as what tracing calls excluded: `2 ln 20`.
+const DECISIVE: f64 = 6.0;
+
+fn first_run_document(problem: &Problem, run: &FirstRun) -> FirstRunDocument {
+    FirstRunDocument {
+        backoff: run.amplitude,
+        coefficients: Coefficients::of(&run.series),
+        offset: run.series.offset.clone(),
+        fundamental_hz: run.series.fundamental_hz,
+        margins: margin_documents(problem, &margins(problem, &run.series)),
+    }
+}
+
+fn further_document(problem: &Problem, terms: &DesignTerms, design: &Design) -> Option<FurtherDocument> {
+    Some(FurtherDocument {
+        status: design.status.name(),
+        coefficients: Coefficients::of(&design.series),
+        offset: design.series.offset.clone(),
+        fundamental_hz: design.series.fundamental_hz,
+        criteria: criteria_document(problem, design.criteria.as_ref()?),
+        predicted: predicted_document(design.predicted.as_ref()?),
+        effects: effects(problem, terms, design),
+        rivals: rivals(problem, terms, design),
+        margins: margin_documents(problem, &design.margins),
+        clearances: clearance_documents(problem, design),
+    })
+}
+
+fn margin_documents(problem: &Problem, margins: &[Margin]) -> Vec<MarginDocument> {
+    let joints = problem.robot().joints();
+    margins.iter().map(|m| margin_document(&joints[m.joint], m)).collect()
+}
+
+fn clearance_documents(problem: &Problem, design: &Design) -> Vec<ClearanceDocument> {
+    let joints = problem.robot().joints();
+    let of = |c: &crate::excitation::Clearance| ClearanceDocument {
+        joint: joints[c.joint].name.clone(),
+        from: c.from.clone(),
+        least: c.least,
+        at_s: c.at_s,
+        certified: c.certified,
+        asked: c.asked,
+    };
+    design.clearances.iter().map(of).collect()
 }
 
 fn predicted_document(p: &Predicted) -> PredictedDocument {

@@ -2,10 +2,11 @@
 
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::Parsed;
+use super::knowledge_request::{DesignModel, DesignTerms, read_design_model, read_knowledge};
 use super::path_limits::{read_space_limits, read_torque_limits};
-use super::robot::{NamedRobots, read_robot_or_name};
+use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
 use super::warm_start::read_warm_start;
-use crate::excitation::{Criterion, Form, Problem, ProblemSpec, SearchOptions, Start};
+use crate::excitation::{Criterion, Form, Knowledge, Problem, ProblemSpec, SearchOptions, Start};
 use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, Mdh, Robot};
 use crate::trajectory::FourierSeries;
 use nalgebra::Vector3;
@@ -14,7 +15,16 @@ use serde_json::Value;
 /// A checked request: the problem, how to search, and the document it came from.
 #[derive(Debug, Clone)]
 pub struct ExcitationRequest {
+    /// With the first of the fundamentals.
     pub problem: Problem,
+    /// Fundamentals to choose from (Hz).
+    pub fundamentals: Vec<f64>,
+    /// Trajectories that complement each other.
+    pub trajectories: usize,
+    /// Factor on the amplitudes of a first run.
+    pub backoff: Option<f64>,
+    /// What the columns beside the regressor's are of.
+    pub effects: DesignTerms,
     pub search: Search,
     /// An earlier trajectory to go on from.
     pub earlier: Option<FourierSeries>,
@@ -41,8 +51,14 @@ pub const REQUEST_FIELDS: &[&str] = &[
     "torque_noise",
     "search",
     "warm_start",
+    "model",
+    "rivals",
+    "given",
+    "periods",
+    "trajectories",
+    "backoff",
 ];
-pub const FOURIER_FIELDS: &[&str] = &["order", "fundamental_hz"];
+pub const FOURIER_FIELDS: &[&str] = &["order", "fundamental_hz", "harmonics"];
 pub const CONSTRAINT_FIELDS: &[&str] = &["form", "start", "start_position", "torque", "space"];
 pub const SEARCH_FIELDS: &[&str] = &["seed", "starts", "time_limit_s", "max_evaluations", "jobs_per_round"];
 
@@ -52,6 +68,9 @@ pub const CRITERIA: &[(&str, Criterion)] = &[
     ("d_optimality", Criterion::DOptimality),
     ("a_optimality", Criterion::AOptimality),
     ("i_optimality", Criterion::IOptimality),
+    ("rival_evidence", Criterion::RivalEvidence),
+    // What is recommended, by a name that stays when the recommendation changes.
+    ("recommended", RECOMMENDED),
 ];
 /// The name of a criterion in documents.
 pub fn criterion_name(criterion: Criterion) -> &'static str {
@@ -61,6 +80,8 @@ pub fn criterion_name(criterion: Criterion) -> &'static str {
         .map_or("", |(name, _)| name)
 }
 
+/// The criterion that says what an identification is for: torques predicted well wherever the arm may be.
+pub const RECOMMENDED: Criterion = Criterion::IOptimality;
 pub const FORMS: &[(&str, Form)] = &[("paper", Form::Paper), ("exact", Form::Exact)];
 pub const STARTS: &[(&str, Start)] = &[("zero", Start::Zero), ("free", Start::Free)];
 
@@ -72,6 +93,16 @@ const DEFAULT_TIME_LIMIT_S: f64 = 60.0;
 const MOST_JOBS: u64 = 1024;
 /// Largest whole number that every JSON program carries exactly.
 const LARGEST_SEED: u64 = (1 << 53) - 1;
+/// Each is a search of its own.
+const MOST_FUNDAMENTALS: usize = 16;
+const MOST_TRAJECTORIES: u64 = 10;
+
+impl ExcitationRequest {
+    /// Whether it is one search on one problem.
+    pub fn is_single(&self) -> bool {
+        self.fundamentals.len() == 1 && self.trajectories == 1
+    }
+}
 
 /// Reads a request; `robot` replaces or adds to the one in the document.
 ///
@@ -88,13 +119,36 @@ pub fn read_excitation_request(parsed: &Parsed, known: &dyn NamedRobots) -> Resu
 
 fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
     let fields = cursor.fields(REQUEST_FIELDS)?;
-    let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, known));
+    let model = read_design_model(&fields, known);
+    // The model brings its robot along.
+    let robot = match (&model, fields.nullable("robot")) {
+        (Some(model), None) => Some(RobotDocument {
+            robot: model.robot.clone(),
+            notes: Vec::new(),
+        }),
+        _ => fields.required("robot").and_then(|c| read_robot_or_name(&c, known)),
+    };
     let notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();
     let has_robot = robot.is_some();
     let search = read_search(&fields);
     let joints = robot.as_ref().map(|r| r.robot.joint_count());
     let earlier = fields.nullable("warm_start").and_then(|c| read_warm_start(&c, joints));
-    let spec = read_spec(&fields, robot.map(|r| r.robot));
+    let fundamentals = read_fundamentals(&fields);
+    let backoff = fields.nullable("backoff").and_then(|c| read_backoff(&c));
+    let trajectories = fields.nullable("trajectories").and_then(|c| c.whole(1, MOST_TRAJECTORIES));
+    let (knowledge, effects) = match &robot {
+        Some(robot) => read_knowledge(&fields, known, &robot.robot, model.as_ref()),
+        None => Default::default(),
+    };
+    let mut spec = read_spec(&fields, robot.map(|r| r.robot), fundamentals.first().copied());
+    if spec.torque_noise.is_none() {
+        spec.torque_noise = model.as_ref().and_then(|m| noise_of(m, spec.sample_rate_hz));
+    }
+    if knowledge.rivals.is_none() && fields.has("rivals") && spec.criterion == Criterion::RivalEvidence {
+        // What is wrong with the rivals is among the findings; the rest is still checked.
+        spec.criterion = Criterion::ConditionNumber;
+    }
+    spec.knowledge = knowledge;
     let problem = match Problem::new(spec) {
         Ok(problem) => problem,
         Err(e) => {
@@ -104,7 +158,24 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
             return None;
         }
     };
+    for (i, &fundamental_hz) in fundamentals.iter().enumerate().skip(1) {
+        let other = ProblemSpec {
+            fundamental_hz,
+            ..problem.spec().clone()
+        };
+        if let Err(e) = Problem::new(other) {
+            let of_list = |p: FieldProblem| FieldProblem::new(format!("/fourier/fundamental_hz/{i}"), p.detail);
+            cursor.findings().merge(e.0.into_iter().map(of_list));
+        }
+    }
     Some(ExcitationRequest {
+        fundamentals: match fundamentals.is_empty() {
+            true => vec![problem.spec().fundamental_hz],
+            false => fundamentals,
+        },
+        trajectories: trajectories.unwrap_or(1) as usize,
+        backoff,
+        effects,
         problem,
         search,
         earlier,
@@ -121,6 +192,7 @@ fn placed(problem: FieldProblem, request: &Value, has_robot: bool) -> Option<Fie
         "/constraints/start_position",
         "/constraints/torque",
         "/torque_noise",
+        "/fourier/harmonics",
     ];
     if !has_robot && per_joint.iter().any(|p| problem.pointer.starts_with(p)) {
         return None;
@@ -133,16 +205,46 @@ fn placed(problem: FieldProblem, request: &Value, has_robot: bool) -> Option<Fie
     Some(FieldProblem { pointer, ..problem })
 }
 
-fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
+/// One fundamental, or a list to choose from.
+fn read_fundamentals(fields: &Fields) -> Vec<f64> {
+    let fourier = fields.nullable("fourier").filter(|c| c.value().is_object());
+    let Some(value) = fourier.and_then(|c| c.value().get("fundamental_hz").cloned()) else {
+        return Vec::new();
+    };
+    match value {
+        Value::Array(list) => list.iter().filter_map(Value::as_f64).collect(),
+        other => other.as_f64().into_iter().collect(),
+    }
+}
+
+/// The noise of the data that a model is of, as white noise at another rate that hides slow signals as much.
+fn noise_of(model: &DesignModel, rate_hz: f64) -> Option<Vec<f64>> {
+    let (std_dev, rows_hz) = model.read.noise.as_ref()?;
+    Some(std_dev.iter().map(|s| s * (rate_hz / rows_hz).sqrt()).collect())
+}
+
+fn read_backoff(cursor: &Cursor) -> Option<f64> {
+    let factor = cursor.number()?;
+    if !(factor > 0.0 && factor <= 1.0) {
+        cursor.complain(format!(
+            "is {factor}; a first run has a factor above 0 and at most 1 on its amplitudes"
+        ));
+    }
+    Some(factor)
+}
+
+fn read_spec(fields: &Fields, robot: Option<Robot>, first: Option<f64>) -> ProblemSpec {
     let fourier = fields.required("fourier").and_then(|c| c.fields(FOURIER_FIELDS));
     let order = fourier
         .as_ref()
         .and_then(|f| f.required("order"))
         .and_then(|c| c.whole(0, 1_000_000));
-    let fundamental = fourier
+    let asked = fourier.as_ref().and_then(|f| f.required("fundamental_hz"));
+    let fundamental = asked.and_then(|c| check_fundamentals(&c, first));
+    let harmonics = fourier
         .as_ref()
-        .and_then(|f| f.required("fundamental_hz"))
-        .and_then(|c| c.number());
+        .and_then(|f| f.nullable("harmonics"))
+        .and_then(|c| read_harmonics(&c));
     let rate = fields.required("sample_rate_hz").and_then(|c| c.number());
     let constraints = fields.optional("constraints").and_then(|c| c.fields(CONSTRAINT_FIELDS));
     let constraint = |name: &str| constraints.as_ref().and_then(|f| f.optional(name));
@@ -152,6 +254,8 @@ fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
     ProblemSpec {
         robot: robot.unwrap_or_else(stand_in_robot),
         order: order.unwrap_or(5) as usize,
+        harmonics,
+        knowledge: Knowledge::default(),
         fundamental_hz,
         sample_rate_hz: rate.unwrap_or(fundamental_hz * 1000.0),
         criterion: fields
@@ -174,6 +278,35 @@ fn read_spec(fields: &Fields, robot: Option<Robot>) -> ProblemSpec {
             .and_then(|f| f.nullable("space"))
             .and_then(|c| read_space_limits(&c, names.as_deref())),
     }
+}
+
+/// The first of the fundamentals; all of them are checked.
+fn check_fundamentals(cursor: &Cursor, first: Option<f64>) -> Option<f64> {
+    if !cursor.value().is_array() {
+        return cursor.number();
+    }
+    let list = cursor.numbers(None)?;
+    if list.is_empty() || list.len() > MOST_FUNDAMENTALS {
+        cursor.complain(format!(
+            "has {} values; a search chooses from 1 to {MOST_FUNDAMENTALS}",
+            list.len()
+        ));
+    }
+    for (i, value) in list.iter().enumerate().skip(1).filter(|(_, v)| !(v.is_finite() && **v > 0.0)) {
+        cursor.findings().push(FieldProblem::new(
+            format!("{}/{i}", cursor.pointer()),
+            format!("is {value}; it must be a positive number of Hz"),
+        ));
+    }
+    first
+}
+
+fn read_harmonics(cursor: &Cursor) -> Option<Vec<Vec<usize>>> {
+    let list = |c: &Cursor| -> Option<Vec<usize>> {
+        let items = c.items()?;
+        items.iter().map(|i| i.whole(1, 1_000_000).map(|n| n as usize)).collect()
+    };
+    cursor.items()?.iter().map(list).collect()
 }
 
 fn read_search(fields: &Fields) -> Search {

@@ -15,6 +15,7 @@ mod identify_document;
 mod identify_request;
 mod inspect_document;
 mod json;
+mod knowledge_request;
 pub mod log;
 mod model_document;
 mod motion_document;
@@ -26,17 +27,19 @@ mod validate_request;
 mod warm_start;
 mod words;
 
-pub use augmented_document::{augmented_value, read_augmented};
+pub use augmented_document::{ReadModel, augmented_value, read_augmented, traced_value};
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};
 pub use design_document::{
-    Coefficients, CriteriaDocument, DesignDocument, MarginDocument, PredictedDocument, SearchDocument, StartDocument,
+    Coefficients, CriteriaDocument, DesignDocument, EffectDocument, FirstRunDocument, FurtherDocument, MarginDocument,
+    PredictedDocument, SearchDocument, StartDocument,
 };
 pub use excitation_request::{ExcitationRequest, Search, criterion_name, read_excitation_request};
 pub use identify_document::*;
 pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
 pub use inspect_document::{InspectDocument, InspectedJoint, InspectedLog};
 pub use json::{Malformed, Parsed, parse};
+pub use knowledge_request::{DesignModel, DesignTerms};
 pub use model_document::{robot_value, urdf};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
@@ -50,6 +53,11 @@ pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
     ("Fourier", excitation_request::FOURIER_FIELDS),
     ("Constraints", excitation_request::CONSTRAINT_FIELDS),
     ("Search", excitation_request::SEARCH_FIELDS),
+    ("IdentificationReference", knowledge_request::REFERENCE_FIELDS),
+    ("Rivals", knowledge_request::RIVALS_FIELDS),
+    ("EffectPlace", knowledge_request::PLACE_FIELDS),
+    ("GivenDesign", knowledge_request::GIVEN_DESIGN_FIELDS),
+    ("GivenTrajectory", knowledge_request::GIVEN_TRAJECTORY_FIELDS),
     ("IdentifyRequest", identify_request::IDENTIFY_FIELDS),
     ("MotionRequest", motion_document::MOTION_FIELDS),
     ("Series", motion_document::SERIES_FIELDS),
@@ -57,6 +65,8 @@ pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
     ("Model", validate_request::MODEL_FIELDS),
     ("AugmentedModel", augmented_document::AUGMENTED_FIELDS),
     ("AddedEffect", augmented_document::EFFECT_FIELDS),
+    ("RivalEffect", augmented_document::RIVAL_FIELDS),
+    ("ModelNoise", augmented_document::NOISE_FIELDS),
     ("Preprocess", identify_request::PREPROCESS_FIELDS),
     ("Filter", identify_request::FILTER_FIELDS),
     ("Feasible", identify_request::FEASIBLE_FIELDS),

@@ -18,10 +18,20 @@ pub struct RobotDocument {
     pub notes: Vec<String>,
 }
 
-/// Robots that documents may call by name.
+/// Robots, and results of a server, that documents may call by name.
 pub trait NamedRobots {
     fn named(&self, name: &str) -> Option<RobotDocument>;
     fn names(&self) -> Vec<String>;
+
+    /// The JSON model of an identification, by its id.
+    fn model(&self, _identification: &str) -> Option<serde_json::Value> {
+        None
+    }
+
+    /// The result of a design, by its id.
+    fn design(&self, _excitation: &str) -> Option<serde_json::Value> {
+        None
+    }
 }
 
 /// Fields of a robot with joints.

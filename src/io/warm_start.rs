@@ -12,6 +12,11 @@ const MOST_HARMONICS: usize = 50;
 /// Reads `{"coefficients": {"a": [[…]…], "b": …}, "offset": […], "fundamental_hz": …}`, one row per joint.
 pub(super) fn read_warm_start(cursor: &Cursor, joints: Option<usize>) -> Option<FourierSeries> {
     let fields = cursor.fields(WARM_START_FIELDS)?;
+    read_trajectory(cursor, &fields, joints)
+}
+
+/// The same of an object that may have other fields beside.
+pub(super) fn read_trajectory(cursor: &Cursor, fields: &Fields, joints: Option<usize>) -> Option<FourierSeries> {
     let rows = fields.required("coefficients").and_then(|c| c.fields(COEFFICIENT_FIELDS));
     let offset = fields.required("offset").and_then(|c| c.numbers(joints));
     let fundamental_hz = fields.required("fundamental_hz").and_then(|c| positive(&c));

@@ -2,6 +2,7 @@
 
 use super::system::{Data, System, Whitened, reduce};
 use super::{AugmentedModel, Stretch, Term};
+use crate::dynamics::Coulomb;
 use crate::effects::{self, Column, Effect, Kind, Scene, Shape, Span};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -129,6 +130,7 @@ pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, sh
                 declared: &e.declared,
                 interval: stretch.interval,
                 periodic: stretch.periodic,
+                coulomb: Coulomb::Sign,
             };
             let columns = |shape: &Vec<f64>| candidate.effect.columns(candidate.form, &scene, &candidate.joints, shape);
             shapes.iter().flat_map(columns).collect()

@@ -6,9 +6,11 @@
 //! method is told in `docs/closing-the-loop.md`.
 
 mod between;
+mod border;
 mod candidate;
 mod crossval;
 mod dependence;
+mod design;
 mod faults;
 mod model;
 mod noise;
@@ -21,7 +23,10 @@ mod stretch;
 mod system;
 mod trace;
 
+pub use border::RivalTerm;
+pub use design::{EffectColumns, information_over};
 pub use faults::{DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, leave_out, lost_rows, sample_faults};
+pub(crate) use model::reported;
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
 pub use report::{Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Verdict};

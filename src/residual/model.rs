@@ -69,6 +69,7 @@ impl Term {
             declared: &rest,
             interval: span.interval,
             periodic: false,
+            coulomb: Coulomb::Sign,
         };
         place
             && bounded
@@ -234,6 +235,7 @@ impl AugmentedModel {
             declared: &here.declared,
             interval: stretch.interval,
             periodic: stretch.periodic,
+            coulomb: Coulomb::Sign,
         };
         let mut torque = here.declared.clone();
         for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| !t.is_distortion()) {
@@ -322,6 +324,7 @@ impl AugmentedModel {
             declared: &plain.declared,
             interval: stretch.interval,
             periodic: stretch.periodic,
+            coulomb: Coulomb::Sign,
         };
         for (t, own) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
             let term = match changed {

@@ -74,6 +74,12 @@ impl NoiseModel {
         }
     }
 
+    /// Standard deviation of white noise that hides slow signals as much: what the whitening filter makes of a constant [N·m or N].
+    pub fn slow_std_dev(&self) -> f64 {
+        let gain = 1.0 - self.autoregression.iter().sum::<f64>();
+        self.innovation / gain.abs().max(f64::EPSILON)
+    }
+
     /// Rows whose whitened value needs no row that is left out.
     pub(crate) fn whitened_rows(&self, keep: &[bool], periodic: bool) -> Vec<bool> {
         let order = self.autoregression.len();

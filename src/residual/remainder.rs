@@ -8,6 +8,7 @@ use super::candidate::{Candidate, chance, hypotheses};
 use super::select::{Selected, Threshold};
 use super::system::{Data, System, Thinned, reduce};
 use super::{AugmentedModel, Remainder, Stretch, Term};
+use crate::dynamics::Coulomb;
 use crate::effects::{Effect, Scene, Unexplained, products, variable, variable_name};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -221,6 +222,7 @@ fn scene<'a>(system: &'a System, stretch: &Stretch, e: &'a Thinned) -> Scene<'a>
         declared: &e.declared,
         interval: stretch.interval,
         periodic: stretch.periodic,
+        coulomb: Coulomb::Sign,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the tracing hands back: the `residual` part of an answer.
 
-use super::{AugmentedModel, DataFault, NoiseModel};
+use super::{AugmentedModel, DataFault, NoiseModel, RivalTerm};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -125,6 +125,10 @@ pub struct Outcome {
     pub report: ResidualReport,
     pub model: AugmentedModel,
     pub noise: Vec<NoiseModel>,
+    /// Rows of the fit per second of the motion.
+    pub rate_hz: f64,
+    /// Of every term of the model, the rivals that the data do not exclude.
+    pub rival_terms: Vec<Vec<RivalTerm>>,
     /// Inverse covariance of [`AugmentedModel::vector`].
     pub information: DMatrix<f64>,
 }

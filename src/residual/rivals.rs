@@ -1,16 +1,19 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
-use super::Rival;
 use super::candidate::{Candidate, appraise, reach, scan};
 use super::select::Selected;
 use super::system::Data;
 use super::trace::joint_names;
+use super::{Rival, Term};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// The other effects that the data do not exclude in the place of one.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Contest {
     pub rivals: Vec<Rival>,
+    /// Of every rival its fitted term, and the base parameters beside it.
+    pub fitted: Vec<(Term, DVector<f64>)>,
     pub note: Option<String>,
 }
 
@@ -44,7 +47,7 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
     let mut near: Vec<_> = others.iter().filter(|s| s.gain > 0.6 * loss).collect();
     near.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     near.truncate(6);
-    let mut rivals: Vec<Rival> = near
+    let mut found: Vec<(Rival, Term, DVector<f64>)> = near
         .par_iter()
         .filter_map(|s| {
             let mut model = without.model.clone();
@@ -55,15 +58,27 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
             let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
             let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));
             let evidence = finding.evidence - there.evidence;
-            (evidence < NOT_EXCLUDED).then(|| Rival {
-                effect: s.candidate.effect.code().into(),
-                joints: joint_names(&without.model.robot, &s.candidate.joints),
-                evidence,
+            (evidence < NOT_EXCLUDED).then(|| {
+                let rival = Rival {
+                    effect: s.candidate.effect.code().into(),
+                    joints: joint_names(&without.model.robot, &s.candidate.joints),
+                    evidence,
+                };
+                let last = fitted.model.terms.last().expect("the rival was added");
+                (rival, last.clone(), fitted.model.values.clone())
             })
         })
         .collect();
-    rivals.sort_by(|a, b| a.evidence.total_cmp(&b.evidence));
-    rivals.dedup_by(|a, b| a.effect == b.effect && a.joints == b.joints);
+    found.sort_by(|a, b| a.0.evidence.total_cmp(&b.0.evidence));
+    // Forms of one effect are one rival, told by its best form.
+    let mut rivals: Vec<Rival> = Vec::new();
+    let mut fitted = Vec::new();
+    for (rival, term, values) in found {
+        if !rivals.iter().any(|r| r.effect == rival.effect && r.joints == rival.joints) {
+            rivals.push(rival);
+            fitted.push((term, values));
+        }
+    }
     let better = rivals.iter().filter(|r| r.evidence < 0.0 && own.effect.is_everyday());
     let names: Vec<&str> = better.map(|r| r.effect.as_str()).collect();
     let note = (!names.is_empty()).then(|| {
@@ -73,5 +88,5 @@ fn contest(data: &Data, selected: &Selected, at: usize, candidates: &[Candidate]
             own.effect.code()
         )
     });
-    Contest { rivals, note }
+    Contest { rivals, fitted, note }
 }

@@ -248,11 +248,7 @@ impl<'a> Data<'a> {
     /// than noise counted for as much less as they leave and go together.
     pub fn known(&self, system: &System) -> DMatrix<f64> {
         let p = system.covariance.nrows();
-        let doubt = |j: usize| match system.has_misfit(&[j]) {
-            true => system.mean_square(&[j]) * system.persistence(&[j]),
-            false => 1.0,
-        };
-        let doubts: Vec<f64> = (0..self.noise.len()).map(doubt).collect();
+        let doubts = self.doubts(system);
         let blocks = system.blocks.iter().flat_map(|b| b.iter().zip(&doubts));
         let mut normal = blocks
             .map(|(block, doubt)| &block.normal / *doubt)
@@ -263,6 +259,15 @@ impl<'a> Data<'a> {
             corner += &prior.information;
         }
         normal
+    }
+
+    /// By how much less the rows of every joint count: as much as they keep more than noise and go together.
+    pub fn doubts(&self, system: &System) -> Vec<f64> {
+        let doubt = |j: usize| match system.has_misfit(&[j]) {
+            true => system.mean_square(&[j]) * system.persistence(&[j]),
+            false => 1.0,
+        };
+        (0..self.noise.len()).map(doubt).collect()
     }
 
     /// Mean square of the whitened residuals plus the prior's share.

@@ -1,6 +1,7 @@
 //! The whole course: from stretches of data to a report and an augmented model.
 
 use super::between::{self, BetweenFinding};
+use super::border::{RivalTerm, border};
 use super::candidate::candidates;
 use super::model::reported;
 use super::remainder;
@@ -10,10 +11,11 @@ use super::select::{Accepted, Threshold, select};
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
 use super::{
-    AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, RmsPair, Stretch,
-    Verdict,
+    AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, Rival, RmsPair,
+    Stretch, Term, Verdict,
 };
 use crate::model::Robot;
+use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// What can be asked of the tracing.
@@ -88,12 +90,37 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         rms_before: before_rms,
         rms_after: rms(&selected.system.model, stretches, held_out),
     };
+    let mut rival_terms = vec![Vec::new(); start.terms.len()];
+    rival_terms.extend(contests.iter().map(|c| rival_terms_of(&data, &selected.system, c)));
     Outcome {
         report,
+        rival_terms,
+        rate_hz: rate(stretches),
         information: data.known(&selected.system),
         model: selected.system.model,
         noise: data.noise,
     }
+}
+
+/// Rivals as they were fitted, with what the data say of them beside the final model.
+fn rival_terms_of(data: &Data, system: &System, contest: &Contest) -> Vec<RivalTerm> {
+    let of = |(rival, (term, base_values)): (&Rival, &(Term, DVector<f64>))| {
+        let (cross, own) = border(data, system, term);
+        RivalTerm {
+            term: term.clone(),
+            base_values: base_values.clone(),
+            evidence: rival.evidence,
+            cross,
+            own,
+        }
+    };
+    contest.rivals.iter().zip(&contest.fitted).map(of).collect()
+}
+
+/// Rows of a fit per second of the motion.
+fn rate(stretches: &[Stretch]) -> f64 {
+    let of = |s: &Stretch| s.rows() as f64 / (s.motion.samples() as f64 * s.interval);
+    stretches.first().map_or(f64::NAN, of)
 }
 
 impl Outcome {

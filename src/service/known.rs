@@ -19,6 +19,15 @@ pub struct Known {
     robots: BTreeMap<String, Value>,
     /// `(period_s, order)`.
     excitations: BTreeMap<String, (f64, usize)>,
+    /// JSON models of identifications.
+    #[serde(default)]
+    models: BTreeMap<String, Value>,
+    /// What of designs makes their motion.
+    #[serde(default)]
+    designs: BTreeMap<String, Value>,
+    /// The robot that the model of the request is of.
+    #[serde(skip)]
+    owner: Option<String>,
     /// All robots that the request might have named, for proposals.
     #[serde(skip)]
     names: Vec<String>,
@@ -53,7 +62,41 @@ impl Known {
         {
             known.excitations.insert(id.to_string(), found);
         }
+        known.look_up_data(request, service, access).await?;
         Ok(known)
+    }
+
+    /// The robot whose model the request calls by the id of its identification.
+    pub fn owner(&self) -> Option<&str> {
+        self.owner.as_deref()
+    }
+
+    /// Identifications and designs that a design goes on from.
+    async fn look_up_data(&mut self, request: &Value, service: &Service, access: &Access) -> Result<(), Error> {
+        let none = Vec::new();
+        let given = request["given"].as_array().unwrap_or(&none);
+        for (of_request, value) in std::iter::once((true, &request["model"])).chain(given.iter().map(|g| (false, g))) {
+            if let Some(id) = value["identification"].as_str()
+                && let Some(job) = service.find_job(id, access).await?
+                && let Some(hash) = job.model.as_ref().filter(|_| job.kind == Kind::Identification)
+            {
+                let files: Value = serde_json::from_slice(&service.files().read(hash).await?).unwrap_or_default();
+                self.models.insert(id.to_string(), files["json"].clone());
+                if of_request {
+                    self.owner = Some(job.robot);
+                }
+            }
+            if let Some(id) = value["excitation"].as_str()
+                && let Some(job) = service.find_job(id, access).await?
+                && let Some(hash) = job.result.as_ref().filter(|_| job.kind == Kind::Excitation)
+            {
+                let design: Value = serde_json::from_slice(&service.files().read(hash).await?).unwrap_or_default();
+                let part = |name: &str| (name.to_string(), design[name].clone());
+                let motion = ["coefficients", "offset", "fundamental_hz"].map(part).into_iter().collect();
+                self.designs.insert(id.to_string(), Value::Object(motion));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -84,6 +127,14 @@ impl NamedRobots for Known {
 
     fn names(&self) -> Vec<String> {
         self.names.clone()
+    }
+
+    fn model(&self, identification: &str) -> Option<Value> {
+        self.models.get(identification).cloned()
+    }
+
+    fn design(&self, excitation: &str) -> Option<Value> {
+        self.designs.get(excitation).cloned()
     }
 }
 

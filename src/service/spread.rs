@@ -30,7 +30,7 @@ const LOOK_AGAIN: Duration = Duration::from_millis(500);
 /// Time in which other workers may search for this request; `None` where they may not.
 pub fn time_to_spread(request: &Request, class: Class) -> Option<Duration> {
     match request {
-        Request::Excite(r) if class == Class::Long && r.search.options.max_evaluations.is_none() => {
+        Request::Excite(r) if class == Class::Long && r.is_single() && r.search.options.max_evaluations.is_none() => {
             Some(Duration::from_secs_f64(r.search.time_limit_s))
         }
         _ => None,
@@ -91,7 +91,13 @@ pub fn go_on(search: &mut ExcitationRequest, lease: i64, before: Spent) {
 fn best_of(documents: Vec<Value>) -> Value {
     let reached = |d: &Value| {
         let minimised = d["criteria"]["minimised"].as_str()?;
-        d["criteria"][minimised].as_f64()
+        let value = d["criteria"][minimised].as_f64();
+        // The one that the search wants large.
+        if minimised == "rival_evidence" {
+            value.map(|v| 1.0 / v)
+        } else {
+            value
+        }
     };
     let value = |d: &Value| reached(d).unwrap_or(f64::INFINITY);
     let sum = |field: &str| documents.iter().filter_map(|d| d["search"][field].as_u64()).sum::<u64>();

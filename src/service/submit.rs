@@ -71,6 +71,7 @@ impl Service {
             return Ok(job);
         }
         let known = Known::of(&asked.parsed.value, self, access).await?;
+        let owner = known.owner().map(str::to_string);
         let input = Input {
             request: asked.parsed.value.clone(),
             known,
@@ -82,7 +83,7 @@ impl Service {
         let read = tokio::task::spawn_blocking(move || Request::read(kind, &parsed, &names)).await;
         let request = read.map_err(|_| internal_error())??;
         self.check_limits(&request)?;
-        let robot = access.owner(robot_named(&input.request), robot_inside(&input.request))?;
+        let robot = access.owner(robot_named(&input.request).or(owner.as_deref()), robot_inside(&input.request))?;
         let content = serde_json::to_vec(&input).expect("plain data");
         let fingerprint = sha256(&[kind.name().as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), &content].concat());
         if wishes.key.is_none()

@@ -4,6 +4,7 @@ use crate::server::{Answer, Server};
 use dynident::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
 use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::parameters::Layout;
+use dynident::simulate::{Experiment, HiddenEffect, Noise, simulate};
 use dynident::trajectory::{FourierSeries, Trajectory};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
@@ -85,13 +86,52 @@ fn post(server: &Server, path: &str, wait: bool, parts: &[(&str, &str, &str)]) -
     server.send("POST", path, &headers, &multipart(parts))
 }
 
-fn identify(server: &Server) -> Value {
+pub fn identify(server: &Server) -> Value {
     let request = json!({"robot": "planar_two_link", "prediction_points": 20}).to_string();
     let parts = [
         ("request", "", request.as_str()),
         ("log", "run.csv", &log(0.3)),
         ("validation", "other.csv", &log(2.0)),
     ];
+    let answer = post(server, "/identify", true, &parts);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    answer.json()
+}
+
+/// The identification of a log in which the second joint of the planar arm moves a little and feels a constant torque, which a spring
+/// would explain nearly as well.
+pub fn simulated_log(server: &Server) -> Value {
+    let robot = Shipped.named("planar_two_link").unwrap().robot;
+    let layout = Layout::standard(&robot);
+    let size = |j: usize| [0.6, 0.06][j];
+    let coefficient = |j: usize, l: usize, p: f64| size(j) * (p + 1.3 * j as f64 + 2.1 * l as f64).sin();
+    let series = FourierSeries {
+        fundamental_hz: 0.2,
+        a: DMatrix::from_fn(2, 3, |j, l| coefficient(j, l, 0.3)),
+        b: DMatrix::from_fn(2, 3, |j, l| coefficient(j, l, 1.3)),
+        offset: vec![0.1, 0.9],
+    };
+    let log = simulate(&Experiment {
+        robot: &robot,
+        parameters: &truth(&layout),
+        trajectory: &series,
+        periods: 6.0,
+        rate_hz: 100.0,
+        effects: &[HiddenEffect::TorqueOffset { joint: 1, offset: 0.05 }],
+        noise: &Noise::white(vec![0.05, 0.02]),
+        seed: 4,
+    });
+    let mut text = "time,q1,q2,tau1,tau2\n".to_string();
+    for (s, t) in log.time.iter().enumerate() {
+        writeln!(
+            text,
+            "{t},{},{},{},{}",
+            log.q[0][s], log.q[1][s], log.tau[0][s], log.tau[1][s]
+        )
+        .unwrap();
+    }
+    let request = json!({"robot": "planar_two_link", "period_s": 5}).to_string();
+    let parts = [("request", "", request.as_str()), ("log", "run.csv", &text)];
     let answer = post(server, "/identify", true, &parts);
     assert_eq!(answer.status, 200, "{}", answer.text);
     answer.json()

@@ -38,6 +38,8 @@ fn problem(robot: Robot, form: Form, start: Start) -> Problem {
         torque_noise: None,
         torque: None,
         space: None,
+        harmonics: None,
+        knowledge: Knowledge::default(),
     })
     .unwrap()
 }

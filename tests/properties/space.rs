@@ -50,6 +50,8 @@ fn spec(space: Option<SpaceLimits>) -> ProblemSpec {
         torque_noise: None,
         torque: None,
         space,
+        harmonics: None,
+        knowledge: Knowledge::default(),
     }
 }
 

@@ -7,6 +7,7 @@ use super::results::{answer, begin, document, find};
 use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
 use crate::app::Problem;
 use crate::app::{Code, Error};
+use crate::excitation::{Backoff, first_run};
 use crate::io::{DesignDocument, TableFormat, trajectory_csv_parts, trajectory_json_parts};
 use crate::service::access::Access;
 use crate::service::design::Motion;
@@ -16,7 +17,7 @@ use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
 use crate::service::store::{JobRow, sha256};
 use crate::service::submit::Asked;
-use crate::service::work::Kind;
+use crate::service::work::{Input, Kind, Request};
 use crate::trajectory::{FourierSeries, Trajectory};
 use axum::body::Body;
 use axum::extract::{Path, State};
@@ -105,6 +106,10 @@ pub async fn get(
         ("format" = inline(Option<TrajectoryFormat>), Query, description = "`csv` (default) or `json`"),
         ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out", maximum = 1000000),
         ("periods" = Option<usize>, Query, description = "Periods, 1 if left out", minimum = 1),
+        ("index" = Option<usize>, Query, description = "Which of several trajectories that complement each other, from 0"),
+        ("backoff" = Option<f64>, Query, description = "For a first run: factor on the amplitudes around where the motion starts, above 0 to 1. Limits that \
+            bind several joints are looked at again; where one does not hold, the amplitudes are smaller than asked for", maximum = 1),
+        ("slow" = Option<f64>, Query, description = "For a first run: factor on the time that the motion takes, at least 1", minimum = 1, maximum = 100),
     ),
     responses(
         (status = 200, description = "The samples", content((String = "text/csv"), (Object = "application/json"))),
@@ -121,7 +126,24 @@ pub async fn trajectory(
     mut query: QueryFields,
 ) -> Result<Response, Failure> {
     let job = find(&service, &access, &id, Kind::Excitation).await?;
-    let (series, rate_hz) = series_of(&service, &job).await?;
+    let (motion, rate_hz) = motion_of(&service, &job).await?;
+    let most = motion.count();
+    let index = query.take(
+        "index",
+        0,
+        &format!("a whole number below {most}, the trajectories of this design"),
+        |t| t.parse().ok().filter(|i: &usize| *i < most.max(1)),
+    );
+    let backoff = Backoff {
+        amplitude: query.take("backoff", 1.0, "a number above 0 and at most 1", |t| {
+            t.parse().ok().filter(|f: &f64| *f > 0.0 && *f <= 1.0)
+        }),
+        slowness: query.take("slow", 1.0, "a number from 1 to 100", |t| {
+            t.parse().ok().filter(|f: &f64| (1.0..=100.0).contains(f))
+        }),
+    };
+    let series = motion.series_at(index).ok_or_else(no_trajectory)?;
+    let series = first_run_of(&service, &job, series, backoff).await?;
     let formats = [("csv", TableFormat::Csv), ("json", TableFormat::Json)];
     let format = query.take("format", TableFormat::Csv, "csv or json", |text| {
         formats.iter().find(|(name, _)| *name == text).map(|(_, f)| *f)
@@ -164,7 +186,37 @@ fn streamed(parts: impl Iterator<Item = String> + Send + 'static) -> Body {
     Body::from_stream(tokio_stream::iter(parts.map(Ok::<_, Infallible>)))
 }
 
-async fn series_of(service: &Service, job: &JobRow) -> Result<(FourierSeries, f64), Failure> {
+fn no_trajectory() -> Failure {
+    Failure(Error::new(
+        Code::NoTrajectory,
+        "the search ended without a trajectory; its result says why",
+    ))
+}
+
+/// The trajectory as a first run, within the limits of its request.
+async fn first_run_of(
+    service: &Service,
+    job: &JobRow,
+    series: FourierSeries,
+    backoff: Backoff,
+) -> Result<FourierSeries, Failure> {
+    if backoff.amplitude == 1.0 && backoff.slowness == 1.0 {
+        return Ok(series);
+    }
+    let file = job.input.as_ref().ok_or_else(internal_error)?;
+    let input: Input = serde_json::from_slice(&service.files().read(file).await?).map_err(|_| internal_error())?;
+    let work = move || -> Result<Option<FourierSeries>, Error> {
+        let Request::Excite(request) = Request::of(Kind::Excitation, &input)? else {
+            return Ok(None);
+        };
+        Ok(first_run(&request.problem, &series, backoff).map(|run| run.series))
+    };
+    let run = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())??;
+    let none = || Error::new(Code::NoTrajectory, "no part of this motion keeps every limit along the path");
+    Ok(run.ok_or_else(none)?)
+}
+
+async fn motion_of(service: &Service, job: &JobRow) -> Result<(Motion, f64), Failure> {
     if !job.state.is_final() {
         let error = Error::new(Code::NoTrajectory, "the search goes on")
             .with_hint("follow /jobs/{id}/events, or DELETE /jobs/{id} to keep the best found");
@@ -172,11 +224,8 @@ async fn series_of(service: &Service, job: &JobRow) -> Result<(FourierSeries, f6
     }
     let motion: Motion = serde_json::from_slice(&document(service, job).await?).map_err(|_| internal_error())?;
     let rate_hz = motion.sample_rate_hz;
-    let none = || {
-        Error::new(
-            Code::NoTrajectory,
-            "the search ended without a trajectory; its result says why",
-        )
-    };
-    Ok((motion.series().ok_or_else(none)?, rate_hz))
+    if motion.count() == 0 {
+        return Err(no_trajectory());
+    }
+    Ok((motion, rate_hz))
 }

@@ -16,6 +16,8 @@ use utoipa::ToSchema;
 }))]
 #[serde(deny_unknown_fields)]
 pub struct ExcitationRequestSchema {
+    /// That of `model` if left out.
+    #[schema(required = false)]
     robot: RobotOrName,
     fourier: FourierSchema,
     /// Samples per second of the observation matrix.
@@ -25,12 +27,106 @@ pub struct ExcitationRequestSchema {
     criterion: CriterionSchema,
     #[schema(required = false)]
     constraints: ConstraintsSchema,
-    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies; 1 if left out.
+    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies; that of the data of `model`, or 1, if left out.
     torque_noise: Option<Vec<f64>>,
     #[schema(required = false)]
     search: SearchSchema,
+    /// Model to design for: the columns of its effects join Y_b in every criterion.
+    model: Option<DesignModelSchema>,
+    /// Two explanations of one residual, for `rival_evidence`.
+    rivals: Option<RivalsSchema>,
+    /// What is known already: its information is added to that of the new trajectory in every criterion.
+    given: Option<Vec<GivenSchema>>,
+    /// Periods of the new trajectory that will be recorded.
+    #[schema(default = 1, minimum = 1)]
+    periods: Option<u32>,
+    /// Trajectories that complement each other, up to 10: each is designed with those before it as given.
+    #[schema(default = 1, minimum = 1, maximum = 10)]
+    trajectories: Option<u32>,
+    /// Factor on the amplitudes, for a first run in the answer.
+    #[schema(exclusive_minimum = 0, maximum = 1)]
+    backoff: Option<f64>,
     /// An earlier trajectory to go on from, as a design hands it out; of whatever problem for a robot with as many joints.
     warm_start: Option<WarmStartSchema>,
+}
+
+/// A model by the id of its identification, or itself.
+#[derive(Serialize, ToSchema)]
+#[schema(as = DesignModel)]
+#[serde(untagged)]
+pub enum DesignModelSchema {
+    Reference(ReferenceSchema),
+    Model(Box<ModelSchema>),
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = IdentificationReference)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceSchema {
+    /// Id of a finished identification.
+    identification: String,
+}
+
+/// A finding of `model`, and one of the rivals that its data do not exclude.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Rivals)]
+#[serde(deny_unknown_fields)]
+pub struct RivalsSchema {
+    finding: PlaceOrNumberSchema,
+    rival: PlaceOrNumberSchema,
+}
+
+/// Effect and joints as in `residual.findings`, or the place in the list of the model's effects, or of that effect's rivals.
+#[derive(Serialize, ToSchema)]
+#[schema(as = EffectPlaceOrNumber)]
+#[serde(untagged)]
+pub enum PlaceOrNumberSchema {
+    Place(PlaceSchema),
+    Number(u32),
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = EffectPlace)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceSchema {
+    #[schema(example = "torque_offset")]
+    effect: String,
+    joints: Option<Vec<String>>,
+}
+
+/// Data or trajectories there are already.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Given)]
+#[serde(untagged)]
+pub enum GivenSchema {
+    Identification(ReferenceSchema),
+    Design(GivenDesignSchema),
+    Trajectory(GivenTrajectorySchema),
+    Model(Box<ModelSchema>),
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = GivenDesign)]
+#[serde(deny_unknown_fields)]
+pub struct GivenDesignSchema {
+    /// Id of a finished design.
+    excitation: String,
+    /// Periods recorded.
+    #[schema(default = 1, minimum = 1)]
+    periods: Option<u32>,
+}
+
+#[derive(Serialize, ToSchema)]
+#[schema(as = GivenTrajectory)]
+#[serde(deny_unknown_fields)]
+pub struct GivenTrajectorySchema {
+    coefficients: crate::io::Coefficients,
+    /// Position of every joint around which it moves [rad or m].
+    offset: Vec<f64>,
+    fundamental_hz: f64,
+    /// Periods recorded.
+    #[schema(default = 1, minimum = 1)]
+    periods: Option<u32>,
 }
 
 /// An earlier trajectory.
@@ -51,8 +147,17 @@ pub struct WarmStartSchema {
 pub struct FourierSchema {
     /// Harmonics L, 2 to 50.
     order: u32,
-    /// Fundamental frequency; the period is its inverse.
-    fundamental_hz: f64,
+    /// Fundamental frequency; the period is its inverse. Of a list the best is found, for recordings of equal length.
+    fundamental_hz: OneOrSeveral,
+    /// Harmonics of every joint, at least two each; all up to the order if left out.
+    harmonics: Option<Vec<Vec<u32>>>,
+}
+
+#[derive(Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum OneOrSeveral {
+    One(f64),
+    Several(Vec<f64>),
 }
 
 /// What is minimised.
@@ -64,6 +169,10 @@ pub enum CriterionSchema {
     DOptimality,
     AOptimality,
     IOptimality,
+    /// Greatest expected evidence between two rivals; needs `model` and `rivals`.
+    RivalEvidence,
+    /// What is recommended: `i_optimality`.
+    Recommended,
 }
 
 #[derive(Serialize, ToSchema)]
@@ -446,6 +555,18 @@ pub struct AugmentedModelSchema {
     base_values: Vec<f64>,
     /// Inverse covariance of the base values, then of coefficients and free shapes effect by effect.
     information: Vec<Vec<f64>>,
+    noise: Option<ModelNoiseSchema>,
+}
+
+/// Torque noise of the data, as white noise that hides slow signals as much.
+#[derive(Serialize, ToSchema)]
+#[schema(as = ModelNoise)]
+#[serde(deny_unknown_fields)]
+pub struct ModelNoiseSchema {
+    /// Of every joint [N·m or N].
+    std_dev: Vec<f64>,
+    /// Rows per second that it is of.
+    rate_hz: f64,
 }
 
 /// An effect with its values.
@@ -466,6 +587,36 @@ pub struct AddedEffectSchema {
     /// The same values by name, with units.
     #[schema(value_type = Option<Vec<Object>>)]
     parameters: Option<Vec<String>>,
+    /// Effects that the data do not exclude in its place.
+    rivals: Option<Vec<RivalEffectSchema>>,
+}
+
+/// A rival of an effect, as it was fitted in its place.
+#[derive(Serialize, ToSchema)]
+#[schema(as = RivalEffect)]
+pub struct RivalEffectSchema {
+    #[schema(example = "torque_offset")]
+    effect: String,
+    joints: Vec<String>,
+    /// Variant of the effect, from 0.
+    form: u32,
+    coefficients: Vec<f64>,
+    shape: Vec<f64>,
+    /// How many of the shape parameters were estimated, from the first.
+    free_shapes: u32,
+    /// Least and largest value of every shape parameter; null is none.
+    bounds: Vec<Vec<Option<f64>>>,
+    /// The same values by name, with units.
+    #[schema(value_type = Option<Vec<Object>>)]
+    parameters: Option<Vec<String>>,
+    /// Twice the log of the evidence ratio in favour of the finding.
+    evidence: f64,
+    /// Base parameters of that fit.
+    base_values: Vec<f64>,
+    /// Information that its columns have in common with those of the model.
+    cross: Vec<Vec<f64>>,
+    /// Information of its own columns.
+    own: Vec<Vec<f64>>,
 }
 
 #[derive(Serialize, ToSchema)]

@@ -26,6 +26,7 @@ pub struct JobRow {
     /// A stored error.
     pub error: Option<Value>,
     /// Files.
+    pub input: Option<String>,
     pub result: Option<String>,
     pub model: Option<String>,
 }
@@ -104,7 +105,7 @@ pub enum Submission {
 }
 
 const COLUMNS: &str = "id, kind, robot, state, sequence, cancel_requested, created_us, started_us, finished_us, outcome, progress, step, \
-     error, result, model";
+     error, input, result, model";
 
 impl JobRow {
     fn read(row: &AnyRow) -> Result<Self, Error> {
@@ -130,6 +131,7 @@ impl JobRow {
                 progress: json("progress")?,
                 step: json("step")?,
                 error: json("error")?,
+                input: text("input")?,
                 result: text("result")?,
                 model: text("model")?,
             })

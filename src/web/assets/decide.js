@@ -23,7 +23,8 @@ export async function nextRequest({ result }, pair) {
   return {
     robot: typeof asked.robot === 'string' ? asked.robot : result.provenance.robot,
     fourier: { order: before?.fourier?.order ?? 5, fundamental_hz: before?.fourier?.fundamental_hz ?? 1 / periodOf(result) }, sample_rate_hz: before?.sample_rate_hz ?? 100,
-    criterion: 'i_optimality',
+    model: { identification: result.id }, given: [{ identification: result.id }], periods: PERIODS,
+    ...(pair ? { criterion: 'rival_evidence', rivals: pair } : { criterion: 'i_optimality' }),
     constraints: before?.constraints ?? { form: 'exact', start: 'free' }, search: { seed: 1, time_limit_s: 20 },
   };
 }

@@ -1,0 +1,209 @@
+//! Two explanations of one residual, and how well a motion tells them apart.
+//!
+//! If effect A is what moves the arm, the log holds `C_A a` beside `Y_b π_b` and the other effects. A fit with its rival B in A's place takes over
+//! what the columns of `Y_b`, of the other effects and of B can imitate; the rest stays as a weighted sum of squares
+//!
+//! ```text
+//! E_A = min_z ‖W (C_A a − R z)‖²,   R = [Y_b, others, C_B],   W = 1/σ_j
+//! ```
+//!
+//! which is the expectation of twice the logarithm of the likelihood ratio between the two, up to the chance part that each further free
+//! parameter takes off any residual (one per parameter). A parameter that columns are not linear in stands in R with its derivative at its present value. The
+//! motion is as good as its worse direction: `min(E_A, E_B)`.
+//!
+//! An effect that is a special case of the other (an offset, of a spring with any rest angle) leaves nothing over if it is true, whatever the motion: only
+//! parsimony then speaks against the other. That direction is left out of the minimum.
+
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// One of two explanations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypothesis {
+    /// Its columns among the added ones.
+    pub columns: Range<usize>,
+    /// What stands on them if it is true: coefficients as found; zero on derivatives by shapes.
+    pub values: Vec<f64>,
+}
+
+/// Two explanations that exclude each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rivals {
+    pub finding: Hypothesis,
+    pub rival: Hypothesis,
+    /// `WᵀW` of the data that both came from, over all columns; `None` where it is not known.
+    pub recorded: Option<DMatrix<f64>>,
+    /// Whether finding, or rival, is a special case of the other. Found out by [`super::Problem::new`].
+    pub nested: [bool; 2],
+}
+
+/// Evidence to be expected between two rivals: twice the logarithm of the odds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExpectedEvidence {
+    pub if_finding: f64,
+    pub if_rival: f64,
+    nested: [bool; 2],
+}
+
+impl ExpectedEvidence {
+    /// In the worse of the two cases, but for one in which nothing can be left over.
+    pub fn least(&self) -> f64 {
+        match self.nested {
+            [true, true] => 0.0,
+            [true, false] => self.if_rival,
+            [false, true] => self.if_finding,
+            [false, false] => self.if_finding.min(self.if_rival),
+        }
+    }
+}
+
+/// What is left of an effect is nothing when it is less than this part of it: a ridge of 1e-12 and rounding of the Gram matrix are less, and what is
+/// to be seen at all is more.
+const NESTED: f64 = 1e-8;
+
+/// Part of a scaled column's square that counts as rounding: exactly dependent columns need no share of the residual.
+const RIDGE: f64 = 1e-12;
+/// Evidence below which two effects are the same, for logarithms.
+const NONE: f64 = 1e-30;
+
+impl Rivals {
+    /// From the Gram matrix over all columns, the first `base` of which are those of `Y_b`.
+    pub(super) fn expected(&self, gram: &DMatrix<f64>, base: usize) -> ExpectedEvidence {
+        ExpectedEvidence {
+            if_finding: left_over(gram, base, &self.finding).0,
+            if_rival: left_over(gram, base, &self.rival).0,
+            nested: self.nested,
+        }
+    }
+
+    /// Which of the two leave nothing over on the motions with these Gram matrices.
+    pub(super) fn nested_on(&self, grams: &[DMatrix<f64>], base: usize) -> [bool; 2] {
+        [&self.finding, &self.rival].map(|of| {
+            grams.iter().all(|gram| {
+                let own = base + of.columns.start;
+                let values = DVector::from_column_slice(&of.values);
+                let all = gram.view((own, own), (values.len(), values.len())) * &values;
+                left_over(gram, base, of).0 <= NESTED * all.dot(&values)
+            })
+        })
+    }
+
+    /// `−½ ln` of a soft minimum of the two, with its derivative G: `dF = tr(G dM)`.
+    pub(super) fn smooth(&self, gram: &DMatrix<f64>, base: usize, power: f64) -> (f64, DMatrix<f64>) {
+        let both = [left_over(gram, base, &self.finding), left_over(gram, base, &self.rival)];
+        let counts = |i: &usize| !self.nested[*i] || self.nested == [true, true];
+        let least = [0, 1]
+            .into_iter()
+            .filter(counts)
+            .map(|i| both[i].0.max(NONE))
+            .fold(f64::INFINITY, f64::min);
+        let shares = [0, 1].map(|i| {
+            if counts(&i) {
+                (least / both[i].0.max(NONE)).powf(power)
+            } else {
+                0.0
+            }
+        });
+        let sum = shares[0] + shares[1];
+        let mut slope = DMatrix::zeros(gram.nrows(), gram.ncols());
+        for ((evidence, v), share) in both.iter().zip(shares) {
+            slope.ger(-0.5 * share / (sum * evidence.max(NONE)), v, v, 1.0);
+        }
+        (0.5 * (sum.ln() / power - least.ln()), slope)
+    }
+
+    /// The logarithm of what is minimised, nothing smoothed.
+    pub(super) fn true_log_value(&self, gram: &DMatrix<f64>, base: usize) -> f64 {
+        -0.5 * self.expected(gram, base).least().max(NONE).ln()
+    }
+}
+
+/// `min_z` of the quadratic form at `v = (values, −z)`, and that v: by the envelope theorem its derivative by M is `v vᵀ`.
+fn left_over(gram: &DMatrix<f64>, base: usize, of: &Hypothesis) -> (f64, DVector<f64>) {
+    let size = gram.nrows();
+    let own = base + of.columns.start..base + of.columns.end;
+    let mut v = DVector::zeros(size);
+    own.clone().zip(&of.values).for_each(|(i, value)| v[i] = *value);
+    let pull = gram * &v;
+    let free: Vec<usize> = (0..size).filter(|i| !own.contains(i) && gram[(*i, *i)] > 0.0).collect();
+    let scale: Vec<f64> = free.iter().map(|&i| gram[(i, i)].sqrt().recip()).collect();
+    let right = DVector::from_fn(free.len(), |i, _| pull[free[i]] * scale[i]);
+    let mut ridge = RIDGE;
+    let solved = loop {
+        let mut scaled = DMatrix::from_fn(free.len(), free.len(), |r, c| gram[(free[r], free[c])] * scale[r] * scale[c]);
+        (0..free.len()).for_each(|i| scaled[(i, i)] += ridge);
+        match scaled.cholesky() {
+            Some(factor) => break factor.solve(&right),
+            // Rounding made it indefinite: a unit matrix at the latest is not.
+            None => ridge *= 100.0,
+        }
+    };
+    free.iter()
+        .zip(&scale)
+        .zip(solved.iter())
+        .for_each(|((&i, s), z)| v[i] = -s * z);
+    ((gram * &v).dot(&v).max(0.0), v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns() -> DMatrix<f64> {
+        DMatrix::from_fn(40, 7, |r, c| ((3 * r * r + 5 * c * c + 7 * r * c + r) as f64 * 0.37).sin())
+    }
+
+    fn rivals() -> Rivals {
+        let side = |columns: Range<usize>, values: &[f64]| Hypothesis {
+            columns,
+            values: values.to_vec(),
+        };
+        Rivals {
+            finding: side(0..2, &[0.7, -0.2]),
+            rival: side(2..3, &[1.3]),
+            recorded: None,
+            nested: [false; 2],
+        }
+    }
+
+    /// By orthogonal projection of the rows themselves.
+    #[test]
+    fn prop_evidence_is_the_residual_of_the_rivals_least_squares_fit() {
+        let w = columns();
+        let gram = w.tr_mul(&w);
+        let found = rivals().expected(&gram, 4);
+        let residual = |own: &[usize], values: &[f64]| {
+            let target: DVector<f64> = own.iter().zip(values).map(|(&i, v)| w.column(i) * *v).sum();
+            let free: Vec<usize> = (0..7).filter(|i| !own.contains(i)).collect();
+            let basis = w.select_columns(&free).qr().q();
+            (&target - &basis * basis.tr_mul(&target)).norm_squared()
+        };
+        let (a, b) = (residual(&[4, 5], &[0.7, -0.2]), residual(&[6], &[1.3]));
+        // Normal equations of a well-conditioned random matrix and a ridge of 1e-12: ten digits are left.
+        assert!((found.if_finding - a).abs() < 1e-9 * a && (found.if_rival - b).abs() < 1e-9 * b);
+        // A copy of A's contribution among the free columns leaves nothing.
+        let mut same = w.clone();
+        let copy = same.column(4) * 0.7 - same.column(5) * 0.2;
+        same.set_column(0, &copy);
+        let none = rivals().expected(&same.tr_mul(&same), 4).if_finding;
+        assert!(none < 1e-9 * a, "{none}");
+    }
+
+    #[test]
+    fn prop_derivative_equals_the_difference() {
+        let w = columns();
+        let gram = |h: f64| {
+            let moved = DMatrix::from_fn(40, 7, |r, c| w[(r, c)] + h * ((r + 11 * c) as f64).cos());
+            moved.tr_mul(&moved)
+        };
+        let pair = rivals();
+        let h = 1e-6;
+        let (value, slope) = pair.smooth(&gram(0.0), 4, 10.0);
+        let difference = (pair.smooth(&gram(h), 4, 10.0).0 - pair.smooth(&gram(-h), 4, 10.0).0) / (2.0 * h);
+        let exact = slope.dot(&((gram(h) - gram(-h)) / (2.0 * h)));
+        assert!((difference - exact).abs() < 1e-7, "{difference} {exact}");
+        // Above the true value by at most ln(2)/(2 p).
+        let over = value - pair.true_log_value(&gram(0.0), 4);
+        assert!((-1e-12..=2f64.ln() / 20.0).contains(&over), "{over}");
+    }
+}

@@ -1,0 +1,282 @@
+//! What an excitation request knows beside the robot: a model with its effects, two rivals to tell apart, data and trajectories there are already.
+
+use super::augmented_document::{ReadModel, read_model_with_effects};
+use super::cursor::{Cursor, Fields, Findings};
+use super::robot::{NamedRobots, read_robot_or_name};
+use super::validate_request::MODEL_FIELDS;
+use super::warm_start::read_trajectory;
+use crate::excitation::{Added, Given, Hypothesis, Knowledge, Rivals};
+use crate::model::Robot;
+use crate::parameters::BaseParameters;
+use crate::residual::{AugmentedModel, EffectColumns, RivalTerm, Term, information_over};
+use nalgebra::DMatrix;
+use serde_json::Value;
+use std::sync::Arc;
+
+/// How a request calls what a server has.
+pub const REFERENCE_FIELDS: &[&str] = &["identification"];
+pub const RIVALS_FIELDS: &[&str] = &["finding", "rival"];
+pub const PLACE_FIELDS: &[&str] = &["effect", "joints"];
+pub const GIVEN_DESIGN_FIELDS: &[&str] = &["excitation", "periods"];
+pub const GIVEN_TRAJECTORY_FIELDS: &[&str] = &["coefficients", "offset", "fundamental_hz", "periods"];
+
+/// An identified model with its robot.
+#[derive(Debug, Clone)]
+pub struct DesignModel {
+    pub robot: Robot,
+    pub read: ReadModel,
+}
+
+/// What the columns beside the regressor's are of.
+#[derive(Debug, Clone, Default)]
+pub struct DesignTerms {
+    /// In the order of the columns.
+    pub terms: Vec<Term>,
+    /// Places of finding and rival among them.
+    pub rivals: Option<[usize; 2]>,
+}
+
+/// Reads `model`: inline, or by the id of the identification that it is of.
+pub(super) fn read_design_model(fields: &Fields, known: &dyn NamedRobots) -> Option<DesignModel> {
+    let cursor = fields.nullable("model")?;
+    read_model_of(&cursor, known)
+}
+
+fn read_model_of(cursor: &Cursor, known: &dyn NamedRobots) -> Option<DesignModel> {
+    if cursor.value().get("identification").is_none() {
+        return read_inline(cursor, known);
+    }
+    let id = cursor.fields(REFERENCE_FIELDS)?.required("identification")?;
+    let Some(document) = known.model(id.string()?) else {
+        id.complain_with(
+            "is no identification with a model that is known here",
+            "give the id of a finished identification, or its JSON model itself",
+        );
+        return None;
+    };
+    // It was written here: what is wrong with it is not the client's.
+    let own = Findings::new(Vec::new());
+    let read = read_inline(&Cursor::root(&document, &own), known);
+    if read.is_none() || !own.is_empty() {
+        id.complain_with(
+            "has a model without its `augmented` part",
+            "identify again with this version, with tracing on",
+        );
+    }
+    read
+}
+
+fn read_inline(cursor: &Cursor, known: &dyn NamedRobots) -> Option<DesignModel> {
+    let fields = cursor.fields(MODEL_FIELDS)?;
+    let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, known))?.robot;
+    let read = fields
+        .required("augmented")
+        .and_then(|c| read_model_with_effects(&c, &robot))?;
+    Some(DesignModel { robot, read })
+}
+
+/// Places of the two among the model's effects and that effect's rivals.
+fn read_rivals(fields: &Fields, model: Option<&DesignModel>) -> Option<(usize, RivalTerm)> {
+    let cursor = fields.nullable("rivals")?;
+    let two = cursor.fields(RIVALS_FIELDS)?;
+    let (finding, rival) = (two.required("finding")?, two.required("rival")?);
+    if fields
+        .nullable("criterion")
+        .is_none_or(|c| c.value().as_str() != Some("rival_evidence"))
+    {
+        cursor.complain_with(
+            "is for the criterion `rival_evidence`",
+            "set `criterion`, or leave `rivals` out",
+        );
+        return None;
+    }
+    let Some(model) = model else {
+        cursor.complain_with("needs the model that has them", "give `model`");
+        return None;
+    };
+    let terms = &model.read.model.terms;
+    let robot = &model.robot;
+    let at = place(&finding, robot, terms.iter())?;
+    let list = &model.read.rivals[at];
+    let which = place(&rival, robot, list.iter().map(|r| &r.term))?;
+    Some((at, list[which].clone()))
+}
+
+/// A place in a list of terms: its number, or effect and joints.
+fn place<'t>(cursor: &Cursor, robot: &Robot, terms: impl Iterator<Item = &'t Term>) -> Option<usize> {
+    let terms: Vec<&Term> = terms.collect();
+    let names = |term: &Term| -> Vec<&str> { term.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect() };
+    if terms.is_empty() {
+        cursor.complain_with(
+            "is asked for, and the model holds none",
+            "rivals are kept with the findings of an identification that the data do not decide; this one has nothing to decide",
+        );
+        return None;
+    }
+    if cursor.value().is_number() {
+        return cursor.whole(0, terms.len() as u64 - 1).map(|n| n as usize);
+    }
+    let fields = cursor.fields(PLACE_FIELDS)?;
+    let effect = fields.required("effect")?.string()?;
+    let joints: Vec<&str> = match fields.nullable("joints") {
+        Some(list) => list.items()?.iter().filter_map(|c| c.string()).collect(),
+        None => Vec::new(),
+    };
+    // A finding of the whole robot names all joints, its term none.
+    let fits = |t: &&Term| t.effect.code() == effect && (t.joints.is_empty() || joints.is_empty() || names(t) == joints);
+    let found = terms.iter().position(fits);
+    if found.is_none() {
+        let offered: Vec<String> = terms
+            .iter()
+            .map(|t| format!("{} on {:?}", t.effect.code(), names(t)))
+            .collect();
+        cursor.complain_with(
+            format!("is `{effect}` on {joints:?}, which the model does not hold there"),
+            format!("it holds {}", offered.join(", ")),
+        );
+    }
+    found
+}
+
+/// Everything of the request that the information matrix holds beside one period of `Y_b`.
+pub(super) fn read_knowledge(
+    fields: &Fields,
+    known: &dyn NamedRobots,
+    robot: &Robot,
+    model: Option<&DesignModel>,
+) -> (Knowledge, DesignTerms) {
+    let rivals = read_rivals(fields, model);
+    let base = BaseParameters::exact(robot);
+    let mut terms = DesignTerms::default();
+    let mut knowledge = Knowledge::default();
+    if let Some(model) = model {
+        if names_of(&model.robot) != names_of(robot) {
+            let pointer = fields.pointer_to("model");
+            fields.complain_at(&pointer, "is of an arm with other joints than `robot`");
+            return (knowledge, terms);
+        }
+        let own = &model.read.model;
+        let bare = AugmentedModel {
+            terms: Vec::new(),
+            ..own.clone()
+        };
+        let mut sources: Vec<(Term, AugmentedModel)> = own.terms.iter().map(|t| (t.clone(), bare.clone())).collect();
+        if let Some((_, rival)) = &rivals {
+            let beside = AugmentedModel {
+                values: rival.base_values.clone(),
+                ..bare
+            };
+            sources.push((rival.term.clone(), beside));
+        }
+        terms.terms = sources.iter().map(|s| s.0.clone()).collect();
+        let borrowed: Vec<(Term, &AugmentedModel)> = sources.iter().map(|(t, m)| (t.clone(), m)).collect();
+        if !borrowed.is_empty() {
+            knowledge.added = Some(Added(Arc::new(EffectColumns::new(robot, &borrowed))));
+        }
+        if let Some((at, _)) = &rivals {
+            let last = terms.terms.len() - 1;
+            terms.rivals = Some([*at, last]);
+            knowledge.rivals = Some(Rivals {
+                finding: hypothesis(&terms.terms, *at),
+                rival: hypothesis(&terms.terms, last),
+                recorded: Some(known_of(model, &base, &terms.terms)),
+                nested: [false; 2],
+            });
+        }
+    }
+    let given = fields.nullable("given").and_then(|c| c.items()).unwrap_or_default();
+    let read = given.iter().filter_map(|c| read_given(c, known, robot, &base, &terms.terms));
+    knowledge.given = read.collect();
+    let most = 1_000_000;
+    knowledge.periods = fields.nullable("periods").and_then(|c| c.whole(1, most)).unwrap_or(1) as f64;
+    (knowledge, terms)
+}
+
+fn names_of(robot: &Robot) -> Vec<&str> {
+    robot.joints().iter().map(|j| j.name.as_str()).collect()
+}
+
+/// Columns of a term, and what stands on them.
+fn hypothesis(terms: &[Term], at: usize) -> Hypothesis {
+    let first = terms[..at].iter().map(Term::parameters).sum::<usize>();
+    let term = &terms[at];
+    let values = match term.coefficients.is_empty() {
+        // A distortion: its parameters themselves.
+        true => term.shape[..term.free_shapes].to_vec(),
+        false => term.coefficients.iter().copied().chain(vec![0.0; term.free_shapes]).collect(),
+    };
+    Hypothesis {
+        columns: first..first + term.parameters(),
+        values,
+    }
+}
+
+/// What the data of an identification say of the columns of a design.
+fn known_of(model: &DesignModel, base: &BaseParameters, wanted: &[Term]) -> DMatrix<f64> {
+    let read = &model.read;
+    let mut terms = read.model.terms.clone();
+    let mut information = read.prior.information.clone();
+    let is_new = |r: &&RivalTerm| {
+        let same = |t: &Term| t.effect.code() == r.term.effect.code() && t.joints == r.term.joints && t.form == r.term.form;
+        wanted.iter().any(same) && !read.model.terms.iter().any(same)
+    };
+    // What one rival does beside another was not kept; a design has one.
+    if let Some(rival) = read.rivals.iter().flatten().find(is_new) {
+        let (p, k) = (information.nrows(), rival.own.nrows());
+        information = information.resize(p + k, p + k, 0.0);
+        information.view_mut((0, p), (p, k)).copy_from(&rival.cross);
+        information.view_mut((p, 0), (k, p)).copy_from(&rival.cross.transpose());
+        information.view_mut((p, p), (k, k)).copy_from(&rival.own);
+        terms.push(rival.term.clone());
+    }
+    information_over(&read.model.base, &terms, &information, base, wanted)
+}
+
+fn read_given(cursor: &Cursor, known: &dyn NamedRobots, robot: &Robot, base: &BaseParameters, wanted: &[Term]) -> Option<Given> {
+    let value = cursor.value();
+    if value.get("identification").is_some() || value.get("robot").is_some() {
+        let model = read_model_of(cursor, known)?;
+        if names_of(&model.robot) != names_of(robot) {
+            cursor.complain("is of an arm with other joints than `robot`");
+            return None;
+        }
+        return Some(Given::Information(known_of(&model, base, wanted)));
+    }
+    let (series, periods) = match value.get("excitation").is_some() {
+        true => read_given_design(cursor, known, robot)?,
+        false => {
+            let fields = cursor.fields(GIVEN_TRAJECTORY_FIELDS)?;
+            let series = read_trajectory(cursor, &fields, Some(robot.joint_count()));
+            (series?, read_periods(&fields))
+        }
+    };
+    Some(Given::Motion { series, periods })
+}
+
+fn read_periods(fields: &Fields) -> f64 {
+    fields.nullable("periods").and_then(|c| c.whole(1, 1_000_000)).unwrap_or(1) as f64
+}
+
+fn read_given_design(cursor: &Cursor, known: &dyn NamedRobots, robot: &Robot) -> Option<(crate::trajectory::FourierSeries, f64)> {
+    let fields = cursor.fields(GIVEN_DESIGN_FIELDS)?;
+    let id = fields.required("excitation")?;
+    let periods = read_periods(&fields);
+    let Some(document) = known.design(id.string()?) else {
+        id.complain_with(
+            "is no design with a trajectory that is known here",
+            "give the id of a finished POST /excitation, or coefficients, offset and fundamental_hz themselves",
+        );
+        return None;
+    };
+    let part = |name: &str| (name.to_string(), document[name].clone());
+    let trajectory = Value::Object(["coefficients", "offset", "fundamental_hz"].map(part).into_iter().collect());
+    let own = Findings::new(Vec::new());
+    let root = Cursor::root(&trajectory, &own);
+    let read = root
+        .fields(GIVEN_TRAJECTORY_FIELDS)
+        .and_then(|f| read_trajectory(&root, &f, Some(robot.joint_count())));
+    if read.is_none() {
+        id.complain("is a design for another robot, or one that ended without a trajectory");
+    }
+    read.map(|series| (series, periods))
+}

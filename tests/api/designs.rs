@@ -1,0 +1,156 @@
+//! Designs that go on from what the server has: models, data, earlier trajectories.
+
+use crate::identify::{identify, simulated_log};
+use crate::server::{Server, quick_request};
+use serde_json::{Value, json};
+
+fn problems(answer: &crate::server::Answer) -> Vec<String> {
+    let list = answer.problem()["errors"].as_array().cloned().unwrap_or_default();
+    list.iter().map(|e| e["pointer"].as_str().unwrap().to_string()).collect()
+}
+
+#[test]
+fn a_design_goes_on_from_data_and_designs_by_their_ids() {
+    let server = Server::start();
+    let identification = identify(&server)["id"].clone();
+    let first = server.excite(&quick_request()).json();
+    let mut request = quick_request();
+    request.as_object_mut().unwrap().remove("robot");
+    request["model"] = json!({"identification": identification});
+    request["criterion"] = json!("recommended");
+    request["fourier"] = json!({"order": 3, "fundamental_hz": [0.2, 0.25], "harmonics": [[1, 2, 3], [1, 3]]});
+    request["given"] = json!([{"identification": identification}, {"excitation": first["id"], "periods": 3}]);
+    request["periods"] = json!(4);
+    request["trajectories"] = json!(2);
+    request["backoff"] = json!(0.4);
+    let answer = server.excite(&request);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    let design = answer.json();
+    assert_eq!(design["criteria"]["minimised"], "i_optimality");
+    assert_eq!(design["recommended_criterion"]["criterion"], "i_optimality");
+    assert_eq!(design["periods"], 4.0);
+    assert!([0.2, 0.25].contains(&design["fundamental_hz"].as_f64().unwrap()));
+    // Joint 2 has no second harmonic.
+    assert_eq!(design["coefficients"]["a"][1][1], 0.0);
+    assert_ne!(design["coefficients"]["a"][0][1], 0.0);
+    // The second trajectory adds to the first.
+    let further = &design["further"][0];
+    let error = |d: &Value| d["criteria"]["i_optimality"].as_f64().unwrap();
+    assert!(error(further) < error(&design), "{} {}", error(further), error(&design));
+    // What is known already counts: the same without it predicts larger deviations.
+    request.as_object_mut().unwrap().remove("given");
+    request["trajectories"] = json!(1);
+    request["warm_start"] =
+        json!({"coefficients": design["coefficients"], "offset": design["offset"], "fundamental_hz": design["fundamental_hz"]});
+    let alone = server.excite(&request).json();
+    assert!(error(&alone) > error(&design));
+    let run = &design["first_run"];
+    assert_eq!(run["backoff"], 0.4);
+    let ratio = run["coefficients"]["a"][0][0].as_f64().unwrap() / design["coefficients"]["a"][0][0].as_f64().unwrap();
+    assert!((ratio - 0.4).abs() < 1e-12);
+    assert!(
+        run["margins"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|m| m["margin"].as_f64().unwrap() > 0.0)
+    );
+    let id = design["id"].as_str().unwrap();
+    let table = |query: &str| {
+        server
+            .get(&format!("/excitation/{id}/trajectory?format=json&rate_hz=50{query}"))
+            .json()
+    };
+    let (full, slow, second) = (table(""), table("&backoff=0.5&slow=2"), table("&index=1"));
+    let cell = |t: &Value, row: usize, column: usize| t["rows"][row][column].as_f64().unwrap();
+    // Twice the time, half of the way from the start, a quarter of the velocity.
+    let [q0, q1] = [0, 20].map(|row| cell(&full, row, 1));
+    assert!((cell(&slow, 40, 1) - (q0 + 0.5 * (q1 - q0))).abs() < 1e-12);
+    assert!((cell(&slow, 40, 3) - 0.25 * cell(&full, 20, 3)).abs() < 1e-12);
+    assert_ne!(cell(&second, 20, 1), q1);
+    for (query, parameter) in [("index=2", "index"), ("backoff=0", "backoff"), ("slow=0.5", "slow")] {
+        let answer = server.get(&format!("/excitation/{id}/trajectory?{query}"));
+        assert_eq!(
+            (answer.status, problems(&answer)),
+            (400, vec![format!("/query/{parameter}")]),
+            "{query}"
+        );
+    }
+}
+
+/// The first log moves one joint a little only; what it leaves open is decided by a design for just that.
+#[test]
+fn a_finding_and_its_rival_are_told_apart_by_a_design() {
+    let server = Server::start();
+    let identification = simulated_log(&server);
+    let finding = &identification["residual"]["findings"][0];
+    let rival = &finding["rivals"][0];
+    assert!(rival.is_object(), "{}", identification["residual"]);
+    let place = |f: &Value| json!({"effect": f["effect"], "joints": f["joints"]});
+    let mut request = quick_request();
+    request["model"] = json!({"identification": identification["id"]});
+    request["given"] = json!([{"identification": identification["id"]}]);
+    request["criterion"] = json!("rival_evidence");
+    request["rivals"] = json!({"finding": place(finding), "rival": place(rival)});
+    request["constraints"] = json!({"form": "exact", "start": "free"});
+    let answer = server.excite(&request);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    let design = answer.json();
+    let rivals = &design["rivals"];
+    assert_eq!(rivals["finding"]["effect"], finding["effect"]);
+    let least = |of: &str| rivals["expected_evidence"][of]["least"].as_f64().unwrap();
+    assert!(least("designed") > 10.0 * least("recorded"), "{rivals}");
+    assert_eq!(rivals["decides"], true);
+    assert_eq!(design["criteria"]["rival_evidence"].as_f64().unwrap(), least("designed"));
+    assert_eq!(design["effects"].as_array().unwrap().len(), 2);
+    for (wrong, pointer) in [
+        (
+            json!({"finding": {"effect": "payload", "joints": []}, "rival": 0}),
+            "/rivals/finding",
+        ),
+        (
+            json!({"finding": 0, "rival": {"effect": "torque_gain", "joints": ["J1"]}}),
+            "/rivals/rival",
+        ),
+        (json!({"finding": 0, "rival": 99}), "/rivals/rival"),
+    ] {
+        request["rivals"] = wrong;
+        let answer = server.excite(&request);
+        assert_eq!(
+            (answer.status, problems(&answer)),
+            (422, vec![pointer.to_string()]),
+            "{}",
+            answer.text
+        );
+    }
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let server = Server::start();
+    let mut request = quick_request();
+    request["model"] = json!({"identification": "nothing"});
+    request["given"] = json!([{"excitation": "nothing"}, {"identification": "nothing"}, {"periods": 3}]);
+    request["periods"] = json!(0);
+    request["trajectories"] = json!(11);
+    request["backoff"] = json!(1.5);
+    request["fourier"] = json!({"order": 3, "fundamental_hz": [0.2, -1], "harmonics": [[1, 2, 3], [3, 4]]});
+    let answer = server.excite(&request);
+    assert_eq!(answer.status, 422, "{}", answer.text);
+    let found = problems(&answer);
+    for pointer in [
+        "/model/identification",
+        "/given/0/excitation",
+        "/given/1/identification",
+        "/periods",
+        "/trajectories",
+        "/backoff",
+        "/fourier/fundamental_hz/1",
+        "/fourier/harmonics/1",
+    ] {
+        assert!(found.iter().any(|p| p == pointer), "{pointer} not among {found:?}");
+    }
+    let mut alone = quick_request();
+    alone["criterion"] = json!("rival_evidence");
+    assert_eq!(problems(&server.excite(&alone)), ["/rivals"]);
+}

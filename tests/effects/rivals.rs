@@ -1,0 +1,181 @@
+//! A residual that could be one of two things, and the experiment that decides it: identified, designed for, simulated, identified again.
+
+use crate::bench::*;
+use dynident::excitation::{Control, Halt, Progress, SearchOptions, search};
+use dynident::io::shipped::Shipped;
+use dynident::io::{DesignDocument, parse, read_excitation_request, robot_value, traced_value};
+use dynident::model::{Limits, Robot};
+use dynident::residual::{Outcome, TraceOptions, trace};
+use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
+use dynident::trajectory::{FourierSeries, Trajectory};
+use serde_json::{Value, json};
+
+struct Forever;
+
+impl Control for Forever {
+    fn halt(&self) -> Option<Halt> {
+        None
+    }
+
+    fn progress(&self, _: &Progress) {}
+}
+
+fn limited(robot: &Robot) -> Robot {
+    let limits = Limits {
+        position: Some([-2.0, 2.0]),
+        velocity: Some(1.5),
+        ..Limits::unlimited()
+    };
+    let joints = robot.joints().iter().map(|j| j.clone().with_limits(limits)).collect();
+    Robot::new(robot.name(), robot.gravity(), joints, robot.friction()).unwrap()
+}
+
+/// A cautious first experiment: one joint moves a little only.
+fn cautious(joints: usize, joint: usize, share: f64, seed: u64) -> FourierSeries {
+    let mut series = excitation(joints, seed);
+    series.a.row_mut(joint).iter_mut().for_each(|v| *v *= share);
+    series.b.row_mut(joint).iter_mut().for_each(|v| *v *= share);
+    series
+}
+
+struct Arm<'a> {
+    robot: &'a Robot,
+    phi: Vec<f64>,
+    effects: &'a [HiddenEffect],
+    noise: Noise,
+}
+
+impl Arm<'_> {
+    fn log(&self, trajectory: &dyn Trajectory, periods: f64, seed: u64) -> RecordedLog {
+        simulate(&Experiment {
+            robot: self.robot,
+            parameters: &self.phi,
+            trajectory,
+            periods,
+            rate_hz: RATE,
+            effects: self.effects,
+            noise: &self.noise,
+            seed,
+        })
+    }
+}
+
+fn identified(arm: &Arm, logs: &[&RecordedLog], seed: u64) -> Outcome {
+    let held_out = arm.log(&validation(arm.robot.joint_count(), seed), 3.0, seed + 1_000_000);
+    let names = ["first", "second"];
+    let stretches: Vec<_> = logs.iter().zip(names).map(|(l, n)| stretch(l, n)).collect();
+    trace(
+        arm.robot,
+        &stretches,
+        &[stretch(&held_out, "validate")],
+        &TraceOptions::default(),
+    )
+}
+
+fn request(robot: &Robot, traced: &Outcome, rival: &dynident::residual::Rival) -> Value {
+    let finding = &traced.report.findings[0];
+    let model = json!({"robot": robot_value(robot), "augmented": traced_value(traced)});
+    json!({
+        "fourier": {"order": 5, "fundamental_hz": 0.1}, "sample_rate_hz": 50, "periods": 6,
+        "constraints": {"form": "exact", "start": "free"}, "criterion": "rival_evidence",
+        "model": model, "given": [model],
+        "rivals": {"finding": {"effect": finding.effect, "joints": finding.joints}, "rival": {"effect": rival.effect, "joints": rival.joints}},
+        "search": {"max_evaluations": 1500, "starts": 8}
+    })
+}
+
+fn design(document: &Value) -> (FourierSeries, DesignDocument) {
+    let parsed = parse(document.to_string().as_bytes()).unwrap();
+    let request = read_excitation_request(&parsed, &Shipped).unwrap();
+    let options = SearchOptions {
+        jobs_per_round: 4,
+        ..request.search.options
+    };
+    let found = search(&request.problem, &options, &Forever);
+    let designs = [(request.problem.clone(), found)];
+    let document = DesignDocument::new(&request, &designs, None, 0.0);
+    (designs[0].1.series.clone(), document)
+}
+
+/// Finding, rivals, design, second log: the truth alone is left.
+///
+/// `found_first` is what the first log, in which the joint moves by a tenth to a half only, takes for the truth, and `rival` what it does not exclude.
+fn decide(
+    hidden: HiddenEffect,
+    truth: (&str, &str),
+    share: f64,
+    seed: u64,
+    [found_first, rival]: [(&str, &str); 2],
+) -> Option<&'static str> {
+    let robot = limited(&four_axes());
+    let joint = truth.1[1..].parse::<usize>().unwrap() - 1;
+    let arm = Arm {
+        robot: &robot,
+        phi: bodies(&robot, seed),
+        effects: &[hidden],
+        noise: sensor_noise(4),
+    };
+    let first = arm.log(&cautious(4, joint, share, seed), 6.0, seed);
+    let before = identified(&arm, &[&first], seed);
+    let is = |(effect, place): (&str, &str), e: &str, joints: &[String]| e == effect && joints == [place];
+    let finding = before.report.findings.first().expect("something is found");
+    assert!(is(found_first, &finding.effect, &finding.joints), "{finding:?}");
+    let open = finding.rivals.iter().find(|r| is(rival, &r.effect, &r.joints));
+    let open = open.unwrap_or_else(|| panic!("the first motion leaves it open: {:?}", finding.rivals));
+    let (series, document) = design(&request(&robot, &before, open));
+    let told = document.rivals.expect("asked for");
+    let evidence = &told.expected_evidence;
+    let recorded = evidence.recorded.as_ref().expect("the model knows its data");
+    println!("{truth:?}: the data said {:.1}; expected {evidence:?}", open.evidence);
+    // Of the data themselves: twice a logarithm of odds that is E on average scatters by 2 sqrt(E), and what parameters cost differs by up to ln N = 8.
+    let scatter = 3.0 * 2.0 * recorded.least.max(1.0).sqrt();
+    assert!(
+        (open.evidence - recorded.least).abs() < scatter + 8.0,
+        "{} {recorded:?}",
+        open.evidence
+    );
+    assert!(told.decides && evidence.designed.least > 5.0 * recorded.least);
+    assert!(evidence.together.least >= (evidence.designed.least + recorded.least) * (1.0 - 1e-6));
+    let second = arm.log(&series, 6.0, seed + 77);
+    let after = identified(&arm, &[&first, &second], seed);
+    let findings = &after.report.findings;
+    assert!(
+        findings.len() == 1 && is(truth, &findings[0].effect, &findings[0].joints),
+        "{findings:?}"
+    );
+    let other = if truth == found_first { rival } else { found_first };
+    let excluded = |r: &dynident::residual::Rival| !is(other, &r.effect, &r.joints);
+    assert!(findings[0].rivals.iter().all(excluded), "{:?}", findings[0].rivals);
+    told.nested
+}
+
+#[test]
+fn prop_a_designed_motion_decides_between_an_offset_and_a_spring() {
+    let hidden = effect("torque_offset", 3, 1.2, &four_axes());
+    let pair = [("torque_offset", "J4"), ("joint_spring", "J4")];
+    // A spring with any rest angle holds the offset: only its own direction is to be decided by what is left over.
+    assert_eq!(decide(hidden, pair[0], 0.1, 2, pair), Some("finding"));
+}
+
+#[test]
+fn prop_a_designed_motion_decides_between_a_spring_and_an_offset() {
+    let hidden = effect("joint_spring", 1, 3.0, &four_axes());
+    let pair = [("joint_spring", "J2"), ("torque_offset", "J2")];
+    assert_eq!(decide(hidden, pair[0], 0.5, 3, pair), Some("rival"));
+}
+
+/// The first log takes the wrong joint for the truth.
+#[test]
+fn prop_a_designed_motion_corrects_a_finding() {
+    let hidden = effect("encoder_offset", 2, 1.2, &four_axes());
+    let pair = [("encoder_offset", "J2"), ("encoder_offset", "J3")];
+    assert_eq!(decide(hidden, pair[1], 0.1, 2, pair), None);
+}
+
+/// The first log takes a wrong shape of friction for the truth.
+#[test]
+fn prop_a_designed_motion_decides_between_frictions() {
+    let hidden = effect("stribeck_friction", 1, 1.2, &four_axes());
+    let pair = [("nonlinear_viscous_friction", "J2"), ("stribeck_friction", "J2")];
+    assert_eq!(decide(hidden, pair[1], 0.1, 2, pair), None);
+}
