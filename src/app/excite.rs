@@ -206,7 +206,7 @@ impl Control for Clock<'_> {
     fn progress(&self, progress: &Progress) {
         (self.observe)(&Progress {
             evaluations: self.before + progress.evaluations,
-            ..*progress
+            ..progress.clone()
         });
     }
 

@@ -9,6 +9,7 @@ mod problem;
 mod provenance;
 mod report;
 mod series;
+mod tell;
 mod trace;
 mod validate;
 

@@ -1,6 +1,7 @@
 //! What the declared model leaves over, as the `residual` part of an answer: data faults first, then physics.
 
 use super::identify::{ModelFiles, UsedLog};
+use super::tell::tell;
 use crate::io::log::{FindingKind, LogReport};
 use crate::io::traced_value;
 use crate::model::Robot;
@@ -60,7 +61,9 @@ pub(super) fn residual(
         report.findings = named.chain(report.findings.iter().cloned()).collect();
     }
     report.data_faults = faults;
-    (serde_json::to_value(&report).expect("plain numbers and words"), traced)
+    let mut document = serde_json::to_value(&report).expect("plain numbers and words");
+    tell(robot, &report, &mut document);
+    (document, traced)
 }
 
 /// Writes the effects found into the model files: all of it into the JSON, what a URDF cannot hold as a comment into that.

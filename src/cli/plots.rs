@@ -2,7 +2,7 @@
 
 use super::files;
 use crate::app::{Code, Error};
-use crate::web::figures::{Figure, before_after_figure, error_figure, parameter_figures, torque_figure};
+use crate::web::figures::{Figure, before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure};
 use serde_json::Value;
 use std::path::Path;
 
@@ -47,6 +47,12 @@ pub fn write_picture(path: &Path, kind: PictureKind, figure: &Figure) -> Result<
 pub fn pictures(document: &Value) -> Vec<(String, Figure)> {
     let mut all = vec![("errors".to_string(), error_figure(document))];
     all.extend(before_after_figure(document).map(|f| ("before_after".to_string(), f)));
+    let findings = document["residual"]["findings"].as_array().into_iter().flatten();
+    all.extend(
+        findings
+            .enumerate()
+            .filter_map(|(i, f)| Some((format!("finding_{}", i + 1), finding_figure(document, f)?))),
+    );
     all.extend(
         parameter_figures(document)
             .into_iter()

@@ -76,10 +76,36 @@ pub fn summary(design: &DesignDocument) -> String {
         "  {} evaluations in {:.1} s, seed {}",
         search.evaluations, search.elapsed_s, search.seed
     );
+    limits_used(&mut text, design);
     for note in &design.notes {
         let _ = writeln!(text, "  note: {note}");
     }
     text
+}
+
+/// Percent of every kind of limit that each joint uses.
+fn limits_used(text: &mut String, design: &DesignDocument) {
+    let kinds = ["position", "velocity", "acceleration", "jerk", "torque"];
+    let kinds: Vec<&str> = kinds
+        .into_iter()
+        .filter(|k| design.margins.iter().any(|m| m.quantity == *k))
+        .collect();
+    if kinds.is_empty() {
+        return;
+    }
+    let head: String = kinds.iter().map(|k| format!(" {k:>13}")).collect();
+    let _ = writeln!(text, "  used of the limit (%){head}");
+    for joint in &design.joints {
+        let used = |kind: &&str| {
+            let own = design.margins.iter().filter(|m| m.joint == *joint && m.quantity == *kind);
+            own.map(|m| 100.0 * (1.0 - m.margin)).reduce(f64::max)
+        };
+        let row: String = kinds
+            .iter()
+            .map(|k| used(k).map_or(format!(" {:>13}", "-"), |v| format!(" {v:13.2}")))
+            .collect();
+        let _ = writeln!(text, "    {joint:18}{row}");
+    }
 }
 
 /// An identification in a page: verdict, parameters, errors per joint.
@@ -89,10 +115,19 @@ pub fn identification(found: &IdentifyDocument) -> String {
     let _ = writeln!(text, "{}: {} ({})", found.robot, q.verdict, q.reason);
     let condition = q.condition_number.map_or("infinite".to_string(), |c| format!("{c:.1}"));
     let _ = writeln!(text, "  rank {} of {}, condition number {condition}", q.rank, q.columns);
+    let _ = writeln!(
+        text,
+        "  {:10} {:>12} {:12} {:>10} {:>10}",
+        "parameter", "value", "unit", "σ", "σ/|value|"
+    );
     for p in found.base_parameters.iter().chain(found.offsets.iter().flatten()) {
-        match (p.value, p.relative_std_dev_percent) {
-            (Some(value), Some(percent)) => {
-                let _ = writeln!(text, "  {:10} {value:12.5} {:12} {percent:8.2} %", p.name, p.unit);
+        match (p.value, p.std_dev, p.relative_std_dev_percent) {
+            (Some(value), Some(deviation), Some(percent)) => {
+                let _ = writeln!(
+                    text,
+                    "  {:10} {value:12.5} {:12} {deviation:10.2e} {percent:8.2} %",
+                    p.name, p.unit
+                );
             }
             _ => {
                 let _ = writeln!(text, "  {:10} not determined by the log", p.name);
@@ -141,10 +176,6 @@ fn error_table(text: &mut String, found: &IdentifyDocument) {
 /// What tracing found: verdict, findings with their figures, the error before and after.
 fn left_over(text: &mut String, residual: &serde_json::Value) {
     let word = |v: &serde_json::Value| v.as_str().unwrap_or_default().replace('_', " ");
-    let list = |v: &serde_json::Value| {
-        let items = v.as_array().into_iter().flatten();
-        items.map(&word).collect::<Vec<_>>().join(", ")
-    };
     let row = |v: &serde_json::Value| {
         let items = v.as_array().into_iter().flatten();
         items
@@ -169,25 +200,33 @@ fn left_over(text: &mut String, residual: &serde_json::Value) {
             );
         }
     }
-    for f in residual["findings"].as_array().into_iter().flatten() {
-        let _ = writeln!(text, "    {} on {}", word(&f["effect"]), list(&f["joints"]));
-        for p in f["parameters"].as_array().into_iter().flatten() {
-            let number = |key: &str| p[key].as_f64().unwrap_or(f64::NAN);
-            let (value, deviation) = (number("value"), number("std_dev"));
-            let _ = writeln!(
-                text,
-                "      {} {value:.5} ± {deviation:.2e} {}",
-                word(&p["name"]),
-                p["unit"].as_str().unwrap_or_default()
-            );
-        }
-        for r in f["rivals"].as_array().into_iter().flatten() {
-            let _ = writeln!(text, "      not excluded: {} on {}", word(&r["effect"]), list(&r["joints"]));
-        }
+    told(text, residual);
+}
+
+/// What was found, in sentences of at most this width.
+fn told(text: &mut String, residual: &serde_json::Value) {
+    let findings = residual["findings"].as_array().into_iter().flatten();
+    let sentences = std::iter::once(&residual["summary"])
+        .chain(findings.map(|f| &f["sentence"]))
+        .chain([&residual["remainder"]["sentence"]]);
+    for sentence in sentences.filter_map(|s| s.as_str()) {
+        wrapped(text, sentence);
     }
-    if let Some(note) = residual["remainder"]["note"].as_str() {
-        let _ = writeln!(text, "    unexplained: {note}");
+}
+
+/// A paragraph, indented, on lines that a terminal holds.
+fn wrapped(text: &mut String, paragraph: &str) {
+    const WIDTH: usize = 108;
+    let mut line = String::new();
+    for word in paragraph.split(' ') {
+        if !line.is_empty() && line.chars().count() + word.chars().count() >= WIDTH {
+            let _ = writeln!(text, "    {line}");
+            line.clear();
+        }
+        line += if line.is_empty() { "" } else { " " };
+        line += word;
     }
+    let _ = writeln!(text, "    {line}");
 }
 
 /// A validation in a few lines.
@@ -205,30 +244,12 @@ pub fn validation(found: &ValidateDocument) -> String {
 
 /// What has changed since the model was made, finding by finding.
 fn changes(text: &mut String, residual: &serde_json::Value) {
-    let list = |v: &serde_json::Value| -> Vec<String> {
-        let items = v.as_array().into_iter().flatten();
-        items.filter_map(|i| i.as_str().map(String::from)).collect()
-    };
     let _ = writeln!(
         text,
         "  since the model was made: {}",
         residual["verdict"].as_str().unwrap_or("").replace('_', " ")
     );
-    for finding in residual["findings"].as_array().into_iter().flatten() {
-        let joints = list(&finding["joints"]).join(", ");
-        let _ = writeln!(text, "    {} on {joints}", finding["effect"].as_str().unwrap_or(""));
-        for p in finding["parameters"].as_array().into_iter().flatten() {
-            let number = |key: &str| p[key].as_f64().unwrap_or(f64::NAN);
-            let _ = writeln!(
-                text,
-                "      {} {:.5} ± {:.5} {}",
-                p["name"].as_str().unwrap_or(""),
-                number("value"),
-                number("std_dev"),
-                p["unit"].as_str().unwrap_or("")
-            );
-        }
-    }
+    told(text, residual);
 }
 
 fn errors(text: &mut String, what: &str, errors: &JointErrors) {

@@ -1,5 +1,6 @@
 //! One local solve: smoothing and continuation, then the polish for the nonsmooth end.
 
+use super::course::Course;
 use super::criterion::{SmoothCriterion, true_log_value};
 use super::evaluator::{Evaluator, Smoothing};
 use super::problem::{Criterion, Problem};
@@ -32,7 +33,7 @@ pub(super) enum Grid {
 }
 
 /// From a random point to the neighbourhood of a local minimum. The first stage sees all singular values, the second the extreme ones.
-pub(super) const FROM_RANDOM: [Stage; 2] = [
+const FROM_RANDOM: [Stage; 2] = [
     Stage {
         power: 2.0,
         coulomb_fraction: 0.08,
@@ -148,9 +149,28 @@ impl<'a> Descent<'a> {
         self.run_while(start, stages, &mut |_, _| true)
     }
 
+    /// From a random start, with its course: evaluations of its own and the criterion at its best point then.
+    pub fn run_from_random(&self, start: Vec<f64>) -> (Descended, Vec<(u32, f64)>) {
+        let evaluator = Evaluator::new(self.problem, self.variables, self.samples(Grid::Coarse));
+        let mut course = Course::from(&start, self.true_value(&start), evaluator, self.criterion(1.0));
+        let end = self.run_watched(start, &FROM_RANDOM, &mut |_, _| true, Some(&mut course));
+        let points = course.end(end.value);
+        (end, points)
+    }
+
     /// Runs the stages as long as `go_on` says so of the point and the smoothed value between two of them; a solve that is given up
     /// has an infinite value.
     pub fn run_while(&self, start: Vec<f64>, stages: &[Stage], go_on: &mut dyn FnMut(&[f64], f64) -> bool) -> Descended {
+        self.run_watched(start, stages, go_on, None)
+    }
+
+    fn run_watched(
+        &self,
+        start: Vec<f64>,
+        stages: &[Stage],
+        go_on: &mut dyn FnMut(&[f64], f64) -> bool,
+        mut course: Option<&mut Course>,
+    ) -> Descended {
         let (mut x, mut evaluations, mut converged) = (start, 0, false);
         let mut between = None;
         for stage in self.distinct(stages) {
@@ -172,12 +192,15 @@ impl<'a> Descent<'a> {
                 max_evaluations: stage.max_evaluations,
                 least_improvement: LEAST_IMPROVEMENT,
             };
+            course.iter_mut().for_each(|c| c.next_stage());
             let found = minimize(&x, rule, &mut |x, gradient| {
                 if self.control.halt().is_some() {
                     return None;
                 }
                 self.evaluations.fetch_add(1, Ordering::Relaxed);
-                Some(evaluator.evaluate(&criterion, smoothing, x, gradient))
+                let value = evaluator.evaluate(&criterion, smoothing, x, gradient);
+                course.iter_mut().for_each(|c| c.see(x, value));
+                Some(value)
             });
             evaluations += found.evaluations;
             converged = found.ending == Ending::Converged;

@@ -4,6 +4,7 @@
 
 mod added;
 mod backoff;
+mod course;
 mod criterion;
 mod descent;
 mod epoch;

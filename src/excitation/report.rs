@@ -37,7 +37,7 @@ impl Outcome {
 }
 
 /// What became of one random start.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StartReport {
     /// Value of the criterion at the random point, scaled into the limits.
     pub initial: f64,
@@ -45,6 +45,8 @@ pub struct StartReport {
     pub reached: f64,
     pub evaluations: u32,
     pub converged: bool,
+    /// Evaluations of this start, and the criterion at its best point then; from `initial` to `reached`, closer together at first.
+    pub course: Vec<(u32, f64)>,
 }
 
 /// Accuracy to be expected of an identification with this trajectory, as many periods as asked for, and what is given.

@@ -7,11 +7,11 @@
 //! and a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
 //! of threads or on which finished first. Only time and cancellation end a round early.
 
-use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, FROM_RANDOM, POLISH, ROOM_FOR_ROUNDING, drawn_in_until};
+use super::descent::{Descended, Descent, FROM_HOP, FROM_NEAR, POLISH, ROOM_FOR_ROUNDING, drawn_in_until};
 use super::epoch::{Epoch, Job, NOTICEABLE, Result};
 use super::moves::{hop, random_numbers, random_start, shake};
 use super::pool::{Point, Pool, is_near};
-use super::problem::Problem;
+use super::problem::{Criterion, Problem};
 use super::report::{Design, Outcome, StartReport, design, infeasible};
 use super::space::certified_clearances;
 use super::symmetry::Symmetries;
@@ -96,7 +96,7 @@ impl Found<'_> {
 }
 
 /// State of a running search.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// Value of the criterion at the best point so far (the condition number, not its logarithm); infinite before the first.
     pub best: f64,
@@ -106,6 +106,8 @@ pub struct Progress {
     pub rounds_finished: usize,
     /// The random start that has just ended; `None` after local solves around known points.
     pub start: Option<StartReport>,
+    /// What is minimised.
+    pub criterion: Criterion,
 }
 
 /// What the jobs of a search share.
@@ -164,13 +166,13 @@ impl Run<'_> {
         let end = match job {
             Job::Start => {
                 let start = random_start(self.variables, &mut rng);
-                let initial = self.descent.true_value(&start);
-                let end = self.descent.run(start, &FROM_RANDOM);
+                let (end, course) = self.descent.run_from_random(start);
                 report = Some(StartReport {
-                    initial: initial.exp(),
+                    initial: course.first().map_or(f64::INFINITY, |p| p.1),
                     reached: end.value.exp(),
                     evaluations: end.evaluations,
                     converged: end.converged,
+                    course,
                 });
                 end
             }
@@ -185,7 +187,7 @@ impl Run<'_> {
             Job::Shake => self.descent.run(shake(self.variables, points, &mut rng), &FROM_NEAR),
             Job::Polish(at) => self.descent.run(points[at].x.clone(), &POLISH),
         };
-        self.tell(&end, report);
+        self.tell(&end, report.clone());
         let point = Point {
             x: end.x,
             value: end.value,
@@ -228,6 +230,7 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
         evaluations: 0,
         rounds_finished: 0,
         start: None,
+        criterion: problem.spec().criterion,
     };
     let descent = Descent::new(problem, &variables, control);
     let run = Run {
@@ -253,7 +256,7 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
     let status = loop {
         let results = run.round(&epoch, round, options.jobs_per_round.max(1));
         round += 1;
-        starts.extend(results.iter().filter_map(|r| r.1));
+        starts.extend(results.iter().filter_map(|r| r.1.clone()));
         let over = epoch.merge(&variables, results.into_iter().map(|r| r.0));
         if epoch.best() < best - NOTICEABLE {
             epochs_without_gain = 0;

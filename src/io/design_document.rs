@@ -1,6 +1,6 @@
 //! Results of an excitation design.
 
-use super::excitation_request::{CRITERIA, ExcitationRequest};
+use super::excitation_request::{ExcitationRequest, criterion_name};
 use super::knowledge_request::DesignTerms;
 use crate::excitation::{
     Criteria, Design, ExpectedEvidence, FirstRun, Margin, Outcome, Predicted, Problem, Quantity, RivalReport, margins,
@@ -263,6 +263,9 @@ pub struct StartDocument {
     pub reached: Option<f64>,
     pub evaluations: u32,
     pub converged: bool,
+    /// Its course, `[evaluations of this start, criterion at its best point then]`, closer together at first.
+    #[cfg_attr(feature = "service", schema(example = json!([[0.0, 912.4], [1.0, 804.1], [180.0, 71.3]])))]
+    pub course: Vec<[f64; 2]>,
 }
 
 /// How the search went.
@@ -344,12 +347,8 @@ impl Coefficients {
 }
 
 fn criteria_document(problem: &Problem, c: &Criteria) -> CriteriaDocument {
-    let asked = problem.spec().criterion;
     CriteriaDocument {
-        minimised: CRITERIA
-            .iter()
-            .find(|(_, criterion)| *criterion == asked)
-            .map_or("", |(name, _)| name),
+        minimised: criterion_name(problem.spec().criterion),
         condition_number: c.condition_number,
         scaled_condition_number: c.scaled_condition_number,
         d_optimality: c.d_optimality,
@@ -519,6 +518,12 @@ impl StartDocument {
             reached: finite(s.reached),
             evaluations: s.evaluations,
             converged: s.converged,
+            course: s
+                .course
+                .iter()
+                .filter(|p| p.1.is_finite())
+                .map(|&(n, v)| [f64::from(n), v])
+                .collect(),
         }
     }
 }

@@ -72,6 +72,14 @@ pub const CRITERIA: &[(&str, Criterion)] = &[
     // What is recommended, by a name that stays when the recommendation changes.
     ("recommended", RECOMMENDED),
 ];
+/// The name of a criterion in documents.
+pub fn criterion_name(criterion: Criterion) -> &'static str {
+    CRITERIA
+        .iter()
+        .find(|(_, known)| *known == criterion)
+        .map_or("", |(name, _)| name)
+}
+
 /// The criterion that says what an identification is for: torques predicted well wherever the arm may be.
 pub const RECOMMENDED: Criterion = Criterion::IOptimality;
 pub const FORMS: &[(&str, Form)] = &[("paper", Form::Paper), ("exact", Form::Exact)];

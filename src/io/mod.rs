@@ -25,6 +25,7 @@ pub mod shipped;
 mod trajectory_table;
 mod validate_request;
 mod warm_start;
+mod words;
 
 pub use augmented_document::{ReadModel, augmented_value, read_augmented, traced_value};
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
@@ -33,7 +34,7 @@ pub use design_document::{
     Coefficients, CriteriaDocument, DesignDocument, EffectDocument, FirstRunDocument, FurtherDocument, MarginDocument,
     PredictedDocument, SearchDocument, StartDocument,
 };
-pub use excitation_request::{ExcitationRequest, Search, read_excitation_request};
+pub use excitation_request::{ExcitationRequest, Search, criterion_name, read_excitation_request};
 pub use identify_document::*;
 pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
 pub use inspect_document::{InspectDocument, InspectedJoint, InspectedLog};
@@ -44,6 +45,7 @@ pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, 
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
 pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts};
 pub use validate_request::{ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
+pub use words::{listed, measured, significant, unit};
 
 /// Every object that requests may have, by its name in the OpenAPI document, with the fields that its reader knows.
 pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[

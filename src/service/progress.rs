@@ -4,7 +4,7 @@ use super::store::Spent;
 use super::work::Told;
 use crate::app::Step;
 use crate::excitation::Progress;
-use crate::io::StartDocument;
+use crate::io::{StartDocument, criterion_name};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,6 +14,9 @@ use std::time::Duration;
 #[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
 #[schema(as = Progress)]
 pub struct ProgressDocument {
+    /// What is minimised.
+    #[schema(example = "condition_number")]
+    pub criterion: &'static str,
     /// Value of the criterion at the best trajectory so far; null before the first.
     #[schema(example = 63.1)]
     pub best: Option<f64>,
@@ -39,6 +42,7 @@ pub struct StepDocument {
 impl ProgressDocument {
     fn of(p: &Progress, elapsed: Duration) -> Self {
         Self {
+            criterion: criterion_name(p.criterion),
             best: p.best.is_finite().then_some(p.best),
             starts_finished: p.starts_finished,
             starts: p.starts,

@@ -147,7 +147,7 @@ impl Request {
     ) -> Result<Outcome, Error> {
         match self {
             Self::Excite(request) => {
-                let excited = excite_beside(request, exchange, cancel, &|p| tell(Told::Search(*p)));
+                let excited = excite_beside(request, exchange, cancel, &|p| tell(Told::Search(p.clone())));
                 Ok(Outcome::Excited(Box::new(excited)))
             }
             Self::Identify(request) => {

@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import sync_playwright
 
 # Of text on its ground in both themes (WCAG 2, level AA).
@@ -68,6 +69,7 @@ def check(page, name):
     assert not unnamed, f"{name}: controls without a name: {unnamed}"
     axes = page.evaluate("""() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.querySelector('.main-svg')).map(p =>
         [p.dataset.label, [...p.querySelectorAll('.infolayer text')].filter(t => /^[xy]\\d*title/.test(t.getAttribute('class') ?? '')).map(t => t.textContent)])""")
+    check_accessible(page, name)
     for label, titles in axes:
         assert label, f"{name}: a plot without a label for those who do not see it"
         assert len(titles) >= 2, f"{name}: {label}: axes without titles: {titles}"
@@ -75,6 +77,23 @@ def check(page, name):
             counted = re.search(r"joint|parameter|link|start, best|evaluations|identification|criterion|condition number|margin|ratio", title)
             assert counted or re.search(r"\(.+\)", title), f"{name}: {label}: no unit in `{title}`"
     return axes
+
+
+def check_accessible(page, name):
+    """What axe-core finds by WCAG 2.1, levels A and AA; contrast in the dark theme as well. What plotly.js draws is named as one picture."""
+    context = {"exclude": [[".js-plotly-plot"]]}
+    rules = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"], "resultTypes": ["violations"]}
+    found = Axe().run(page, context, rules)
+    assert not found.response["violations"], f"{name}: {described(found)}"
+    if page.viewport_size["width"] > 500:
+        page.evaluate("document.documentElement.dataset.theme = 'dark'")
+        found = Axe().run(page, context, {"runOnly": {"type": "rule", "values": ["color-contrast"]}, "resultTypes": ["violations"]})
+        page.evaluate("delete document.documentElement.dataset.theme")
+        assert not found.response["violations"], f"{name}, dark: {described(found)}"
+
+
+def described(found):
+    return [(v["id"], v["help"], [n["html"][:140] for n in v["nodes"][:4]]) for v in found.response["violations"]]
 
 
 def check_contrast(page):

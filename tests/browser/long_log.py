@@ -1,4 +1,4 @@
-"""160,000 rows: drawn in under a second, and zoomed without a halt."""
+"""160,000 rows of seven joints: drawn in under a second, zoomed without a halt, and no peak lost."""
 
 import urllib.request
 
@@ -10,7 +10,7 @@ LONGEST_ZOOM = 250
 
 
 def identify(options, log):
-    request = '{"robot": "planar_two_link", "preprocess": {"average": false, "decimation": 1}, "trace": false, "prediction_points": 6000}'
+    request = '{"robot": "iiwa14", "feasible": {"method": "none"}, "preprocess": {"average": false, "decimation": 1}, "trace": false, "prediction_points": 6000}'
     boundary = "rows160000"
     part = f'--{boundary}\r\nContent-Disposition: form-data; name='
     body = (f'{part}"request"\r\n\r\n{request}\r\n{part}"log"; filename="long.csv"\r\n\r\n').encode() + log.read_bytes() + f"\r\n--{boundary}--\r\n".encode()
@@ -33,9 +33,10 @@ def zoom(page, start, end):
 def main():
     options = arguments()
     with browser_page(options) as page:
-        series = {"fourier": {"fundamental_hz": 0.1, "a": [[0.3, -0.1, 0.2], [0.2, 0.3, -0.4]], "b": [[0.1, 0.2, -0.2], [-0.3, 0.1, 0.1]]}}
-        noise = {"torque": [2.0, 1.0]}
-        log = simulate(options, "planar_two_link", {"trajectory": series, "periods": 16, "sample_rate_hz": 1000, "noise": noise, "seed": 1}, page.folder / "long.csv")
+        rows = [[0.3, -0.1, 0.2], [0.2, 0.3, -0.4], [-0.2, 0.1, 0.3], [0.1, -0.4, 0.2], [0.4, 0.2, -0.1], [-0.3, 0.2, 0.3], [0.2, -0.2, 0.4]]
+        series = {"fourier": {"fundamental_hz": 0.1, "a": rows, "b": rows[::-1]}}
+        noise = {"torque": [0.3, 0.3, 0.2, 0.2, 0.12, 0.12, 0.06]}
+        log = simulate(options, "iiwa14", {"trajectory": series, "periods": 16, "sample_rate_hz": 1000, "noise": noise, "seed": 1}, page.folder / "long.csv")
         assert sum(1 for _ in log.open()) >= 160_001
         name = identify(options, log)
         drawn = []

@@ -25,16 +25,23 @@ def design(page, options):
     # What the console says of the refused request is what was asked for here.
     page.trouble.clear()
     page.fill("#order", "5")
-    page.fill("#time-limit", "6")
+    page.fill("#time-limit", "8")
+    cell(page)
     check(page, "form")
+    picture(page, options, "form")
     page.click("#go")
     page.locator("#live .figure dd[data-best]").wait_for()
-    page.locator("#live .plot .main-svg").first.wait_for()
+    # One line per start, of many points: gaps stand between them.
+    page.wait_for_function("""() => { const [starts, best] = document.querySelectorAll('#live .plot');
+        const lines = starts?.data?.[0]?.y ?? [];
+        return lines.filter(v => v === null).length >= 2 && lines.length > 30 && best?.data?.[0]?.y.length >= 1 }""")
     picture(page, options, "search")
     page.locator("#summary").wait_for()
     settle(page)
     axes = check(page, "design")
     assert len(axes) >= 5, axes
+    assert page.locator("#criteria tbody tr").count() >= 5
+    assert page.locator("#coefficients math mfrac").count() == 2
     value = float(page.locator("#summary .figure:has(dt:text-is('Condition number')) dd").inner_text())
     assert 1 < value < 200, value
     picture(page, options, "design")
@@ -45,6 +52,26 @@ def design(page, options):
     assert float(page.locator("#path input[type=range]").input_value()) > 0
     page.locator("#path").scroll_into_view_if_needed()
     picture(page, options, "path", "#path")
+
+
+def cell(page):
+    """Limits of the cell go into the request, and what the interface says of them stands under their fields."""
+    page.locator("#torque-part summary").click()
+    page.check("#torque-on")
+    page.fill("#torque-limits", "100, 100, 0, 50, 50, 20, 20")
+    page.locator("#space-part summary").click()
+    page.get_by_role("button", name="Add floor").click()
+    page.check("#self-collision")
+    asked = json.loads(page.locator("#as-request").text_content())["constraints"]
+    assert asked["space"]["half_spaces"] == [{"name": "floor", "normal": [0, 0, 1], "offset": 0}] and asked["space"]["self_collision"] == {}, asked
+    page.click("#go")
+    page.locator(".field:has(#torque-limits) .field-error").wait_for()
+    page.trouble.clear()
+    page.uncheck("#torque-on")
+    page.uncheck("#self-collision")
+    page.get_by_role("button", name="Remove floor").click()
+    asked = json.loads(page.locator("#as-request").text_content())["constraints"]
+    assert "space" not in asked and "torque" not in asked, asked
 
 
 def download(page, name):
@@ -89,6 +116,7 @@ def identify(page, options, log, held_out):
     picture(page, options, "identification", "#torques")
     page.get_by_role("button", name="Value", exact=True).click()
     assert page.locator("#parameters th[aria-sort]").inner_text().startswith("Value")
+    assert page.locator("#parameters tbody math").count() > 57
     page.locator("#physical canvas").scroll_into_view_if_needed()
     picture(page, options, "bodies", "#physical")
 
@@ -99,7 +127,7 @@ def close_the_loop(page, options):
     settle(page)
     check(page, "loop")
     sentence = page.locator("[data-effect=joint_spring] .sentence").inner_text()
-    found = re.search(r"Joint spring on A4: stiffness ([\d.]+) ± ([\d.]+) N·m/rad", sentence)
+    found = re.search(r"Joint A4 leaves [\d.]+ N·m .* a spring at the joint explains it: stiffness ([\d.]+) ± ([\d.]+) N·m/rad .* Held-out error [\d.]+ → [\d.]+ N·m", sentence)
     assert found and abs(float(found[1]) - 6.0) < 4 * float(found[2]), sentence
     picture(page, options, "loop", "#findings")
     identification = page.url
@@ -108,6 +136,11 @@ def close_the_loop(page, options):
     page.get_by_role("button", name="Stop and keep the best").click()
     page.locator("#summary").get_by_text("Cancelled").wait_for()
     assert "iiwa" in page.locator("#summary h2").inner_text()
+    page.locator("#other option").nth(1).wait_for(state="attached")
+    page.select_option("#other", index=1)
+    page.locator("#compare .plot .main-svg").first.wait_for()
+    check(page, "compare")
+    picture(page, options, "compare", "#compare")
     page.goto(identification)
 
 
@@ -117,10 +150,11 @@ def report(page, options):
     sheet = waiting.value
     sheet.wait_for_load_state()
     text = sheet.inner_text("body")
-    for needed in ["joint spring on A4", "SHA-256", "run.csv", "To do it again", '"seed": 1']:
+    for needed in ["joint spring on A4", "a spring at the joint explains it", "SHA-256", "run.csv", "To do it again", '"seed": 1']:
         assert needed in text, needed
     # Torques of seven joints on two logs, errors, before and after, and the parameters of every unit.
-    assert sheet.locator("figure svg").count() >= 14 + 3
+    assert sheet.locator("figure svg").count() >= 14 + 4
+    assert sheet.locator("math").count() > 57
     assert sheet.locator("script, link, img").count() == 0
     wide = sheet.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
     assert wide <= 0, f"report: {wide} px wider than the screen"
@@ -134,6 +168,7 @@ def rest(page, options):
     settle(page)
     check(page, "robot")
     assert page.locator("#history .plot .errorbar").count() >= 1
+    assert page.locator("#base math").count() > 57
     page.locator("#kinematics input[type=range]").nth(1).fill("0.8")
     assert "0.82 m" not in page.locator("#kinematics output.mono").inner_text()
     picture(page, options, "robot")

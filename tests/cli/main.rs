@@ -318,7 +318,8 @@ fn an_identification_is_a_table_pictures_and_a_report() {
     let table = stdout(&output);
     for needed in [
         "left over: explained",
-        "joint spring on J2",
+        "Joint J2 leaves",
+        "a spring at the joint explains it",
         "stiffness",
         "noise floor",
         "RMS error",
@@ -328,6 +329,7 @@ fn an_identification_is_a_table_pictures_and_a_report() {
     for name in [
         "errors",
         "before_after",
+        "finding_1",
         "parameters_1",
         "torque_log1_joint1",
         "torque_log1_joint2",

@@ -134,16 +134,17 @@ fn the_shipped_proxy_passes_on_results_events_and_large_logs() {
     ));
     let events = address(job["links"]["events"].as_str().unwrap());
     let begun = Instant::now();
-    let stream = Command::new("curl")
+    let mut stream = Command::new("curl")
         .args(["-sSkfN", "-H", &bearer, &events])
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    let names: Vec<(Duration, String)> = BufReader::new(stream.stdout.unwrap())
+    let names: Vec<(Duration, String)> = BufReader::new(stream.stdout.take().unwrap())
         .lines()
         .map_while(Result::ok)
         .filter_map(|l| Some((begun.elapsed(), l.strip_prefix("event:")?.trim().to_string())))
         .collect();
+    assert!(stream.wait().unwrap().success());
     assert_eq!(names.last().unwrap().1, "end", "{names:?}");
     let early = names.iter().filter(|(at, _)| *at < Duration::from_secs(3)).count();
     assert!(early >= 3, "events are held back: {names:?}");

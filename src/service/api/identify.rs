@@ -2,7 +2,7 @@
 
 use super::common::{Begun, NoResultOfLogs, UploadRefused, WaitHeader, WorkHeaders};
 use super::query::QueryFields;
-use super::results::{answer, begin, document, find, not_multipart};
+use super::results::{answer, answer_as, begin, document, find, not_multipart};
 use super::schemas::{IdentifyUpload, ModelFormat, ValidateUpload};
 use crate::app::{Code, Error, Problem};
 use crate::io::{IdentifyDocument, ValidateDocument};
@@ -113,10 +113,12 @@ async fn read(
     get, path = "/identify/{id}", tag = "identification", operation_id = "get_identification",
     params(
         ("id" = String, Path, description = "Id of the job"),
+        ("predictions" = Option<bool>, Query, description = "`false`: without the series to draw, which are most of the answer"),
         WaitHeader,
     ),
     responses(
         (status = 200, description = "The result", body = IdentificationResult),
+        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
         NoResultOfLogs,
     )
 )]
@@ -125,9 +127,27 @@ pub async fn get(
     access: Access,
     Path(id): Path<String>,
     wait: PreferWait,
+    mut query: QueryFields,
 ) -> Result<Response, Failure> {
+    let drawn = query.take("predictions", true, "true or false", |t| t.parse().ok());
+    query.finish()?;
     let job = find(&service, &access, &id, Kind::Identification).await?;
-    answer(&service, job, wait).await
+    answer_as(
+        &service,
+        job,
+        wait,
+        |whole| if drawn { whole } else { without_predictions(whole) },
+    )
+    .await
+}
+
+/// A result without its series: a hundredth of its size.
+fn without_predictions(whole: Vec<u8>) -> Vec<u8> {
+    let Ok(Value::Object(mut fields)) = serde_json::from_slice(&whole) else {
+        return whole;
+    };
+    fields.insert("predictions".into(), Value::Array(Vec::new()));
+    Value::Object(fields).to_string().into_bytes()
 }
 
 /// The result of a validation.

@@ -28,6 +28,16 @@ pub async fn begin(
 
 /// The result if it is there or comes in the time the client would wait, else the job.
 pub async fn answer(service: &Service, job: JobRow, wait: PreferWait) -> Result<Response, Failure> {
+    answer_as(service, job, wait, |document| document).await
+}
+
+/// [`answer`], with the document put into another form on its way out.
+pub async fn answer_as(
+    service: &Service,
+    job: JobRow,
+    wait: PreferWait,
+    form: impl FnOnce(Vec<u8>) -> Vec<u8>,
+) -> Result<Response, Failure> {
     let job = match wait.0 {
         Some(limit) => service.wait(job, limit.min(service.config().longest_wait)).await?,
         None => job,
@@ -38,7 +48,7 @@ pub async fn answer(service: &Service, job: JobRow, wait: PreferWait) -> Result<
             (header::CONTENT_LOCATION, job.kind.result_address(&job.id)),
             (header::CONTENT_TYPE, "application/json".to_string()),
         ];
-        let document = with_id(&job.id, &document(service, &job).await?);
+        let document = with_id(&job.id, &form(document(service, &job).await?));
         return Ok((StatusCode::OK, applied, place, document).into_response());
     }
     let place = [

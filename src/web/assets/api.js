@@ -32,6 +32,9 @@ export async function send(path, options = {}) {
 
 export const getJson = async (path, options) => (await send(path, options)).json();
 
+/** The result of a job without the series to draw, which are most of it. */
+export const summaryOf = (job) => getJson(`${job.links.result}${job.kind === 'identification' ? '?predictions=false' : ''}`);
+
 export const postJson = async (path, document) =>
   (await send(path, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(document) })).json();
 

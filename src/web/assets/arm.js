@@ -38,12 +38,12 @@ function reach(joints) {
 
 export class ArmView {
   constructor(canvas, joints, gravity = [0, 0, -9.81]) {
-    Object.assign(this, { canvas, joints, q: joints.map(() => 0), path: null, bodies: [], azimuth: -0.9, elevation: 0.35, reach: reach(joints) });
+    Object.assign(this, { canvas, joints, q: joints.map(() => 0), path: null, space: null, bodies: [], azimuth: -0.9, elevation: 0.35, reach: reach(joints) });
     this.up = this.upright(gravity);
     // In the upright frame, as the ground is.
     const heights = [0, ...poses(joints, this.q).map((f) => times(this.up, f.position)[2])];
     this.centre = [0, 0, (Math.min(...heights) + Math.max(...heights)) / 2];
-    this.span = 2.1 * this.reach;
+    this.span = 1.7 * this.reach;
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);
     document.addEventListener('theme', () => this.draw());
@@ -61,12 +61,14 @@ export class ArmView {
     return [x, [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]], z];
   }
 
-  /** Looks at the arm as it stands, for views that do not move. */
-  frameArm() {
-    const points = [[0, 0, 0], ...poses(this.joints, this.q).map((f) => f.position)].map((p) => times(this.up, p));
+  /** Looks at the arm where it is at the positions `all`, and as it stands. */
+  frameArm(all = [this.q]) {
+    const points = [[0, 0, 0], ...all.flatMap((q) => poses(this.joints, q).map((f) => f.position))].map((p) => times(this.up, p));
     const sides = [0, 1, 2].map((i) => [Math.min(...points.map((p) => p[i])), Math.max(...points.map((p) => p[i]))]);
     this.centre = sides.map(([low, high]) => (low + high) / 2);
-    this.span = 1.75 * Math.max(Math.hypot(...sides.map(([low, high]) => high - low)), 0.4 * this.reach);
+    const [x, y, z] = sides.map(([low, high]) => high - low);
+    // The canvas is wide: depth and width share it, height needs its own.
+    this.span = 1.25 * Math.max(z + 0.35 * Math.hypot(x, y), 0.6 * Math.hypot(x, y), 0.5 * this.reach);
   }
 
   set(q) {
@@ -126,7 +128,7 @@ export class ArmView {
     Object.assign(this, { context, project, scale, view: camera });
     this.drawGround();
     const frames = poses(this.joints, this.q);
-    const things = this.path ? this.pathParts() : [];
+    const things = [...(this.path ? this.pathParts() : []), ...this.obstacles()];
     this.links(frames, things);
     for (const body of this.bodies) things.push(this.bodyPart(body, frames));
     things.sort((a, b) => a.depth - b.depth).forEach((thing) => thing.draw());
@@ -181,6 +183,48 @@ export class ArmView {
       parts.push({ depth: (a[2] + b[2]) / 2, draw: () => this.line(a, b, 1.6, style) });
     }
     return parts;
+  }
+
+  /** Boxes, and a patch of every floor and wall: translucent faces with edges. */
+  obstacles() {
+    const face = (corners) => {
+      const seen = corners.map(this.project);
+      const draw = () => {
+        const { context } = this;
+        context.beginPath();
+        seen.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
+        context.closePath();
+        context.globalAlpha = 0.16;
+        context.fillStyle = variable('--warn');
+        context.fill();
+        context.globalAlpha = 0.8;
+        context.strokeStyle = variable('--warn');
+        context.lineWidth = 1.2;
+        context.stroke();
+        context.globalAlpha = 1;
+      };
+      return { depth: seen.reduce((sum, p) => sum + p[2], 0) / seen.length, draw };
+    };
+    const box = ({ center, size }) => [0, 1, 2].flatMap((axis) => [-0.5, 0.5].map((side) => {
+      const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+      return face([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([a, b]) => {
+        const corner = [...center];
+        corner[axis] += side * size[axis];
+        corner[u] += a * size[u];
+        corner[v] += b * size[v];
+        return corner;
+      }));
+    }));
+    const plane = ({ normal, offset }) => {
+      const n = normal.map((c) => c / Math.hypot(...normal));
+      const seed = Math.abs(n[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0];
+      const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+      const across = cross(n, seed).map((c, _, all) => (c / Math.hypot(...all)) * this.reach);
+      const along = cross(n, across);
+      const at = (a, b) => n.map((c, i) => (c * offset) / Math.hypot(...normal) + a * across[i] + b * along[i]);
+      return face([at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)]);
+    };
+    return [...(this.space?.boxes ?? []).flatMap(box), ...(this.space?.half_spaces ?? []).map(plane)];
   }
 
   /** An ellipsoid {joint, centre, shape, label}: shape is its half-axes squared as a matrix, both in the frame of the joint. */

@@ -32,7 +32,7 @@ function show(place, one, other) {
     ['Tightest limit', (r) => `${number(100 * tightest(r), 3)} % left`],
   ];
   const chart = h('div', { class: 'plot', 'data-label': 'Ratio of the predicted deviations of the two designs, per base parameter' });
-  fill(place, table([{ head: '', cell: (l) => l[0] }, { head: 'This one', number: true, cell: (l) => l[1](one) }, { head: 'The other', number: true, cell: (l) => l[1](other) }], lines, { caption: 'The two designs' }));
+  fill(place, table([{ head: 'Property', hidden: true, cell: (l) => l[0] }, { head: 'This one', number: true, cell: (l) => l[1](one) }, { head: 'The other', number: true, cell: (l) => l[1](other) }], lines, { caption: 'The two designs' }));
   const shared = one.base_parameters.map((name, i) => [name, i, other.base_parameters.indexOf(name)]).filter(([, i, k]) => k >= 0 && one.predicted.std_dev[i] && other.predicted.std_dev[k]);
   if (!shared.length || one.robot !== other.robot) return place.append(h('p', { class: 'soft' }, 'Deviations of different robots are not compared.'));
   place.append(h('h3', {}, 'Predicted deviation: this one over the other'), h('p', { class: 'help' }, 'Below 1 this design determines the parameter better.'), chart);

@@ -1,30 +1,42 @@
-// What would decide between a finding and its rivals, and the button that designs it.
-import { explain, postJson } from './api.js';
+// What to record next: the trajectory that tells a finding from its rival, or one that adds most to what is known.
+import { explain, getJson, postJson } from './api.js';
 import { h } from './dom.js';
 
-/**
- * The request for a trajectory that tells more than the one that was run. Effects look alike when they moved the torque alike along one
- * path. Seven harmonics from anywhere, chosen for what they say about torques all over the workspace, pass through other combinations of
- * position, speed and load; the interface has no criterion yet that weighs two effects against each other.
- */
-export function decidingRequest({ result }) {
-  const noise = result.residual.noise_floor;
+/** Periods to record: their repetition measures the noise, and five of them do that well. */
+const PERIODS = 5;
+
+/** The design that was executed, where the request of the identification names one: its limits hold for the next one, too. */
+async function executed(result) {
+  const id = result.provenance?.request?.excitation;
+  return typeof id === 'string' ? getJson(`/excitation/${id}`).then((d) => d.request).catch(() => null) : null;
+}
+
+function periodOf(result) {
+  const said = result.log_report.map((l) => l.choices.find((c) => c.what === 'period')?.value);
+  return said.map(Number.parseFloat).find((v) => v > 0) ?? 10;
+}
+
+/** The request for the next trajectory; `pair` = {finding, rival} is what it shall tell apart. */
+export async function nextRequest({ result }, pair) {
+  const before = await executed(result);
   const asked = result.provenance?.request ?? {};
-  const period = result.log_report.map((l) => l.choices.find((c) => c.what === 'period')).map((c) => Number.parseFloat(c?.value)).find((v) => v > 0) ?? 10;
   return {
-    robot: typeof asked.robot === 'string' ? asked.robot : result.provenance.robot, fourier: { order: 7, fundamental_hz: 1 / period }, sample_rate_hz: 100,
-    criterion: 'i_optimality', constraints: { form: 'exact', start: 'free' }, torque_noise: noise.every((n) => n > 0) ? noise : undefined, search: { seed: 1, time_limit_s: 30 },
+    robot: typeof asked.robot === 'string' ? asked.robot : result.provenance.robot,
+    fourier: { order: before?.fourier?.order ?? 5, fundamental_hz: before?.fourier?.fundamental_hz ?? 1 / periodOf(result) }, sample_rate_hz: before?.sample_rate_hz ?? 100,
+    model: { identification: result.id }, given: [{ identification: result.id }], periods: PERIODS,
+    ...(pair ? { criterion: 'rival_evidence', rivals: pair } : { criterion: 'i_optimality' }),
+    constraints: before?.constraints ?? { form: 'exact', start: 'free' }, search: { seed: 1, time_limit_s: 20 },
   };
 }
 
-export function decision(context) {
-  if (!context.result.provenance) return null;
+/** A button that designs it and goes to the page where the search is seen. */
+export function designButton(context, label, pair, id) {
   const trouble = h('div');
-  const button = h('button', { type: 'button', class: 'primary', id: 'decide' }, 'Design the deciding trajectory');
+  const button = h('button', { type: 'button', class: 'primary', id }, label);
   button.addEventListener('click', async () => {
     button.disabled = true;
     try {
-      const job = await postJson('/excitation', decidingRequest(context));
+      const job = await postJson('/excitation', await nextRequest(context, pair));
       location.href = `/design?id=${job.id}`;
     } catch (error) {
       button.disabled = false;

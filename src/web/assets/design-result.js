@@ -1,10 +1,13 @@
 // The result of a design.
 import { download, getJson, postJson } from './api.js';
 import { compareWith } from './compare.js';
+import { CRITERIA, title } from './criteria.js';
+import { courses } from './design-live.js';
+import { fourierSeries } from './expression.js';
 import { fill, figure, h, number, perSecond, seconds, table, unit, words } from './dom.js';
 import { motionPlots } from './motion-plots.js';
 import { player } from './player.js';
-import { colour, plotLater } from './plot.js';
+import { colour, plotLater, variable } from './plot.js';
 
 const STATUS = {
   Converged: ['good', 'The search found nothing better for a while: this is as good as it gets, or nearly.'],
@@ -24,11 +27,11 @@ export async function showDesign(target, result) {
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };
   const drawn = await postJson('/motion', { robot: result.request.robot, trajectory, samples: 1001 });
-  const parts = [
-    ['summary', 'Summary'], ['motion', 'Motion'], ['path', 'Path'], ['margins', 'Margins'], ['accuracy', 'Accuracy'], ['spectrum', 'Spectrum'], ['coefficients', 'Coefficients'], ['starts', 'Search'], ['compare', 'Compare'],
-  ];
-  fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
-    summary(result), notes(result), motionPlots(drawn), player(drawn), margins(result), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result));
+  const names = { summary: 'Summary', rivals: 'Rivals', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
+  const parts = [summary(result), evidence(result, drawn), criteria(result), motionPlots(drawn), player(drawn, result.request.constraints?.space), margins(result), clearances(result), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
+  parts.splice(1, 0, notes(result));
+  const present = parts.filter(Boolean);
+  fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, present.filter((p) => names[p.id]).map((p) => h('a', { href: `#${p.id}` }, names[p.id]))), present);
 }
 
 function notes(result) {
@@ -42,26 +45,78 @@ function summary(result) {
   const used = result.search;
   return section('summary', result.robot,
     h('p', {}, h('span', { class: `tag ${kind}` }, words(result.status)), ' ', meaning),
-    h('dl', { class: 'figures' }, figure('Condition number', number(c.condition_number)), figure('I-optimality', number(c.i_optimality), 'N·m per unit of noise'),
-      figure('D-optimality', number(c.d_optimality, 3)), figure('A-optimality', number(c.a_optimality, 3)), figure('Period', number(result.period_s), 's'),
+    h('dl', { class: 'figures' }, figure('Condition number', number(c.condition_number)), figure('Prediction error', number(c.i_optimality, 3), 'N·m per unit of noise'), figure('Period', number(result.period_s), 's'),
       tightest ? figure('Tightest limit', `${number(100 * tightest.margin, 2)} %`, `left: ${tightest.joint}, ${tightest.quantity}`) : null),
-    h('p', { class: 'soft' }, `${result.order} harmonics, ${used.evaluations.toLocaleString()} evaluations in ${seconds(used.elapsed_s)}, seed ${used.seed}. Minimised: ${words(c.minimised).toLowerCase()}.`),
+    h('p', { class: 'soft' }, `${result.order} harmonics, ${used.evaluations.toLocaleString()} evaluations in ${seconds(used.elapsed_s)}, seed ${used.seed}. ${c.minimised === 'rival_evidence' ? 'Made large: evidence between the rivals' : `Made small: ${title(c.minimised).toLowerCase()}`}.`),
     downloads(result));
 }
 
 function downloads(result) {
-  const rate = h('input', { type: 'number', class: 'narrow', value: 1000, min: 1, 'aria-label': 'Samples per second of the download', style: 'width:6.5rem' });
-  const periods = h('input', { type: 'number', class: 'narrow', value: 1, min: 1, 'aria-label': 'Periods in the download', style: 'width:4.5rem' });
+  const field = (name, value, least, width, step = 'any') => h('input', { type: 'number', class: 'narrow', value, min: least, step, 'aria-label': name, style: `width:${width}rem` });
+  const rate = field('Samples per second of the download', 1000, 1, 6.5);
+  const periods = field('Periods in the download', Math.max(result.request.periods ?? 1, 1), 1, 4.5, 1);
+  const slow = field('Times slower than designed', 1, 1, 4.5);
+  const share = field('Percent of the amplitude', 100, 1, 4.5);
+  const further = result.further ?? [];
+  const which = further.length ? h('select', { class: 'narrow', 'aria-label': 'Which trajectory' }, [result, ...further].map((_, i) => h('option', { value: i }, `trajectory ${i + 1}`))) : null;
   const links = h('span', { class: 'row' });
-  const build = () => fill(links, ['csv', 'json'].map((format) =>
-    download(format.toUpperCase(), `/excitation/${result.id}/trajectory?format=${format}&rate_hz=${rate.value}&periods=${periods.value}`, `trajectory-${result.id}.${format}`)),
-  download('Result with request (JSON)', `/excitation/${result.id}`, `design-${result.id}.json`));
-  rate.addEventListener('input', build);
-  periods.addEventListener('input', build);
+  const build = () => {
+    const query = new URLSearchParams({ rate_hz: rate.value, periods: periods.value });
+    if (Number(slow.value) > 1) query.set('slow', slow.value);
+    if (Number(share.value) < 100) query.set('backoff', share.value / 100);
+    if (which?.value > 0) query.set('index', which.value);
+    const suffix = `${which?.value > 0 ? `-${Number(which.value) + 1}` : ''}${Number(share.value) < 100 ? `-${share.value}percent` : ''}`;
+    fill(links, ['csv', 'json'].map((format) => download(format.toUpperCase(), `/excitation/${result.id}/trajectory?format=${format}&${query}`, `trajectory-${result.id}${suffix}.${format}`)),
+      download('Result with request (JSON)', `/excitation/${result.id}`, `design-${result.id}.json`));
+  };
+  [rate, periods, slow, share, which].filter(Boolean).forEach((f) => f.addEventListener('input', build));
   build();
-  return h('div', { id: 'downloads' }, h('h3', {}, 'Download for the controller'), h('div', { class: 'row' }, rate, 'samples per second,', periods, 'periods', links),
-    h('p', { class: 'help' }, 'Columns time, q, qd, qdd (s; rad or m). Run it several periods in a row: their repetition is what measures the noise later.'),
-    h('p', {}, h('a', { class: 'button', href: `/identification?excitation=${result.id}${typeof result.request.robot === 'string' ? `&robot=${encodeURIComponent(result.request.robot)}` : ''}` }, 'I have run it: identify')));
+  const robot = typeof result.request.robot === 'string' ? `&robot=${encodeURIComponent(result.request.robot)}` : '';
+  return h('div', { id: 'downloads' }, h('h3', {}, 'Download for the controller'), h('div', { class: 'row' }, which, rate, 'samples per second,', periods, 'periods'), h('div', { class: 'row', style: 'margin:.5rem 0' }, share, '% of the amplitude,', slow, 'times slower', links),
+    h('p', { class: 'help' }, 'Columns time, q, qd, qdd (s; rad or m). For a first run take less of the amplitude and more time; then run it as designed, several periods in a row: their repetition is what measures the noise later.'),
+    h('p', {}, h('a', { class: 'button', href: `/identification?excitation=${result.id}${robot}` }, 'I have run it: identify')));
+}
+
+/** How well the two causes will be told apart: before, by the new trajectory, and by both. */
+function evidence(result, drawn) {
+  const r = result.rivals;
+  if (!r) return null;
+  const name = (e) => `${words(e.effect).toLowerCase()} on ${e.joints.join(', ')}`;
+  const told = [['recorded', 'recorded so far'], ['designed', 'this trajectory'], ['together', 'both together']].filter(([k]) => r.expected_evidence[k]);
+  const of = (k) => r.expected_evidence[k];
+  const odds = (e) => (e > 40 ? 'beyond doubt' : `odds of ${number(Math.exp(e / 2), 2)} to 1`);
+  const chart = place('Expected evidence between the two causes, before and after', true);
+  plotLater(chart, () => ({
+    traces: [['if_finding', name(r.finding), 0], ['if_rival', name(r.rival), 1]].map(([key, label, i]) => ({ type: 'bar', orientation: 'h', name: `if it is ${label}`, y: told.map((t) => t[1]), x: told.map(([k]) => of(k)[key]), marker: { color: colour(i), pattern: { shape: i ? '/' : '' } }, hovertemplate: '%{x:.3g}<extra></extra>' })),
+    layout: { height: 250, barmode: 'group', hovermode: 'closest', xaxis: { title: 'expected evidence (2 · ln odds)', rangemode: 'tozero' }, yaxis: { type: 'category', autorange: 'reversed', title: 'data of the criterion' }, shapes: [{ type: 'line', yref: 'paper', y0: 0, y1: 1, x0: 6, x1: 6, line: { dash: 'dash', width: 1.5, color: variable('--bad') } }] },
+  }));
+  const before = of('recorded');
+  const sentence = `${words(r.finding.effect)} on ${r.finding.joints.join(', ')}, or ${name(r.rival)}? ${before ? `So far the expected evidence is ${number(before.least, 2)} (${odds(before.least)}); with ` : 'With '}this trajectory run${result.request.periods > 1 ? ` for ${result.request.periods} periods` : ''} it is ${number(of('together').least, 3)} (${odds(of('together').least)}).`;
+  return section('rivals', 'What this trajectory decides',
+    h('p', {}, h('span', { class: `tag ${r.decides ? 'good' : 'warn'}` }, r.decides ? 'Decides' : 'Does not decide'), ' ', h('strong', { class: 'sentence' }, sentence)),
+    h('p', { class: 'soft' }, 'Evidence is expected for either being the true one; the smaller of the two counts. Right of the dashed line (20 to 1) the wrong one is excluded.'), chart,
+    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, { head: `If ${name(r.finding)}`, number: true, cell: ([k]) => number(of(k).if_finding, 3) }, { head: `If ${name(r.rival)}`, number: true, cell: ([k]) => number(of(k).if_rival, 3) }, { head: 'The smaller', number: true, cell: ([k]) => number(of(k).least, 3) }], told, { caption: 'Expected evidence, twice the log of the odds' })),
+    drawn ? h('p', {}, 'Run it, then identify from the new log and the old one together: the finding that is wrong will be gone.') : null);
+}
+
+/** Every criterion, whichever was made small. */
+function criteria(result) {
+  const c = result.criteria;
+  const advice = result.recommended_criterion;
+  const rows = Object.entries(CRITERIA).filter(([key]) => c[key] !== null && c[key] !== undefined).map(([key, about]) => ({ key, ...about, value: c[key] }));
+  const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'made large' : 'made small') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
+  return section('criteria', 'All criteria', h('p', { class: 'soft' }, 'What one criterion gains another loses. To see the trade, design once more for another criterion and compare the two at the end of this page.'),
+    table([{ head: 'Criterion', cell: (r) => h('strong', {}, r.name) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'What it says', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
+    advice ? h('p', { class: 'soft' }, `Recommended: ${title(advice.criterion).toLowerCase()}. ${advice.reason}`) : null);
+}
+
+function clearances(result) {
+  if (!result.clearances?.length) return null;
+  return section('clearances', 'Distances kept', table([
+    { head: 'Link of', cell: (c) => c.joint, sort: (c) => c.joint }, { head: 'From', cell: (c) => c.from, sort: (c) => c.from }, { head: 'Least distance', number: true, cell: (c) => `${number(c.least, 3)} m`, sort: (c) => c.least },
+    { head: 'Proven above', number: true, cell: (c) => `${number(c.certified, 3)} m`, sort: (c) => c.certified, title: 'Bound on the least distance over all time, between the samples too' },
+    { head: 'Asked', number: true, cell: (c) => `${number(c.asked, 3)} m`, sort: (c) => c.asked }, { head: 'At', number: true, cell: (c) => `${number(c.at_s)} s`, sort: (c) => c.at_s },
+  ], result.clearances, { caption: 'Between links, and from obstacles', sort: { column: 2, way: 'ascending' } }));
 }
 
 function margins(result) {
@@ -125,8 +180,7 @@ const velocityUnits = (drawn) => [...new Set(drawn.joints.map((j) => perSecond(j
 
 function coefficients(result, drawn) {
   const rows = result.joints.flatMap((joint, j) => result.coefficients.a[j].map((a, l) => ({ joint, l: l + 1, a, b: result.coefficients.b[j][l], unit: perSecond(drawn.joints[j].position_unit, 1) })));
-  const formula = h('p', { class: 'expression' }, h('i', {}, 'q'), '(t) = q', h('sub', {}, '0'), ' + Σ', h('sub', {}, 'l'), ' a', h('sub', {}, 'l'), '/(ωl) sin(ωlt) − b', h('sub', {}, 'l'), '/(ωl) cos(ωlt),  ω = 2π · ', number(result.fundamental_hz), ' Hz');
-  return section('coefficients', 'Coefficients', formula,
+  return section('coefficients', 'Coefficients', h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Form of the motion' }, fourierSeries(number(result.fundamental_hz))),
     h('p', { class: 'soft' }, `q₀: ${result.offset.map((o, j) => `${result.joints[j]} ${number(o)} ${drawn.joints[j].position_unit}`).join(', ')}`),
     h('details', {}, h('summary', {}, 'As a table'), table([
       { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint }, { head: 'l', number: true, cell: (r) => r.l, sort: (r) => r.l },
@@ -135,15 +189,8 @@ function coefficients(result, drawn) {
 }
 
 function starts(result) {
-  const chart = place('Every random start: where it began and what its local search reached');
-  const shown = result.starts.filter((s) => s.reached !== null).sort((a, b) => a.reached - b.reached);
-  plotLater(chart, () => ({
-    traces: [
-      { type: 'scatter', mode: 'lines', x: shown.flatMap((_, i) => [i + 1, i + 1, null]), y: shown.flatMap((s) => [s.initial ?? s.reached, s.reached, null]), line: { color: colour(5), width: 1 }, hoverinfo: 'skip', showlegend: false },
-      { type: 'scatter', mode: 'markers', name: 'began', x: shown.map((_, i) => i + 1), y: shown.map((s) => s.initial), marker: { color: colour(1), symbol: 'circle-open', size: 6 } },
-      { type: 'scatter', mode: 'markers', name: 'reached', x: shown.map((_, i) => i + 1), y: shown.map((s) => s.reached), marker: { color: colour(0), size: 6 } },
-    ],
-    layout: { height: 280, xaxis: { title: 'random start, best first', rangemode: 'tozero' }, yaxis: { type: 'log', title: words(result.criteria.minimised).toLowerCase() } },
-  }));
-  return section('starts', 'How the search went', h('p', { class: 'soft' }, `${result.starts.length} random starts in ${result.search.rounds} rounds; later rounds search around the best of them, which is where the final value comes from.`), shown.length ? chart : null);
+  const chart = place('Every random start: the criterion over its own evaluations, one line per start');
+  const shown = result.starts.filter((s) => s.course?.length > 1);
+  if (shown.length) plotLater(chart, () => courses(shown.map((s) => s.course), result.criteria.minimised));
+  return section('starts', 'How the search went', h('p', { class: 'soft' }, `${result.starts.length} random starts, ${result.search.rounds} round${result.search.rounds > 1 ? "s" : ""} of local searches; later rounds search around the best of them, which is where the final value comes from.`), shown.length ? chart : null);
 }

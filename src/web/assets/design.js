@@ -1,62 +1,116 @@
 // Design: the form, the search as it goes, the result.
 import { explain, follow, getJson, postJson, send, unmark } from './api.js';
-import { fill, find, h } from './dom.js';
+import { CRITERIA } from './criteria.js';
+import { fill, find, h, number } from './dom.js';
 import { Live } from './design-live.js';
 import { showDesign } from './design-result.js';
+import { Known } from './known-form.js';
+import { Obstacles } from './obstacles.js';
+import { plotly } from './plot.js';
 
-const CRITERIA = {
-  condition_number: 'Ratio of the best to the worst determined direction. The usual choice, and the one of the published results.',
-  scaled_condition_number: 'The same with every column of the regressor at length one: does not depend on units.',
-  i_optimality: 'Expected error of predicted torques over the whole workspace. Choose it when the model will be used for control.',
-  d_optimality: 'Geometric mean of all deviations. Does not depend on units, and lets single parameters stay poor.',
-  a_optimality: 'Mean variance of the parameters. Weighs large parameters most.',
-};
 const value = (id) => find(`#${id}`).value.trim();
-const list = (text) => (text ? text.split(/[\s,;]+/).filter(Boolean).map((t) => (Number.isFinite(Number(t)) ? Number(t) : t)) : undefined);
+const list = (text) => (text ? text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(numeric) : undefined);
 const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
+const some = (object) => (Object.values(object).some((v) => v !== undefined) ? object : undefined);
+
+const known = new Known(() => explainForm());
+const obstacles = new Obstacles(find('#obstacles'), () => explainForm());
+
+/** `1-5; 1-3, 7` → one list per joint. */
+function harmonics(text) {
+  if (!text) return undefined;
+  const range = (part) => {
+    const [, from, to] = /^(\d+)[-–](\d+)$/.exec(part) ?? [];
+    return from ? Array.from({ length: Math.max(to - from + 1, 0) }, (_, i) => Number(from) + i) : [numeric(part)];
+  };
+  return text.split(';').map((joint) => joint.split(/[\s,]+/).filter(Boolean).flatMap(range)).filter((joint) => joint.length);
+}
+
+const shortened = (numbers) => numbers.join(', ');
+
+function space() {
+  const placed = obstacles.value();
+  const self = find('#self-collision').checked ? {} : undefined;
+  return some({ ...placed, self_collision: self }) && { clearance: numeric(value('clearance')), ...placed, self_collision: self };
+}
 
 /** The document that the form stands for. What is left empty is left out: the interface has the defaults. */
 function request() {
   const period = numeric(value('period'));
+  const torque = find('#torque-on').checked ? { limits: list(value('torque-limits')), safety_factor: numeric(value('torque-safety')) } : undefined;
   return {
     robot: value('robot'),
-    fourier: { order: numeric(value('order')), fundamental_hz: typeof period === 'number' ? 1 / period : period },
+    fourier: { order: numeric(value('order')), fundamental_hz: list(value('frequencies')) ?? (typeof period === 'number' ? 1 / period : period), harmonics: harmonics(value('harmonics')) },
     sample_rate_hz: numeric(value('rate')),
     criterion: value('criterion'),
-    constraints: { form: value('form-of-limits'), start: value('start'), start_position: list(value('start-position')) },
+    constraints: { form: value('form-of-limits'), start: value('start'), start_position: list(value('start-position')), torque, space: space() },
     torque_noise: list(value('noise')),
+    ...known.value(value('criterion')),
+    periods: numeric(value('periods')), trajectories: numeric(value('trajectories')), backoff: numeric(value('backoff')),
     search: { seed: numeric(value('seed')), time_limit_s: numeric(value('time-limit')) },
   };
 }
 
+/** What closed parts of the form hold, beside their names. */
+function sayWhatIsSet(asked) {
+  const s = asked.constraints.space;
+  const count = (s?.half_spaces?.length ?? 0) + (s?.boxes?.length ?? 0);
+  const states = {
+    torque: asked.constraints.torque ? `over ${asked.constraints.torque.safety_factor ?? 1.25}` : '',
+    space: s ? [count ? `${count} placed` : null, s.self_collision ? 'itself' : null].filter(Boolean).join(', ') : '',
+    backoff: asked.backoff ? `${number(100 * asked.backoff, 3)} %` : '',
+    known: [asked.warm_start && 'warm start', asked.model && 'model', asked.given && `${asked.given.length} given`].filter(Boolean).join(', '),
+  };
+  for (const [name, text] of Object.entries(states)) {
+    const tag = find(`[data-state=${name}]`);
+    tag.textContent = text;
+    tag.hidden = !text;
+  }
+}
+
 function explainForm() {
   const [period, order] = [Number(value('period')), Number(value('order'))];
-  find('#criterion-help').textContent = CRITERIA[value('criterion')];
+  const asked = request();
+  find('#criterion-help').textContent = CRITERIA[value('criterion')].help;
   find('#period-help').textContent = period > 0 && order > 0
     ? `Fastest harmonic ${Number((order / period).toPrecision(3))} Hz. Longer periods are slower and smoother; more harmonics reach lower numbers. Five in ten seconds suit seven joints.` : '';
-  find('#as-request').textContent = JSON.stringify(request(), null, 1);
+  if (value('criterion') === 'rival_evidence') find('#known-part').open = true;
+  sayWhatIsSet(asked);
+  find('#as-request').textContent = JSON.stringify(asked, null, 1);
 }
 
 async function fillRobots(chosen) {
   const { robots } = await getJson('/robots');
   fill(find('#robot'), robots.map((r) => h('option', { value: r.id, selected: r.id === chosen }, `${r.name} (${r.joints.length} joints)`)));
+  await known.load(value('robot'));
   explainForm();
 }
 
 /** Puts an earlier request into the form; a robot that stood in the request itself is offered under its own name. */
-function refill(document) {
-  const set = (id, v) => { if (v !== undefined && v !== null) find(`#${id}`).value = Array.isArray(v) ? v.join(', ') : v; };
-  if (typeof document.robot === 'string') set('robot', document.robot);
-  if (document.fourier?.fundamental_hz) set('period', Number((1 / document.fourier.fundamental_hz).toPrecision(10)));
+async function refill(document) {
+  const set = (id, v) => { find(`#${id}`).value = v === undefined || v === null ? find(`#${id}`).defaultValue ?? '' : Array.isArray(v) ? shortened(v) : v; };
+  if (typeof document.robot === 'string') find('#robot').value = document.robot;
+  const hz = document.fourier?.fundamental_hz;
+  if (typeof hz === 'number') set('period', Number((1 / hz).toPrecision(10)));
+  set('frequencies', Array.isArray(hz) ? hz : undefined);
   set('order', document.fourier?.order);
+  set('harmonics', document.fourier?.harmonics?.map((joint) => joint.join(', ')).join('; '));
   set('rate', document.sample_rate_hz);
-  set('criterion', document.criterion);
-  set('form-of-limits', document.constraints?.form ?? 'paper');
-  set('start', document.constraints?.start);
-  set('start-position', document.constraints?.start_position);
-  set('noise', document.torque_noise);
+  find('#criterion').value = document.criterion ?? 'condition_number';
+  const limits = document.constraints ?? {};
+  find('#form-of-limits').value = limits.form ?? 'paper';
+  find('#start').value = limits.start ?? 'zero';
+  set('start-position', limits.start_position);
+  find('#torque-on').checked = Boolean(limits.torque);
+  set('torque-limits', limits.torque?.limits);
+  set('torque-safety', limits.torque?.safety_factor);
+  find('#self-collision').checked = Boolean(limits.space?.self_collision);
+  set('clearance', limits.space?.clearance);
+  obstacles.set(limits.space);
+  for (const [id, key] of [['noise', 'torque_noise'], ['periods', 'periods'], ['trajectories', 'trajectories'], ['backoff', 'backoff']]) set(id, document[key]);
   set('seed', document.search?.seed);
   set('time-limit', document.search?.time_limit_s);
+  await known.load(value('robot'), document);
   explainForm();
 }
 
@@ -80,9 +134,9 @@ async function watch(id) {
       await follow(id, (now) => live.show(now), signal);
     }
     const result = await getJson(`/excitation/${id}`);
-    live.end();
-    refill(result.request);
+    await refill(result.request);
     await showDesign(find('#result'), result);
+    live.end();
     if (scrollY > 0) find('#result').scrollIntoView({ block: 'start' });
   } catch (error) {
     live.end();
@@ -91,6 +145,8 @@ async function watch(id) {
 }
 
 find('#form').addEventListener('input', explainForm);
+find('#robot').addEventListener('change', () => known.load(value('robot')).then(explainForm).catch((e) => explain(find('#form-trouble'), e)));
+document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => obstacles.add(button.dataset.add)));
 find('#form').addEventListener('submit', async (event) => {
   event.preventDefault();
   unmark(event.target);
@@ -110,6 +166,8 @@ find('#form').addEventListener('submit', async (event) => {
 addEventListener('popstate', () => location.reload());
 
 const query = new URLSearchParams(location.search);
+if (query.get('id')) plotly();
+
 fillRobots(query.get('robot') ?? 'iiwa14')
   .then(() => query.get('id') && watch(query.get('id')))
   .catch((e) => explain(find('#trouble'), e));

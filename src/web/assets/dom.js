@@ -65,14 +65,14 @@ export function words(code) {
 export const figure = (name, value, note) =>
   h('div', { class: 'figure' }, h('dt', {}, name), h('dd', {}, value, note ? [' ', h('small', {}, note)] : null));
 
-/** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, title}. */
+/** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, title, hidden}. */
 export function table(columns, rows, { caption, sort } = {}) {
   const body = h('tbody');
   const show = (list) => fill(body, list.map((row) => h('tr', {}, columns.map((c) => h('td', { class: c.number ? 'number' : null }, c.cell(row))))));
   const heads = columns.map((column) => {
     const head = h('th', { scope: 'col', class: column.number ? 'number' : null, title: column.title });
     if (column.sort) head.append(h('button', { type: 'button', onclick: () => order(column, head) }, column.head));
-    else head.append(column.head);
+    else head.append(column.hidden ? h('span', { class: 'unseen' }, column.head) : column.head);
     return head;
   });
   function order(column, head, direction) {
@@ -90,5 +90,5 @@ export function table(columns, rows, { caption, sort } = {}) {
   show(rows);
   if (sort) order(columns[sort.column], heads[sort.column], sort.way);
   return h('div', { class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': caption ?? 'Table' },
-    h('table', {}, caption ? h('caption', {}, caption) : null, h('thead', {}, h('tr', {}, heads)), body));
+    h('table', { class: columns.length <= 3 ? 'few' : null }, caption ? h('caption', {}, caption) : null, h('thead', {}, h('tr', {}, heads)), body));
 }

@@ -3,6 +3,7 @@ import { Refused, explain, follow, getJson, send, unmark } from './api.js';
 import { fill, find, h, number, time } from './dom.js';
 import { showPreview } from './log-preview.js';
 import { showIdentification, showValidation } from './identify-result.js';
+import { plotly } from './plot.js';
 
 const value = (id) => find(`#${id}`).value.trim();
 const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
@@ -146,6 +147,8 @@ find('#form').addEventListener('submit', async (event) => {
 addEventListener('popstate', () => location.reload());
 
 const query = new URLSearchParams(location.search);
+if (query.get('id')) plotly();
+
 prepare(query)
   .then(() => (query.get('id') ? watch(query.get('id')) : query.get('validation') && validation(query.get('validation'))))
   .catch((e) => explain(find('#trouble'), e));

@@ -1,4 +1,5 @@
 // The result of an identification.
+import { changes, checkModel } from './check-model.js';
 import { download, postJson, save, send, token } from './api.js';
 import { fill, figure, h, number, table, unit, words } from './dom.js';
 import { parameters } from './parameters.js';
@@ -22,9 +23,9 @@ async function drawnRobot(result) {
 export async function showIdentification(target, result) {
   const drawn = await drawnRobot(result);
   const effort = result.joints.map((_, j) => unit(drawn?.joints[j].effort_unit ?? 'N m'));
-  const parts = [['summary', 'Summary'], ['torques', 'Torques'], ['parameters', 'Parameters'], ['physical', 'Physical'], ['errors', 'Errors'], ['logs', 'Logs']];
+  const parts = [['summary', 'Summary'], ['torques', 'Torques'], ['parameters', 'Parameters'], ['physical', 'Physical'], ['errors', 'Errors'], ['logs', 'Logs'], ...(result.physical_parameters ? [['check', 'Check']] : [])];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
-    summary(result), notes(result), torquePlots(result, effort), parameters(result), physical(result, drawn), errors(result, effort), logs(result));
+    summary(result), notes(result), torquePlots(result, effort), parameters(result), physical(result, drawn), errors(result, effort), logs(result), checkModel(result));
 }
 
 /** The result of a validation: a model held against logs. */
@@ -33,7 +34,7 @@ export function showValidation(target, result) {
   const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   fill(target, section('errors', `${result.robot}: a model against logs`, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints); below it the share of the torque’s own.'),
     table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' })),
-  torquePlots(result, result.joints.map(() => 'N·m or N')), logs(result));
+  changes(result.residual), torquePlots(result, result.joints.map(() => 'N·m or N')), logs(result));
 }
 
 function notes(result) {
@@ -51,9 +52,9 @@ function summary(result) {
 }
 
 function foundIn(result) {
-  const [kind, text] = RESIDUAL[result.residual.verdict] ?? ['', words(result.residual.verdict)];
-  const findings = result.residual.findings.map((f) => `${words(f.effect)} (${f.joints.join(', ')})`);
-  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}` }, h('p', {}, h('strong', {}, text), findings.length ? ` ${findings.join('; ')}.` : ''),
+  const { verdict, summary: said, findings } = result.residual;
+  const [kind, text] = RESIDUAL[verdict] ?? ['', words(verdict)];
+  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}` }, h('p', {}, h('strong', {}, said ?? text)), findings.map((f) => h('p', {}, f.sentence)),
     h('p', {}, h('a', { class: 'button primary', id: 'to-loop', href: `/loop?id=${result.id}` }, 'See what the model lacks')));
 }
 

@@ -1,5 +1,5 @@
 // Lab: what runs now, what came out lately, which robots there are.
-import { explain, follow, getJson, send, unmark } from './api.js';
+import { explain, follow, getJson, send, summaryOf, unmark } from './api.js';
 import { fill, find, h, number, seconds, table, time } from './dom.js';
 
 const LIVE = ['queued', 'running'];
@@ -51,7 +51,7 @@ function results(jobs) {
     { head: 'Result', cell: (j) => outcome(j) },
     { head: 'State', cell: state, sort: (j) => j.state },
     { head: 'Ended', cell: (j) => time(j.finished_at ?? j.created_at), sort: (j) => j.finished_at ?? j.created_at },
-  ], jobs);
+  ], jobs, { caption: 'The newest first' });
 }
 
 /** Robot of a job, and what came out in a few words: from its result, which never changes, asked for once per browser. */
@@ -75,7 +75,7 @@ async function learn(jobs) {
   const unknown = jobs.filter((j) => ['finished', 'cancelled'].includes(j.state) && !names.has(j.id)).slice(0, 12);
   for (const job of unknown) {
     if (names.has(job.id)) continue;
-    const result = await getJson(job.links.result).catch(() => null);
+    const result = await summaryOf(job).catch(() => null);
     remember(job.id, result?.robot ?? '–', told(job, result));
     showJobs(jobs);
   }
@@ -119,10 +119,10 @@ async function showRobots() {
     { head: 'Name', cell: (r) => h('a', { href: `/robot?id=${encodeURIComponent(r.id)}` }, r.name), sort: (r) => r.name },
     { head: 'Called', cell: (r) => h('span', { class: 'mono' }, r.id), sort: (r) => r.id },
     { head: 'Joints', number: true, cell: (r) => r.joints.length, sort: (r) => r.joints.length },
-    { head: '', cell: (r) => (r.shipped ? h('span', { class: 'tag' }, 'comes with dynident') : r.notes.length ? h('span', { class: 'tag warn', title: r.notes.join('\n') }, `${r.notes.length} notes`) : '') },
-    { head: '', cell: (r) => h('a', { href: `/design?robot=${encodeURIComponent(r.id)}` }, 'Design') },
-    { head: '', cell: (r) => h('a', { href: `/identification?robot=${encodeURIComponent(r.id)}` }, 'Identify') },
-  ], robots));
+    { head: 'Remarks', hidden: true, cell: (r) => (r.shipped ? h('span', { class: 'tag' }, 'comes with dynident') : r.notes.length ? h('span', { class: 'tag warn', title: r.notes.join('\n') }, `${r.notes.length} notes`) : '') },
+    { head: 'Design', hidden: true, cell: (r) => h('a', { href: `/design?robot=${encodeURIComponent(r.id)}` }, 'Design') },
+    { head: 'Identify', hidden: true, cell: (r) => h('a', { href: `/identification?robot=${encodeURIComponent(r.id)}` }, 'Identify') },
+  ], robots, { caption: 'All robots' }));
 }
 
 find('#add-form').addEventListener('submit', async (event) => {

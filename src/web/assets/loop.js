@@ -1,9 +1,9 @@
 // The loop: noise floor, what is left, findings, before and after, rivals and what would decide.
 import { explain, getJson, postJson } from './api.js';
-import { decision } from './decide.js';
+import { designButton } from './decide.js';
 import { fill, figure, find, h, measured, number, table, time, unit, words } from './dom.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
-import { colour, plotLater, variable } from './plot.js';
+import { colour, plotLater, plotly, variable } from './plot.js';
 import { residualPlot } from './residual-plot.js';
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
@@ -28,7 +28,7 @@ function summary({ result, report }) {
   const heldOut = report.rms_before.held_out.length > 0;
   const sum = (list) => list.reduce((a, b) => a + b, 0);
   const of = (pair) => (heldOut ? pair.held_out : pair.identification);
-  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, words(report.verdict)), ' ', h('strong', { id: 'verdict' }, text)),
+  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, words(report.verdict)), ' ', h('strong', { id: 'verdict' }, report.summary ?? text)),
     h('dl', { class: 'figures' }, figure('Findings', report.findings.length), figure('Error before', number(sum(of(report.rms_before)), 3), `summed over joints, ${heldOut ? 'held-out' : 'identification'} data`),
       figure('After', number(sum(of(report.rms_after)), 3)), figure('Noise alone', number(sum(report.noise_floor), 3))),
     heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no held-out log: before and after are told on the data that chose the effects. Give a validation log to know.')),
@@ -37,50 +37,45 @@ function summary({ result, report }) {
 
 function findings(context) {
   const { report } = context;
-  const cards = report.findings.map((f) => finding(context, f));
+  const cards = report.findings.map((f, i) => finding(context, f, i));
   if (report.remainder) cards.push(remainder(context));
   if (!cards.length) cards.push(h('p', {}, 'Nothing stands out of the noise. The declared model says all that these logs can say.'));
   return section('findings', 'Findings', h('div', {}, cards));
 }
 
-const listed = (names) => (names.length > 1 ? `${names.slice(0, -1).join(', ')} and ${names.at(-1)}` : names[0] ?? '');
+const listed = (names, last = 'and') => (names.length > 1 ? `${names.slice(0, -1).join(', ')} ${last} ${names.at(-1)}` : names[0] ?? '');
 const where = (joints, all) => (joints.length === all.length && all.length > 1 ? 'the whole robot' : listed(joints));
+const called = (effect, all) => `${words(effect.effect).toLowerCase()} on ${where(effect.joints, all)}`;
 
-/** A finding in one sentence with its figures. */
-function sentence({ result }, f) {
-  const values = f.parameters.map((p) => `${words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit)}`.trim());
-  return h('p', { class: 'sentence' }, h('strong', {}, words(f.effect)), ` on ${where(f.joints, result.joints)}`, values.length ? `: ${listed(values)}.` : '.');
-}
-
-function effectOnError({ result, report, effort }, f) {
-  const heldOut = f.rms_before.held_out.length > 0;
-  const of = (pair) => (heldOut ? pair.held_out : pair.identification);
-  // The joints whose error changes most; an effect of the whole robot changes many.
-  const changed = result.joints.map((name, j) => ({ name, j, before: of(f.rms_before)[j], after: of(f.rms_after)[j] })).sort((a, b) => (b.before - b.after) / b.before - (a.before - a.after) / a.before);
-  const shown = changed.filter((c) => f.joints.includes(c.name)).slice(0, 3);
-  const one = (c) => `${c.name} ${number(c.before, 3)} → ${number(c.after, 3)} ${effort[c.j]} (noise alone ${number(report.noise_floor[c.j], 3)})`;
-  return h('p', {}, `Error on ${heldOut ? 'held-out' : 'identification'} data: ${shown.map(one).join('; ')}.`);
-}
-
-function finding(context, f) {
+/** A finding: name, its sentence in the words of the interface, its figures, what else it could be. */
+function finding(context, f, index) {
   const e = f.evidence;
-  const fault = f.parameters.length === 0 && e.gain === 0;
-  const evidence = fault ? null : h('p', { class: 'soft' }, `Twice the log of the evidence ratio is ${number(e.log_evidence_ratio, 3)}; chance of such a gain without it ${e.p_value < 1e-12 ? 'below 10⁻¹²' : number(e.p_value, 2)}. `,
-    `On blocks of time that were left out of the fit it explains ${number(e.held_out_blocks, 3)} times the noise’s variance${e.held_out_periods === null ? '' : `, on the other half of the periods ${number(e.held_out_periods, 3)} times`}.`);
-  return h('article', { class: 'finding', 'data-effect': f.effect }, sentence(context, f), effectOnError(context, f), f.note ? h('p', {}, f.note) : null, evidence, rivals(context, f));
+  const fault = f.parameters.length === 0;
+  const values = fault ? null : table([
+    { head: 'Parameter', cell: (p) => words(p.name) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
+  ], f.parameters, { caption: 'With one standard deviation' });
+  const chance = (p) => (p < 1e-12 ? 'below 10⁻¹²' : number(p, 2));
+  const figures = [
+    ['Twice the log of the evidence ratio against leaving it out', number(e.log_evidence_ratio, 3)], ['Chance of such a gain without it', chance(e.p_value)],
+    ['Gain on blocks of time left out of the fit, in variances of the noise', number(e.held_out_blocks, 3)],
+    e.held_out_periods === null ? null : ['Gain on the other half of the periods', number(e.held_out_periods, 3)],
+  ].filter(Boolean);
+  const evidence = fault ? null : h('details', {}, h('summary', {}, 'Why it is believed'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence' }));
+  return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, `${words(f.effect)} on ${where(f.joints, context.result.joints)}`, fault ? [' ', h('span', { class: 'tag bad' }, 'fault of the data')] : null),
+    h('p', { class: 'sentence' }, f.sentence), f.note && !fault ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, values, evidence, rivals(context, f, index));
 }
 
-function rivals(context, f) {
+function rivals(context, f, index) {
   if (!f.rivals.length) return null;
-  const one = (r) => h('li', {}, h('strong', {}, words(r.effect)), ` on ${where(r.joints, context.result.joints)}: `, r.evidence > 0 ? `less likely by ${number(r.evidence, 3)} (twice the log of the evidence ratio), but not excluded` : `fits better by ${number(-r.evidence, 3)}`);
-  return h('div', {}, h('h3', {}, 'It could also be'), h('ul', {}, f.rivals.map(one)), h('p', {}, h('a', { href: '#next' }, 'What would decide')));
+  const all = context.result.joints;
+  const one = (r, k) => h('li', {}, h('p', {}, h('strong', {}, called(r, all)), r.evidence > 0 ? `: less likely by ${number(r.evidence, 3)} (twice the log of the odds), but not excluded.` : `: fits better by ${number(-r.evidence, 3)}, but is the rarer cause.`),
+    context.result.provenance ? designButton(context, `Design the trajectory that decides: ${words(f.effect).toLowerCase()} or ${words(r.effect).toLowerCase()}`, { finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } }, `decide-${index}-${k}`) : null);
+  return h('div', { class: 'rivals' }, h('h4', {}, 'It could also be'), h('ul', { class: 'list' }, f.rivals.map(one)));
 }
 
 function remainder(context) {
   const r = context.report.remainder;
-  const rms = r.joints.map((name, i) => `${name} ${number(r.rms[i], 3)} ${context.effort[context.result.joints.indexOf(name)]}`);
-  return h('article', { class: 'finding', 'data-effect': 'unexplained' }, h('p', { class: 'sentence' }, h('strong', {}, 'Unexplained'), ` on ${listed(r.joints)}: it depends on ${listed(r.depends_on)}.`),
-    h('p', {}, `Above the noise there are left ${listed(rms)}; smooth functions of these variables predict ${number(100 * r.predicted_share, 3)} % of it.`), h('p', {}, r.note));
+  return h('article', { class: 'finding', 'data-effect': 'unexplained' }, h('h3', {}, `Unexplained on ${where(r.joints, context.result.joints)}`), h('p', { class: 'sentence' }, r.sentence), h('p', { class: 'soft' }, r.note));
 }
 
 function bars({ result, report, effort }) {
@@ -97,7 +92,8 @@ function bars({ result, report, effort }) {
     }));
     return h('div', {}, h('h3', {}, title), chart);
   });
-  return section('bars', 'Before and after', h('div', { class: 'columns' }, charts));
+  return section('bars', 'Before and after', h('p', { class: 'soft' }, 'Both models are fitted anew, every joint weighted by its noise. Without the effect the fit bends its parameters to hide a part of it, and spreads the rest over the joints that share them.'),
+    h('div', { class: 'columns' }, charts));
 }
 
 function floor({ result, report, effort }) {
@@ -112,12 +108,14 @@ function floor({ result, report, effort }) {
 }
 
 function next(context) {
-  const { report } = context;
-  const rivals = report.findings.flatMap((f) => f.rivals.map((r) => `${words(f.effect).toLowerCase()} or ${words(r.effect).toLowerCase()}`));
-  const text = rivals.length ? `Open: ${listed(rivals)}. On the motion that was run these move the torque alike. A motion through other positions, speeds and loads can tell them apart.`
+  const { report, result } = context;
+  const pairs = report.findings.flatMap((f) => f.rivals.map((r) => ({ finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } })));
+  const [first] = pairs;
+  const text = first ? `Open: ${listed(pairs.map((p) => `${called(p.finding, result.joints)} or ${called(p.rival, result.joints)}`), 'and')}. On the motion that was run the two move the torque alike. The next trajectory is made so that they do not.`
     : report.remainder ? 'What is left depends on the variables above; a motion that passes through other combinations of them shows more of it.'
-      : 'Another motion, through other positions, speeds and loads, is the test that these findings must pass: nothing new should be found on it.';
-  return section('next', 'What to record next', h('p', {}, text, ' Run it, and identify from both logs together.'), decision(context));
+      : 'Another motion is the test that these findings must pass: nothing new should be found on it. It is designed for what these logs leave open.';
+  const label = first ? 'Design the deciding trajectory' : 'Design the next trajectory';
+  return section('next', 'What to record next', h('p', {}, text, ' Run it, and identify from both logs together.'), result.provenance ? designButton(context, label, first, 'decide') : null);
 }
 
 async function begin() {
@@ -127,7 +125,7 @@ async function begin() {
   const which = find('#which');
   const chosen = asked ?? done[0]?.id;
   if (asked && !done.some((j) => j.id === asked)) done.unshift({ id: asked, finished_at: new Date().toISOString() });
-  fill(which, done.map((j) => h('option', { value: j.id, selected: j.id === chosen }, `${time(j.finished_at)}  ${j.id.slice(0, 8)}`)));
+  fill(which, done.map((j) => h('option', { value: j.id, selected: j.id === chosen }, `${time(j.finished_at)} · ${j.robot ?? ''} · ${j.id.slice(0, 8)}`)));
   which.addEventListener('change', () => { location.search = `?id=${which.value}`; });
   if (!chosen) {
     fill(find('#result'), section('none', 'Nothing yet', h('p', {}, 'There is no identification. '), h('a', { class: 'button primary', href: '/identification' }, 'Identify from a log')));
@@ -136,4 +134,5 @@ async function begin() {
   await show(chosen);
 }
 
+plotly();
 begin().catch((e) => explain(find('#trouble'), e));

@@ -1,6 +1,6 @@
 // Base parameters with error bars and as a table that sorts.
 import { h, measured, number, table, unit } from './dom.js';
-import { typeset } from './expression.js';
+import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
 
 export function parameters(result) {
@@ -21,7 +21,7 @@ export function parameters(result) {
   const open = result.undetermined.length ? h('div', { class: 'notice' }, h('p', {}, h('strong', {}, 'Not determined by the log: '), result.undetermined.map((d) => d.text).join('; '))) : null;
   return h('section', { class: 'card', id: 'parameters', 'aria-labelledby': 'parameters-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'parameters-title' }, 'Base parameters'), h('label', { class: 'inline' }, 'Those in', kind)), open, chart,
     table([
-      { head: 'Parameter', cell: (p) => h('strong', {}, p.name), sort: (p) => p.name },
+      { head: 'Parameter', cell: (p) => nameOf(p.name), sort: (p) => p.name },
       { head: 'Value', number: true, cell: (p) => (p.value === null ? 'not determined' : `${number(p.value)} ${unit(p.unit)}`), sort: (p) => p.value },
       { head: 'σ', number: true, cell: (p) => number(p.std_dev, 2), sort: (p) => p.std_dev, title: 'Standard deviation, with correlated noise allowed for' },
       { head: 'σ/|value|', number: true, cell: (p) => (p.relative_std_dev_percent === null ? '–' : `${number(p.relative_std_dev_percent, 3)} %`), sort: (p) => p.relative_std_dev_percent },

@@ -2,7 +2,8 @@
 import { ArmView } from './arm.js';
 import { h, number } from './dom.js';
 
-export function player({ joints, gravity, motion }) {
+/** `space`: what the arm keeps off, as in the request. */
+export function player({ joints, gravity, motion }, space) {
   const canvas = h('canvas', { class: 'arm', 'aria-label': 'The arm in its motion, with the path of its last frame. Arrow keys turn the view.' });
   const last = motion.time.length - 1;
   const slider = h('input', { type: 'range', min: 0, max: last, value: 0, 'aria-label': 'Time in the period' });
@@ -10,6 +11,8 @@ export function player({ joints, gravity, motion }) {
   const clock = h('output', { class: 'number', style: 'min-width:9rem' });
   const view = new ArmView(canvas, joints, gravity);
   view.path = motion.end;
+  view.space = space;
+  view.frameArm(motion.time.flatMap((_, s) => (s % 20 ? [] : [motion.q.map((q) => q[s])])));
   const show = (sample) => {
     slider.value = sample;
     clock.textContent = `${motion.time[sample].toFixed(2)} s of ${number(motion.time[last])} s`;
@@ -40,5 +43,5 @@ export function player({ joints, gravity, motion }) {
   });
   return h('section', { class: 'card', id: 'path', 'aria-labelledby': 'path-title' }, h('h2', { id: 'path-title' }, 'Path of the last frame'), canvas,
     h('div', { class: 'row', style: 'margin-top:.6rem' }, button, h('span', { style: 'flex:1;min-width:8rem' }, slider), clock),
-    h('p', { class: 'help' }, `In real time. Drag to turn. The grid is 0.25 m; the path keeps within ${box.join(', ')} in the base frame. Check it against your cell: floor and obstacles are not part of the search unless the request has them.`));
+    h('p', { class: 'help' }, `In real time. Drag to turn. The grid is 0.25 m; the path keeps within ${box.join(', ')} in the base frame. ${space ? 'Floor, walls and boxes of the request are drawn; the arm keeps off them.' : 'Check it against your cell: the request named no floor and no obstacles.'}`));
 }

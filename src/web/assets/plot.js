@@ -13,8 +13,8 @@ export const colour = (index) => COLOURS[isDark() ? 'dark' : 'light'][index % 7]
 export const dash = (index) => DASHES[index % 7];
 
 let loading = null;
-/** plotly.js, fetched when the first plot asks for it. */
-function plotly() {
+/** plotly.js, fetched when the first plot asks for it, or before by pages that wait for what they will plot. */
+export function plotly() {
   loading ??= new Promise((done, failed) => {
     const script = document.createElement('script');
     script.src = '/assets/plotly.js';
@@ -59,7 +59,7 @@ export function plotLater(place, make, options) {
 function dressed(layout, place) {
   const [ink, soft, grid] = ['--ink', '--soft', '--grid'].map(variable);
   const narrow = place.clientWidth < 520;
-  const axis = { gridcolor: grid, linecolor: soft, zerolinecolor: grid, ticks: 'outside', ticklen: 4, tickcolor: grid, automargin: true, title: { standoff: 8 } };
+  const axis = { gridcolor: grid, linecolor: soft, zerolinecolor: grid, ticks: 'outside', ticklen: 4, exponentformat: 'power', tickcolor: grid, automargin: true, title: { standoff: 8 } };
   const full = {
     paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: { family: 'system-ui, sans-serif', size: narrow ? 11 : 12.5, color: ink },
     margin: { l: narrow ? 48 : 64, r: narrow ? 8 : 18, t: narrow ? 34 : 12, b: 44 }, hovermode: 'x unified', hoverlabel: { bgcolor: variable('--card'), font: { color: ink } },

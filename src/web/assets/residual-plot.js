@@ -2,12 +2,6 @@
 import { fill, h, perSecond } from './dom.js';
 import { colour, plot } from './plot.js';
 
-/** The variable an effect is a function of; own joint unless `remainder.depends_on` says which. */
-const VARIABLE = {
-  stribeck_friction: 'qd', nonlinear_viscous_friction: 'qd', asymmetric_viscous_friction: 'qd', presliding_hysteresis: 'q', load_dependent_friction: 'qd', rotor_inertia: 'qdd', transmission_coupling: 'qd',
-  joint_spring: 'q', position_ripple: 'q', encoder_offset: 'q', base_tilt: 'q', joint_elasticity: 'q', payload: 'q', torque_gain: 'tau', torque_crosstalk: 'tau',
-};
-
 export function residualPlot(context) {
   const { result, report } = context;
   const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, 'What is left, against what explains it'));
@@ -51,7 +45,7 @@ function suggestions(result, report) {
   const r = report.remainder;
   const most = r ? r.joints[r.rms.indexOf(Math.max(...r.rms))] : null;
   const left = r ? [{ joint: most, variable: named(r.depends_on[0] ?? ''), second: r.depends_on[1] ? named(r.depends_on[1]) : undefined }] : [];
-  const found = report.findings.map((f) => ({ joint: f.joints[0], variable: VARIABLE[f.effect] ? `${VARIABLE[f.effect]} ${f.joints[0]}` : 'time' }));
+  const found = report.findings.filter((f) => f.against?.joint).map(({ against: { joint, variable } }) => ({ joint, variable: variable === 'time' ? 'time' : `${variable} ${joint}` }));
   const worst = [...report.lack_of_fit].sort((a, b) => b.statistic - a.statistic)[0];
   return [...found, ...left, { joint: worst?.joint ?? result.joints[0], variable: 'time' }];
 }
@@ -98,7 +92,7 @@ function scatter(context, { joint, across, x, before, after }) {
   const layout = narrow
     ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `left of ${joint} (${unit})` }, height: 480 }
     : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
-  return { traces: [dots('declared model', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, hovermode: 'closest' } };
+  return { traces: [dots('base parameters, without the effects', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, hovermode: 'closest' } };
 }
 
 /** Over two variables: the residual as colour. Blue and brown, told apart by all, white for nothing left. */

@@ -1,8 +1,8 @@
 // Robot: kinematics to move, limits, base parameters, designs and identifications over time.
 import { ArmView, poses } from './arm.js';
-import { download, explain, getJson, postJson, send } from './api.js';
+import { download, explain, getJson, postJson, send, summaryOf } from './api.js';
 import { fill, find, h, measured, number, perSecond, table, time, unit, words } from './dom.js';
-import { symbol, typeset } from './expression.js';
+import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
@@ -76,17 +76,16 @@ function limits(drawn) {
 }
 
 function baseTable(base) {
-  const split = (name) => (/^([A-Z]+)(\d+)$/.exec(name) ? symbol(...name.match(/^([A-Z]+)(\d+)$/).slice(1)) : name);
   return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} standard parameters: all that torques can tell of this arm. The letter R in a name says that others are grouped into it.`), table([
-    { head: 'Name', cell: (p) => h('strong', {}, p.name), sort: (p) => p.name }, { head: 'Is', cell: (p) => h('span', { class: 'expression' }, p.name === p.expression ? split(p.name) : [split(p.name), ' = ', typeset(p.expression)]) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
-  ], base.base_parameters, { caption: 'Base parameters' })];
+    { head: 'Name', cell: (p) => nameOf(p.name), sort: (p) => p.name }, { head: 'Is', cell: (p) => typeset(p.expression, p.name) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
+  ], base.base_parameters, { caption: 'By name' })];
 }
 
 /** Runs of this robot, oldest first; of each its result. */
 async function runs(robot, kind) {
   const { jobs } = await getJson('/jobs');
-  const wanted = jobs.filter((j) => j.kind === kind && ['finished', 'cancelled'].includes(j.state)).slice(0, 20).reverse();
-  const results = await Promise.all(wanted.map((j) => getJson(j.links.result).catch(() => null)));
+  const wanted = jobs.filter((j) => j.kind === kind && [robot.id, robot.name].includes(j.robot) && ['finished', 'cancelled'].includes(j.state)).slice(0, 20).reverse();
+  const results = await Promise.all(wanted.map((j) => summaryOf(j).catch(() => null)));
   return wanted.map((job, i) => ({ job, result: results[i] })).filter((r) => r.result?.robot === robot.name);
 }
 

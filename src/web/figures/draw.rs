@@ -226,6 +226,7 @@ fn draw_series<DB: DrawingBackend>(chart: &mut Chart<DB>, series: &Series) -> Re
         Mark::Level => {
             chart.draw_series(plain().map(|(x, y)| PathElement::new([(x - 0.4, y), (x + 0.4, y)], colour.stroke_width(3))))
         }
+        Mark::Point => chart.draw_series(plain().map(|p| Circle::new(p, 1, colour.filled()))),
         Mark::Dot(lengths) => {
             let whisker = |(i, (x, y)): &(usize, (f64, f64))| {
                 ErrorBar::new_vertical(*x, y - lengths[*i], *y, y + lengths[*i], colour.filled(), 7)
@@ -259,7 +260,13 @@ mod tests {
             colour: 1,
             points: points.clone(),
         };
-        let marks = [Mark::Bar { at: 0, of: 2 }, Mark::Level, Mark::Dot(vec![0.1; 3]), Mark::Line];
+        let marks = [
+            Mark::Bar { at: 0, of: 2 },
+            Mark::Level,
+            Mark::Dot(vec![0.1; 3]),
+            Mark::Line,
+            Mark::Point,
+        ];
         Figure {
             title: "title".into(),
             x: "joint".into(),

@@ -10,7 +10,7 @@ mod residual;
 
 pub use design::design_figure;
 pub use identification::{error_figure, parameter_figures, torque_figure};
-pub use residual::before_after_figure;
+pub use residual::{before_after_figure, finding_figure};
 
 /// What cannot be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -61,6 +61,8 @@ pub enum Mark {
     Dot(Vec<f64>),
     /// A short stroke at y.
     Level,
+    /// A small dot.
+    Point,
 }
 
 /// Where a unit is written for people: `kg m^2` becomes `kg m²`.

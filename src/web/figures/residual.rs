@@ -1,7 +1,7 @@
-//! The figure of what adding effects does.
+//! Figures of what adding effects does.
 
 use super::identification::{names, numbers};
-use super::{Figure, Mark, Panel, Series};
+use super::{Figure, Mark, Panel, Series, unit};
 use serde_json::Value;
 
 /// Error per joint of the declared model and of the one with the effects found, beside the noise floor: on identification data, and
@@ -39,4 +39,53 @@ fn panel(residual: &Value, key: &str, name: &str) -> Panel {
             series("noise floor", Mark::Level, 6, &residual["noise_floor"]),
         ],
     }
+}
+
+/// Points of a cloud: more than this is ink on ink.
+const CLOUD: usize = 1500;
+
+/// What the base parameters leave on a finding's joint and what is left with all effects found, against the variable that the finding is a
+/// function of (its `against`). `None` where the document has no series to draw.
+pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
+    let (joint, variable) = (&finding["against"]["joint"], finding["against"]["variable"].as_str()?);
+    let series = document["predictions"].as_array()?;
+    let own = series.iter().find(|s| s["joint"] == *joint && s["augmented"].is_array())?;
+    let across = numbers(&own[if variable == "tau" { "measured" } else { variable }]);
+    let measured = numbers(&own["measured"]);
+    let step = measured.len().div_ceil(CLOUD).max(1);
+    let left = |model: &str| -> Vec<(f64, f64)> {
+        let predicted = numbers(&own[model]);
+        let rest = measured.iter().zip(&predicted).map(|(m, p)| m - p);
+        across.iter().copied().zip(rest).step_by(step).collect()
+    };
+    let at = document["joints"].as_array()?.iter().position(|j| j == joint)?;
+    let sliding = document["provenance"]["robot"]["joints"][at]["kind"] == "prismatic";
+    let (position, effort) = if sliding { ("m", "N") } else { ("rad", "N m") };
+    let name = joint.as_str().unwrap_or_default();
+    let x = match variable {
+        "q" => format!("q {name} ({position})"),
+        "qd" => format!("qd {name} ({position}/s)"),
+        "qdd" => format!("qdd {name} ({position}/s²)"),
+        "tau" => format!("tau {name} ({})", unit(effort)),
+        _ => "time (s)".into(),
+    };
+    let panel = |label: &str, model: &str, colour: usize| Panel {
+        y: format!("left of {name} ({})", unit(effort)),
+        series: vec![Series {
+            name: label.into(),
+            mark: Mark::Point,
+            colour,
+            points: left(model),
+        }],
+    };
+    Some(Figure {
+        title: String::new(),
+        x,
+        places: Vec::new(),
+        panels: vec![
+            panel("base parameters alone", "base", 1),
+            panel("with the effects found", "augmented", 0),
+        ],
+        size: (900, 400),
+    })
 }

@@ -7,6 +7,15 @@ use serde_json::Value;
 #[derive(Debug, Default)]
 pub(super) struct Html(pub String);
 
+/// What stands in a table, as HTML.
+pub(super) struct Cell(pub String);
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self(escaped(&text))
+    }
+}
+
 /// `text` as it may stand in HTML.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
@@ -73,7 +82,7 @@ impl Html {
     }
 
     /// `heads` that begin with `#` are of numbers, which stand to the right.
-    pub fn table(&mut self, caption: &str, heads: &[&str], rows: impl Iterator<Item = Vec<String>>) {
+    pub fn table<C: Into<Cell>>(&mut self, caption: &str, heads: &[&str], rows: impl Iterator<Item = Vec<C>>) {
         let class = |k: usize| {
             if heads.get(k).is_some_and(|h| h.starts_with('#')) {
                 " class=\"n\""
@@ -81,18 +90,22 @@ impl Html {
                 ""
             }
         };
-        let cells = |tag: &str, row: &[String]| {
-            let one = |(k, cell): (usize, &String)| format!("<{tag}{}>{}</{tag}>", class(k), escaped(cell));
-            row.iter().enumerate().map(one).collect::<String>()
+        let cells = |tag: &str, row: Vec<Cell>| {
+            let one = |(k, Cell(cell)): (usize, Cell)| format!("<{tag}{}>{cell}</{tag}>", class(k));
+            row.into_iter().enumerate().map(one).collect::<String>()
         };
-        let names: Vec<String> = heads.iter().map(|h| h.trim_start_matches('#').to_string()).collect();
+        let names = heads
+            .iter()
+            .map(|h| Cell::from(h.trim_start_matches('#').to_string()))
+            .collect();
         self.0.push_str(&format!(
             "<div class=\"wide\"><table><caption>{}</caption><thead><tr>{}</tr></thead><tbody>\n",
             escaped(caption),
-            cells("th", &names)
+            cells("th", names)
         ));
         for row in rows {
-            self.0.push_str(&format!("<tr>{}</tr>\n", cells("td", &row)));
+            let row = row.into_iter().map(Into::into).collect();
+            self.0.push_str(&format!("<tr>{}</tr>\n", cells("td", row)));
         }
         self.0.push_str("</tbody></table></div>\n");
     }

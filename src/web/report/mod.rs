@@ -1,5 +1,6 @@
 //! The report of an identification: one HTML file that stands alone, prints, and holds what is needed to do it again.
 
+mod formula;
 mod html;
 mod parts;
 
@@ -81,7 +82,8 @@ mod tests {
             "0.1.0",
             "some-id",
             "&quot;seed&quot;: 7",
-            "ZZR1",
+            "<mi mathvariant=\"normal\">ZZR</mi><mn>1</mn>",
+            "<mi mathvariant=\"normal\">ZZ</mi><mn>2</mn>",
             "not determined",
             "fine &amp; well",
             "<svg",

@@ -1,8 +1,9 @@
 //! The parts of the report, in their order.
 
 use super::Circumstances;
-use super::html::{Html, items, listed, number, text, words};
-use crate::web::figures::{before_after_figure, error_figure, parameter_figures, torque_figure, unit};
+use super::formula;
+use super::html::{Cell, Html, items, listed, text, words};
+use crate::web::figures::{before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
 
 pub(super) fn heading(page: &mut Html, result: &Value, circumstances: &Circumstances) {
@@ -21,22 +22,12 @@ pub(super) fn summary(page: &mut Html, result: &Value) {
     let q = &result["quality"];
     let class = if q["verdict"] == "good" { "verdict" } else { "verdict bad" };
     page.paragraph(class, &format!("Data: {}; {}", words(&q["verdict"]), text(&q["reason"])));
-    if result["residual"].is_object() {
-        let found: Vec<String> = items(&result["residual"]["findings"])
-            .map(|f| format!("{} on {}", words(&f["effect"]), listed(&f["joints"])))
-            .collect();
-        let found = if found.is_empty() {
-            String::new()
-        } else {
-            format!(" Found: {}.", found.join("; "))
-        };
-        page.paragraph(
-            "verdict",
-            &format!(
-                "What the model leaves over: {}.{found}",
-                words(&result["residual"]["verdict"])
-            ),
-        );
+    let residual = &result["residual"];
+    if residual.is_object() {
+        page.paragraph("verdict", &text(&residual["summary"]));
+        for told in items(&residual["findings"]).chain([&residual["remainder"]]) {
+            told["sentence"].as_str().iter().for_each(|s| page.paragraph("finding", s));
+        }
     }
     let row = |name: &str, value: String| vec![name.to_string(), value];
     let rows = [
@@ -106,12 +97,12 @@ pub(super) fn parameters(page: &mut Html, result: &Value) {
             text(&p["value"])
         };
         vec![
-            text(&p["name"]),
-            value,
-            text(&p["std_dev"]),
-            text(&p["relative_std_dev_percent"]),
-            unit(&text(&p["unit"])),
-            text(&p["expression"]),
+            formula::name(&text(&p["name"])),
+            Cell::from(value),
+            Cell::from(text(&p["std_dev"])),
+            Cell::from(text(&p["relative_std_dev_percent"])),
+            Cell::from(unit(&text(&p["unit"]))),
+            formula::expression(&text(&p["expression"])),
         ]
     };
     let all = items(&result["base_parameters"]).chain(items(&result["offsets"]));
@@ -192,15 +183,13 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
         fits.map(row),
     );
     for finding in items(&residual["findings"]) {
-        describe(page, finding);
+        describe(page, result, finding);
     }
     let rest = &residual["remainder"];
     if rest.is_object() {
         page.heading(3, &format!("Unexplained, on {}", listed(&rest["joints"])));
-        page.paragraph(
-            "",
-            &format!("Depends on {}. {}", listed(&rest["depends_on"]), text(&rest["note"])),
-        );
+        page.paragraph("finding", &text(&rest["sentence"]));
+        page.paragraph("soft", &text(&rest["note"]));
     }
     if let Some(figure) = before_after_figure(result) {
         page.figure(
@@ -218,8 +207,12 @@ fn chance(p: &Value) -> String {
     }
 }
 
-fn describe(page: &mut Html, finding: &Value) {
+fn describe(page: &mut Html, result: &Value, finding: &Value) {
     page.heading(3, &format!("{} on {}", words(&finding["effect"]), listed(&finding["joints"])));
+    page.paragraph("finding", &text(&finding["sentence"]));
+    if items(&finding["parameters"]).next().is_none() {
+        return;
+    }
     let row = |p: &Value| {
         vec![
             words(&p["name"]),
@@ -228,35 +221,33 @@ fn describe(page: &mut Html, finding: &Value) {
             unit(&text(&p["unit"])),
         ]
     };
-    if items(&finding["parameters"]).next().is_some() {
+    page.table(
+        "",
+        &["Parameter", "#Value", "#σ", "Unit"],
+        items(&finding["parameters"]).map(row),
+    );
+    let e = &finding["evidence"];
+    let mut evidence = format!(
+        "Twice the log of the evidence ratio against leaving it out: {}; chance of such a gain without it: {}.",
+        text(&e["log_evidence_ratio"]),
+        chance(&e["p_value"])
+    );
+    if let Some(note) = finding["note"].as_str() {
+        evidence += &format!(" Note: {note}.");
+    }
+    page.paragraph("soft", &evidence);
+    let rival = |r: &Value| vec![words(&r["effect"]), listed(&r["joints"]), text(&r["evidence"])];
+    if items(&finding["rivals"]).next().is_some() {
         page.table(
-            "",
-            &["Parameter", "#Value", "#σ", "Unit"],
-            items(&finding["parameters"]).map(row),
+            "Not excluded in its place; twice the log of the odds in favour of the finding",
+            &["Effect", "Joints", "#Evidence"],
+            items(&finding["rivals"]).map(rival),
         );
     }
-    let sum = |value: &Value| number(items(value).filter_map(Value::as_f64).sum());
-    for (kind, name) in [("identification", "identification"), ("held_out", "held-out")] {
-        if items(&finding["rms_before"][kind]).next().is_some() {
-            let (before, after) = (sum(&finding["rms_before"][kind]), sum(&finding["rms_after"][kind]));
-            page.paragraph(
-                "",
-                &format!("Error on {name} data, summed over the joints: {before} before, {after} after."),
-            );
-        }
-    }
-    if finding["note"].is_string() {
-        page.paragraph("", &text(&finding["note"]));
-    }
-    for rival in items(&finding["rivals"]) {
-        page.paragraph(
-            "",
-            &format!(
-                "Not excluded: {} on {}; twice the log of the evidence ratio is {} in favour of the finding.",
-                words(&rival["effect"]),
-                listed(&rival["joints"]),
-                text(&rival["evidence"])
-            ),
+    if let Some(figure) = finding_figure(result, finding) {
+        page.figure(
+            &figure,
+            "What is left on the joint, with the base parameters alone and with all effects found.",
         );
     }
 }
@@ -289,45 +280,26 @@ pub(super) fn physical(page: &mut Html, result: &Value) {
         return;
     }
     page.heading(2, "Physical parameters");
-    let row = |l: &Value| {
-        let i = &l["inertia"];
-        let numbers = [
-            &l["mass"],
-            &l["center_of_mass"][0],
-            &l["center_of_mass"][1],
-            &l["center_of_mass"][2],
-            &i["xx"],
-            &i["yy"],
-            &i["zz"],
-            &i["xy"],
-            &i["xz"],
-            &i["yz"],
-            &l["viscous"],
-            &l["coulomb"],
-        ];
-        std::iter::once(format!("{} {}", text(&l["link"]), text(&l["name"])))
-            .chain(numbers.map(text))
-            .collect::<Vec<_>>()
+    let link = |l: &Value| format!("{} {}", text(&l["link"]), text(&l["name"]));
+    // Two tables: all of it in one is wider than a page.
+    let body = |l: &Value| {
+        let c = &l["center_of_mass"];
+        let numbers = [&l["mass"], &c[0], &c[1], &c[2], &l["viscous"], &l["coulomb"]];
+        std::iter::once(link(l)).chain(numbers.map(text)).collect::<Vec<_>>()
     };
-    let heads = [
-        "Link",
-        "#Mass (kg)",
-        "#x (m)",
-        "#y (m)",
-        "#z (m)",
-        "#Ixx (kg m²)",
-        "#Iyy",
-        "#Izz",
-        "#Ixy",
-        "#Ixz",
-        "#Iyz",
-        "#Viscous",
-        "#Coulomb",
-    ];
     page.table(
-        "In the frames of the robot's description; inertia about the centre of mass",
-        &heads,
-        items(&result["physical_parameters"]).map(row),
+        "In the frames of the robot's description",
+        &["Link", "#Mass (kg)", "#x (m)", "#y (m)", "#z (m)", "#Viscous", "#Coulomb"],
+        items(&result["physical_parameters"]).map(body),
+    );
+    let inertia = |l: &Value| {
+        let numbers = ["xx", "yy", "zz", "xy", "xz", "yz"].map(|k| text(&l["inertia"][k]));
+        std::iter::once(link(l)).chain(numbers).collect::<Vec<_>>()
+    };
+    page.table(
+        "Inertia about the centre of mass (kg m²)",
+        &["Link", "#Ixx", "#Iyy", "#Izz", "#Ixy", "#Ixz", "#Iyz"],
+        items(&result["physical_parameters"]).map(inertia),
     );
     let margin = |m: &Value| vec![text(&m["link"]), words(&m["constraint"]), text(&m["margin"])];
     page.table(

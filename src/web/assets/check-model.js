@@ -1,0 +1,38 @@
+// Holding an identified model against another log: what has changed since.
+import { Refused, explain, getJson, send } from './api.js';
+import { h } from './dom.js';
+
+export function checkModel(result) {
+  if (!result.physical_parameters) return null;
+  const file = h('input', { type: 'file', id: 'check-log', multiple: true });
+  const trouble = h('div');
+  const button = h('button', { type: 'submit' }, 'Check');
+  const form = h('form', { novalidate: true, onsubmit: async (event) => {
+    event.preventDefault();
+    button.disabled = true;
+    try {
+      if (!file.files.length) throw new Refused({ detail: 'There is no log to check with.', hint: 'Choose one.' });
+      const asked = result.provenance?.request ?? {};
+      const model = await getJson(`/identify/${result.id}/model?format=json`);
+      const body = new FormData();
+      body.append('request', JSON.stringify({ model, columns: asked.columns, preprocess: asked.preprocess, prediction_points: 6000 }));
+      [...file.files].forEach((f) => body.append('log', f, f.name));
+      const job = await (await send('/validate', { method: 'POST', body })).json();
+      location.href = `/identification?validation=${job.id}`;
+    } catch (error) {
+      explain(trouble, error);
+    } finally {
+      button.disabled = false;
+    }
+  } }, h('div', { class: 'row' }, h('label', { for: 'check-log', class: 'inline' }, 'Log'), h('span', { style: 'flex:1;min-width:12rem' }, file), button), trouble);
+  return h('section', { class: 'card', id: 'check', 'aria-labelledby': 'check-title' }, h('h2', { id: 'check-title' }, 'Check the model on another log'),
+    h('p', { class: 'soft' }, 'How well it predicts a log of another day, and what has changed since: a payload, a tilt after remounting, friction that has drifted.'), form);
+}
+
+/** What has changed since the model was made, in the words of the interface. */
+export function changes(residual) {
+  if (!residual) return null;
+  const found = residual.findings.map((f) => h('p', { class: 'sentence', 'data-effect': f.effect }, f.sentence));
+  return h('section', { class: 'card', id: 'changes', 'aria-labelledby': 'changes-title' }, h('h2', { id: 'changes-title' }, 'What has changed since the model was made'),
+    h('p', {}, h('strong', {}, residual.findings.length || residual.remainder ? residual.summary : 'Nothing: what the model leaves over is noise.')), found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
+}

@@ -1,0 +1,69 @@
+// What is known already: earlier designs to go on from, models with effects, data that the next log joins.
+import { getJson } from './api.js';
+import { fill, find, h, number, time, words } from './dom.js';
+
+const MOST = 12;
+const ended = (job) => ['finished', 'cancelled'].includes(job.state) && job.outcome !== 'Infeasible';
+const called = (code) => words(code).toLowerCase();
+const on = (effect) => `${called(effect.effect)} on ${effect.joints.join(', ')}`;
+
+export class Known {
+  constructor(changed) {
+    Object.assign(this, { changed, pairs: [] });
+    find('#model').addEventListener('change', () => this.loadRivals().then(changed));
+    find('#warm-start').addEventListener('change', () => this.loadWarmStart().then(changed));
+  }
+
+  /** Lists what there is for a robot, and chooses again what `wanted` (a request) names. */
+  async load(robot, wanted = {}) {
+    const { jobs } = await getJson('/jobs');
+    const own = jobs.filter((j) => ended(j) && (!j.robot || j.robot === robot));
+    const designs = own.filter((j) => j.kind === 'excitation').slice(0, MOST);
+    const identified = own.filter((j) => j.kind === 'identification' && j.state === 'finished').slice(0, MOST);
+    const model = wanted.model?.identification;
+    fill(find('#warm-start'), h('option', { value: '' }, 'none: random starts'), wanted.warm_start ? h('option', { value: 'as-asked', selected: true }, 'as in this request') : null,
+      designs.map((j) => h('option', { value: j.id }, `${time(j.finished_at)}${j.progress?.best ? `, best ${number(j.progress.best)}` : ''}`)));
+    this.warmStart = wanted.warm_start;
+    const listed = (list, id) => (id && !list.some((j) => j.id === id) ? [{ id, finished_at: null }, ...list] : list);
+    const name = (j) => `${j.finished_at ? time(j.finished_at) : 'identification'} · ${j.id.slice(0, 8)}`;
+    fill(find('#model'), h('option', { value: '' }, 'none: rigid links and friction'), listed(identified, model).map((j) => h('option', { value: j.id, selected: j.id === model }, name(j))));
+    const given = new Set((wanted.given ?? []).map((g) => g.identification ?? g.excitation));
+    const box = (j) => h('label', { class: 'inline' }, h('input', { type: 'checkbox', value: j.id, 'data-kind': j.kind === 'excitation' ? 'excitation' : 'identification', checked: given.has(j.id) }), `${j.kind === 'excitation' ? 'design, as if run:' : 'log of'} ${name(j)}`);
+    const choices = [...identified, ...designs.slice(0, 6)];
+    fill(find('#given'), choices.length ? choices.map((j) => h('div', {}, box(j))) : h('p', { class: 'help' }, 'Nothing of this robot yet.'));
+    await this.loadRivals(wanted.rivals);
+  }
+
+  /** Pairs of causes that the chosen identification does not tell apart. */
+  async loadRivals(wanted) {
+    const id = find('#model').value;
+    this.pairs = [];
+    if (id) {
+      const { residual } = await getJson(`/identify/${id}?predictions=false`);
+      this.pairs = (residual?.findings ?? []).flatMap((f) => f.rivals.map((r) => ({ finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } })));
+    }
+    if (wanted && !this.pairs.some((p) => JSON.stringify(p) === JSON.stringify(wanted))) this.pairs.unshift(wanted);
+    const same = wanted && this.pairs.findIndex((p) => JSON.stringify(p) === JSON.stringify(wanted));
+    fill(find('#rivals'), this.pairs.map((p, i) => h('option', { value: i, selected: i === same }, `${on(p.finding)}, or ${on(p.rival)}`)));
+    find('#rivals-field').hidden = !this.pairs.length;
+  }
+
+  /** The request carries the trajectory itself, not where it is from. */
+  async loadWarmStart() {
+    const id = find('#warm-start').value;
+    if (id === 'as-asked') return;
+    this.warmStart = undefined;
+    if (!id) return;
+    const { coefficients, offset, fundamental_hz } = await getJson(`/excitation/${id}`);
+    this.warmStart = { coefficients: { a: coefficients.a, b: coefficients.b }, offset, fundamental_hz };
+  }
+
+  /** Fields of a request. */
+  value(criterion) {
+    const given = [...find('#given').querySelectorAll('input:checked')].map((c) => ({ [c.dataset.kind]: c.value }));
+    return {
+      warm_start: this.warmStart, model: find('#model').value ? { identification: find('#model').value } : undefined,
+      rivals: criterion === 'rival_evidence' ? this.pairs[find('#rivals').value] : undefined, given: given.length ? given : undefined,
+    };
+  }
+}
