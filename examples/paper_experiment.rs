@@ -8,8 +8,8 @@ use dynident::excitation::{
     Control, Criterion, Form, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, Start, search,
 };
 use dynident::identification::physical::{
-    ConsistentOptions, FeasibleMethod, FeasibleOptions, FitObjective, PaperFit, PaperOptions, Triangle, fit_consistent, fit_feasible,
-    fit_paper,
+    ConsistentOptions, FeasibleMethod, FeasibleOptions, FitObjective, PaperFit, PaperOptions, Triangle, fit_consistent,
+    fit_feasible, fit_paper,
 };
 use dynident::identification::preprocess::Period;
 use dynident::identification::{
@@ -176,32 +176,51 @@ fn costs(bench: &Bench, found: &Fitted, triangle: Triangle) {
     };
     let problems: [(&str, PaperOptions); 9] = [
         ("(10a–d) as printed", printed.clone()),
-        ("principal moments' triangle inequality in the place of the diagonal's", without(&|o| o.triangle = Triangle::Principal)),
+        (
+            "principal moments' triangle inequality in the place of the diagonal's",
+            without(&|o| o.triangle = Triangle::Principal),
+        ),
         ("without the triangle inequality", without(&|o| o.triangle = Triangle::None)),
         ("without slender axes", without(&|o| o.slender_ratio = None)),
         ("without the ratio of 100", without(&|o| o.moment_ratio = None)),
-        ("without the bound on products of inertia", without(&|o| o.product_ratio = None)),
+        (
+            "without the bound on products of inertia",
+            without(&|o| o.product_ratio = None),
+        ),
         ("without the least moment of 1e-4 kg m²", without(&|o| o.least_moment = 0.0)),
-        ("without the least viscous friction of 0.1", without(&|o| o.least_viscous = 0.0)),
-        ("(10a–c) alone", without(&|o| {
-            o.gazebo = false;
-            o.triangle = Triangle::None;
-            o.least_viscous = 0.0;
-        })),
+        (
+            "without the least viscous friction of 0.1",
+            without(&|o| o.least_viscous = 0.0),
+        ),
+        (
+            "(10a–c) alone",
+            without(&|o| {
+                o.gazebo = false;
+                o.triangle = Triangle::None;
+                o.least_viscous = 0.0;
+            }),
+        ),
     ];
     println!("| problem | fit over the unconstrained | lower bound | starts within 0.01 % of the best |\n|---|--:|--:|--:|");
     let loose = ConsistentOptions {
         prior_weight: 0.0,
         ..ConsistentOptions::default()
     };
-    for (name, options) in [("convex form (ii), with its pull towards rods", ConsistentOptions::default()), ("convex form (ii), without", loose)] {
+    for (name, options) in [
+        ("convex form (ii), with its pull towards rods", ConsistentOptions::default()),
+        ("convex form (ii), without", loose),
+    ] {
         let fit = fit_consistent(&bench.robot, &found.objective, &options);
         println!("| {name} | {:.4} | {:.4} | |", fit.fit.ratio, fit.fit.ratio);
     }
     let consistent = fit_consistent(&bench.robot, &found.objective, &ConsistentOptions::default());
     for (name, options) in problems {
         let fit = fit_paper(&bench.robot, &found.objective, &consistent, &options, &|| false);
-        let near = fit.starts.iter().filter(|s| s.feasible && s.cost < fit.fit.fit.cost * 1.0002).count();
+        let near = fit
+            .starts
+            .iter()
+            .filter(|s| s.feasible && s.cost < fit.fit.fit.cost * 1.0002)
+            .count();
         println!(
             "| {name} | {:.4} | {:.4} | {near} of {} |",
             fit.fit.fit.ratio,
@@ -209,7 +228,14 @@ fn costs(bench: &Bench, found: &Fitted, triangle: Triangle) {
             fit.starts.len()
         );
         for s in &fit.starts {
-            eprintln!("    {} {:.5} feasible {} evaluations {} {:?}", s.from, (s.cost / found.objective.unconstrained()).sqrt(), s.feasible, s.evaluations, s.ending);
+            eprintln!(
+                "    {} {:.5} feasible {} evaluations {} {:?}",
+                s.from,
+                (s.cost / found.objective.unconstrained()).sqrt(),
+                s.feasible,
+                s.evaluations,
+                s.ending
+            );
         }
     }
 }

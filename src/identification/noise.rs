@@ -195,7 +195,11 @@ pub(super) fn passed(observations: &[Observation], spectra: &[Vec<NoiseSpectrum>
 fn passed_whole(observation: &Observation, spectra: &[NoiseSpectrum]) -> Vec<DMatrix<f64>> {
     let mut found = Vec::new();
     observation.for_each_block(|_, block| {
-        found = block.par_iter().zip(spectra).map(|(matrix, spectrum)| spectrum.pass(matrix)).collect();
+        found = block
+            .par_iter()
+            .zip(spectra)
+            .map(|(matrix, spectrum)| spectrum.pass(matrix))
+            .collect();
     });
     found
 }

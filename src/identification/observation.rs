@@ -122,13 +122,17 @@ impl Observation {
             let set = ColumnSet::new(robot, &layout, part);
             let mut blocks = RowBlocks::new(&set, log.samples());
             blocks.fill(&chain, &set, &log.motion, Coulomb::Sign);
-            self.joints.par_iter_mut().zip(&mut data).enumerate().for_each(|(j, (rows, data))| {
-                for (column, &output) in blocks.block(j).chunks_exact(blocks.stride()).zip(set.row(j)) {
-                    rows.columns.push(start + output);
-                    let column = log.row_filter.column_rows(&column[..log.samples()]);
-                    data.extend(column.iter().zip(&rows.used).map(|(&v, &used)| if used { v } else { 0.0 }));
-                }
-            });
+            self.joints
+                .par_iter_mut()
+                .zip(&mut data)
+                .enumerate()
+                .for_each(|(j, (rows, data))| {
+                    for (column, &output) in blocks.block(j).chunks_exact(blocks.stride()).zip(set.row(j)) {
+                        rows.columns.push(start + output);
+                        let column = log.row_filter.column_rows(&column[..log.samples()]);
+                        data.extend(column.iter().zip(&rows.used).map(|(&v, &used)| if used { v } else { 0.0 }));
+                    }
+                });
         }
         let matrix = |(rows, data): (&JointRows, Vec<f64>)| DMatrix::from_vec(self.samples.len(), rows.columns.len(), data);
         self.matrices = Matrices::Held(self.joints.iter().zip(data).map(matrix).collect());
@@ -172,7 +176,9 @@ impl Observation {
         self.for_each_block(|first, block| {
             for ((rows, matrix), found) in self.joints.iter().zip(block).zip(&mut found) {
                 for (values, torque) in sets.iter().zip(found) {
-                    torque.rows_mut(first, matrix.nrows()).gemv(1.0, matrix, &rows.own(values), 0.0);
+                    torque
+                        .rows_mut(first, matrix.nrows())
+                        .gemv(1.0, matrix, &rows.own(values), 0.0);
                 }
             }
         });

@@ -49,7 +49,9 @@ impl RowMaker {
     /// W at the given samples, which ascend: one matrix per joint.
     pub fn rows(&self, samples: &[usize]) -> Vec<DMatrix<f64>> {
         let (Some(&first), Some(&last)) = (samples.first(), samples.last()) else {
-            return (0..self.set.joints()).map(|j| DMatrix::zeros(0, self.set.row(j).len())).collect();
+            return (0..self.set.joints())
+                .map(|j| DMatrix::zeros(0, self.set.row(j).len()))
+                .collect();
         };
         let from = first.saturating_sub(self.halo());
         let to = (last + self.halo() + 1).min(self.motion.samples());

@@ -38,7 +38,9 @@ fn log(robot: &Virtual) -> Log {
     let rows = PERIODS * one.samples();
     let amplitude = [1.2, 1.4, 0.5, 0.6, 0.3, 0.7, 0.25];
     let noisy = |x: &[f64], column: usize, size: f64| -> Vec<f64> {
-        (0..rows).map(|s| x[s % x.len()] + size * uniform(column * rows + s)).collect()
+        (0..rows)
+            .map(|s| x[s % x.len()] + size * uniform(column * rows + s))
+            .collect()
     };
     Log {
         q: (0..7).map(|j| noisy(&one.q[j], j, 2e-5)).collect(),

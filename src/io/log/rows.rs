@@ -208,7 +208,10 @@ impl RowShape {
         }
         part.lines.push(line as u32);
         part.numbers.push(part.rows as u32);
-        part.columns.iter_mut().zip(values.iter()).for_each(|(column, &v)| column.push(v));
+        part.columns
+            .iter_mut()
+            .zip(values.iter())
+            .for_each(|(column, &v)| column.push(v));
     }
 }
 
@@ -319,14 +322,19 @@ mod tests {
         }
         let (time, columns, bad) = read(&text);
         assert_eq!((time.len(), bad), (rows, 0));
-        assert!((0..rows).all(|i| time[i] == i as f64 && columns[0][i] == 2.0 * i as f64 && columns[1][i] == 3.0 * i as f64 + 1.0));
+        assert!(
+            (0..rows).all(|i| time[i] == i as f64 && columns[0][i] == 2.0 * i as f64 && columns[1][i] == 3.0 * i as f64 + 1.0)
+        );
     }
 
     #[test]
     fn prop_quotes_comments_and_empty_lines_are_read_as_tables_are() {
         let text = "# a comment\n\n0,\"1\",2\r\n\"3\",\"4\",5\n6,\"7,8\n9,10,11";
         let (time, columns, bad) = read(text);
-        assert_eq!((time, columns, bad), (vec![0.0, 3.0, 9.0], vec![vec![1.0, 4.0, 10.0], vec![2.0, 5.0, 11.0]], 1));
+        assert_eq!(
+            (time, columns, bad),
+            (vec![0.0, 3.0, 9.0], vec![vec![1.0, 4.0, 10.0], vec![2.0, 5.0, 11.0]], 1)
+        );
     }
 
     #[test]

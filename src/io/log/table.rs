@@ -58,7 +58,9 @@ impl Table {
         self.numbers.extend(part.numbers.iter().map(|&n| after(self.rows as u64, n)));
         self.time.extend_from_slice(&part.time);
         let columns = self.q.iter_mut().chain(&mut self.qd).chain(&mut self.tau);
-        columns.zip(&part.columns).for_each(|(column, more)| column.extend_from_slice(more));
+        columns
+            .zip(&part.columns)
+            .for_each(|(column, more)| column.extend_from_slice(more));
         self.garbage.append(part.garbage, line);
         self.missing_time.append(part.missing_time, line);
         self.rows += part.rows;
