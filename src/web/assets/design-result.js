@@ -161,7 +161,16 @@ function accuracy(result, known) {
       { head: 'Parameter', cell: (r) => h('span', { title: r.expression }, r.name), sort: (r) => r.name },
       { head: 'Standard deviation', number: true, cell: (r) => `${number(r.deviation, 3)} ${r.unit}`, sort: (r) => r.deviation },
       { head: 'Of its value', number: true, cell: (r) => (r.relative === null || r.relative === undefined ? '–' : `${number(r.relative, 3)} %`), sort: (r) => r.relative },
-    ], rows, { caption: 'Predicted standard deviations' })));
+    ], rows, { caption: 'Predicted standard deviations' })), effectAccuracy(result));
+}
+
+/** Of the effects in the model that the design was made for. */
+function effectAccuracy(result) {
+  const rows = (result.effects ?? []).flatMap((e) => e.parameters.map((p) => ({ effect: `${words(e.effect)} on ${e.joints.join(', ')}`, ...p })));
+  return rows.length ? table([
+    { head: 'Effect', cell: (r) => r.effect }, { head: 'Parameter', cell: (r) => words(r.name) }, { head: 'Value so far', number: true, cell: (r) => `${number(r.value)} ${unit(r.unit === '1' ? '' : r.unit)}` },
+    { head: 'Standard deviation', number: true, cell: (r) => number(r.std_dev, 2) },
+  ], rows, { caption: 'Effects of the model, and how well the next log will know them' }) : null;
 }
 
 function spectrum(result, drawn) {
