@@ -81,7 +81,8 @@ function downloads(result) {
 function evidence(result, drawn) {
   const r = result.rivals;
   if (!r) return null;
-  const name = (e) => `${words(e.effect).toLowerCase()} on ${e.joints.join(', ')}`;
+  const at = (e) => e.joints.join(', ') || 'the whole robot';
+  const name = (e) => `${words(e.effect).toLowerCase()} on ${at(e)}`;
   const told = [['recorded', 'recorded so far'], ['designed', 'this trajectory'], ['together', 'both together']].filter(([k]) => r.expected_evidence[k]);
   const of = (k) => r.expected_evidence[k];
   const odds = (e) => (e > 40 ? 'beyond doubt' : `odds of ${number(Math.exp(e / 2), 2)} to 1`);
@@ -91,7 +92,7 @@ function evidence(result, drawn) {
     layout: { height: 250, barmode: 'group', hovermode: 'closest', xaxis: { title: 'expected evidence (2 · ln odds)', rangemode: 'tozero' }, yaxis: { type: 'category', autorange: 'reversed', title: 'data of the criterion' }, shapes: [{ type: 'line', yref: 'paper', y0: 0, y1: 1, x0: 6, x1: 6, line: { dash: 'dash', width: 1.5, color: variable('--bad') } }] },
   }));
   const before = of('recorded');
-  const sentence = `${words(r.finding.effect)} on ${r.finding.joints.join(', ')}, or ${name(r.rival)}? ${before ? `So far the expected evidence is ${number(before.least, 2)} (${odds(before.least)}); with ` : 'With '}this trajectory run${result.request.periods > 1 ? ` for ${result.request.periods} periods` : ''} it is ${number(of('together').least, 3)} (${odds(of('together').least)}).`;
+  const sentence = `${words(r.finding.effect)} on ${at(r.finding)}, or ${name(r.rival)}? ${before ? `So far the expected evidence is ${number(before.least, 2)} (${odds(before.least)}); with ` : 'With '}this trajectory run${result.request.periods > 1 ? ` for ${result.request.periods} periods` : ''} it is ${number(of('together').least, 3)} (${odds(of('together').least)}).`;
   return section('rivals', 'What this trajectory decides',
     h('p', {}, h('span', { class: `tag ${r.decides ? 'good' : 'warn'}` }, r.decides ? 'Decides' : 'Does not decide'), ' ', h('strong', { class: 'sentence' }, sentence)),
     h('p', { class: 'soft' }, 'Evidence is expected for either being the true one; the smaller of the two counts. Right of the dashed line (20 to 1) the wrong one is excluded.'), chart,
@@ -161,7 +162,16 @@ function accuracy(result, known) {
       { head: 'Parameter', cell: (r) => h('span', { title: r.expression }, r.name), sort: (r) => r.name },
       { head: 'Standard deviation', number: true, cell: (r) => `${number(r.deviation, 3)} ${r.unit}`, sort: (r) => r.deviation },
       { head: 'Of its value', number: true, cell: (r) => (r.relative === null || r.relative === undefined ? '–' : `${number(r.relative, 3)} %`), sort: (r) => r.relative },
-    ], rows, { caption: 'Predicted standard deviations' })));
+    ], rows, { caption: 'Predicted standard deviations' })), effectAccuracy(result));
+}
+
+/** Of the effects in the model that the design was made for. */
+function effectAccuracy(result) {
+  const rows = (result.effects ?? []).flatMap((e) => e.parameters.map((p) => ({ effect: `${words(e.effect)} on ${e.joints.join(', ') || 'the whole robot'}`, ...p })));
+  return rows.length ? table([
+    { head: 'Effect', cell: (r) => r.effect }, { head: 'Parameter', cell: (r) => words(r.name) }, { head: 'Value so far', number: true, cell: (r) => `${number(r.value)} ${unit(r.unit === '1' ? '' : r.unit)}` },
+    { head: 'Standard deviation', number: true, cell: (r) => number(r.std_dev, 2) },
+  ], rows, { caption: 'Effects of the model, and how well the next log will know them' }) : null;
 }
 
 function spectrum(result, drawn) {

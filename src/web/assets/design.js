@@ -96,7 +96,7 @@ async function refill(document) {
   set('order', document.fourier?.order);
   set('harmonics', document.fourier?.harmonics?.map((joint) => joint.join(', ')).join('; '));
   set('rate', document.sample_rate_hz);
-  find('#criterion').value = document.criterion ?? 'condition_number';
+  find('#criterion').value = document.criterion === 'recommended' ? 'i_optimality' : document.criterion ?? 'condition_number';
   const limits = document.constraints ?? {};
   find('#form-of-limits').value = limits.form ?? 'paper';
   find('#start').value = limits.start ?? 'zero';
