@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn deviations_set_the_digits() {
-        assert_eq!(measured(-3.125, 0.3), "−3.13 ± 0.30");
+        assert_eq!(measured(-3.127, 0.3), "−3.13 ± 0.30");
         assert_eq!(measured(2.0, 0.0), "2 ± 0");
         assert_eq!(measured(123.4, 37.0), "123 ± 37");
     }

@@ -332,13 +332,30 @@ impl Reading {
     }
 }
 
+/// Whether a joint may have been written in degrees: as radians its positions leave its limits, or, where it has none, travel more than half a turn.
+/// What stays inside as radians is a motion of a degree or two as degrees, which nobody records; and a strong spring on a joint whose weight is shrunk
+/// so far that gravity is a straight line fits better than the truth without the spring.
+fn may_be_degrees(robot: &Robot, motion: &Motion, joint: usize) -> bool {
+    let of = &robot.joints()[joint];
+    let q = motion.positions(joint);
+    let (low, high) = q
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
+    let outside = match of.limits.position {
+        Some([least, most]) => low < least || high > most,
+        None => high - low > std::f64::consts::PI,
+    };
+    of.is_revolute() && outside
+}
+
 /// The reading of the position columns that leaves least, each with its own regressor: two exchanged, one or all in degrees.
 fn read_otherwise(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Option<(f64, Reading)> {
     let n = robot.joint_count();
-    let turning: Vec<usize> = (0..n).filter(|&j| robot.joints()[j].is_revolute()).collect();
+    let turning: Vec<usize> = (0..n).filter(|&j| may_be_degrees(robot, motion, j)).collect();
     let exchanges = (0..n).flat_map(|a| (a + 1..n).map(move |b| Reading::Exchanged(a, b)));
     let single = turning.iter().map(|&j| Reading::Degrees(vec![j]));
-    let readings: Vec<Reading> = exchanges.chain(single).chain([Reading::Degrees(turning.clone())]).collect();
+    let all = (turning.len() > 1).then(|| Reading::Degrees(turning.clone()));
+    let readings: Vec<Reading> = exchanges.chain(single).chain(all).collect();
     let rest = |reading: Reading| {
         let projection = Projection::new(robot, &reading.of(motion), torque);
         (projection.rest(&(0..n).collect::<Vec<_>>(), &vec![1.0; n]), reading)
