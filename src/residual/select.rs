@@ -188,7 +188,7 @@ fn is_simpler(one: &Candidate, other: &Candidate) -> bool {
 /// Whether something simpler is to be named in the place of what explains more: it explains nearly as much, and the difference
 /// is less than what the better one leaves unexplained. What the model still lacks could then turn the balance, and what is common is the
 /// likelier cause. Where the better one leaves nothing above the measured noise, it keeps its place.
-pub(crate) fn stands_in(simple: &Scored, best: &Scored, with_best: &System) -> bool {
+fn stands_in(simple: &Scored, best: &Scored, with_best: &System) -> bool {
     let joints = &best.candidate.joints;
     if !is_simpler(&simple.candidate, &best.candidate) {
         return false;
@@ -198,6 +198,13 @@ pub(crate) fn stands_in(simple: &Scored, best: &Scored, with_best: &System) -> b
     let left = with_best.mean_square(joints) * rows as f64 - noise;
     let difference = best.gain - simple.gain;
     simple.gain > ALIKE * best.gain && difference < left && with_best.has_misfit(joints)
+}
+
+/// Whether something simpler keeps its place against what explains more beside all the other effects: it explains nearly as much, and the better one
+/// leaves misfit all the same.
+pub(crate) fn keeps_its_place(simple: &Scored, best: &Scored, with_best: &System) -> bool {
+    let alike = is_simpler(&simple.candidate, &best.candidate) && simple.gain > ALIKE * best.gain;
+    alike && with_best.has_misfit(&best.candidate.joints)
 }
 
 /// Whether a fitted candidate has earned its place.
