@@ -66,8 +66,8 @@ impl Default for Matrices {
 /// Doubles that regressor columns may take before they are filtered and decimated (32 MB): longer logs go through in several
 /// passes over the kinematics, which is cheap.
 const BLOCK_BUDGET: usize = 4 << 20;
-/// Doubles of W that are held (128 MB): seven joints and 65,000 rows.
-const HELD: usize = 16 << 20;
+/// Doubles of W that are held: all. Rows made in blocks differ from held ones by more than rounding at the cuts of a filter.
+const HELD: usize = usize::MAX;
 
 impl Observation {
     /// Columns of the base parameters `base` of `robot` over a prepared log.

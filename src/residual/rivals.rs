@@ -1,7 +1,7 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
 use super::candidate::{Candidate, appraise, hypotheses, reach, scan};
-use super::select::{Accepted, Selected, Threshold, extend, judge, keeps_its_place};
+use super::select::{Accepted, Selected, Threshold, extend, judge};
 use super::system::{Data, System};
 use super::trace::joint_names;
 use super::{Rival, Term};
@@ -133,8 +133,9 @@ fn contest(
                 };
                 let last = fitted.model.terms.last().expect("the rival was added");
                 let (last, values) = (last.clone(), fitted.model.values.clone());
-                // What is simpler may keep its place, as in the selection.
-                let open = evidence < -NOT_EXCLUDED && !keeps_its_place(&finding, &there, &fitted);
+                // Where misfit stays all the same, what the model still lacks could turn the balance.
+                let settles = fitted.noise_is_measured && !fitted.has_misfit(&reach(&s.candidate, joints));
+                let open = evidence < -NOT_EXCLUDED && settles;
                 let tried = hypotheses(candidates, s.candidate.effect.code());
                 let accepted = open
                     .then(|| judge(data, &without, &there, &fitted, threshold, tried))

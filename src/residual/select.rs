@@ -200,13 +200,6 @@ fn stands_in(simple: &Scored, best: &Scored, with_best: &System) -> bool {
     simple.gain > ALIKE * best.gain && difference < left && with_best.has_misfit(joints)
 }
 
-/// Whether something simpler keeps its place against what explains more beside all the other effects: it explains nearly as much, and the better one
-/// leaves misfit all the same.
-pub(crate) fn keeps_its_place(simple: &Scored, best: &Scored, with_best: &System) -> bool {
-    let alike = is_simpler(&simple.candidate, &best.candidate) && simple.gain > ALIKE * best.gain;
-    alike && with_best.has_misfit(&best.candidate.joints)
-}
-
 /// Whether a fitted candidate has earned its place.
 pub(crate) fn judge(
     data: &Data,

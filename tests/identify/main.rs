@@ -3,7 +3,6 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-mod blocks;
 mod estimates;
 mod filter;
 mod logs;
