@@ -27,7 +27,7 @@ pub enum Criterion {
     AOptimality,
     /// `sqrt(tr(M⁻¹ C)/n)`, C the mean of `Y_bᵀ Y_b` over random states inside the limits: the expected torque-prediction error.
     IOptimality,
-    /// One over the root of the expected evidence between two explanations of a residual ([`super::rivals`]), in the worse of the two cases.
+    /// One over the root of the expected evidence between two explanations of a residual ([`super::Rivals`]), in the worse of the two cases.
     RivalEvidence,
 }
 
