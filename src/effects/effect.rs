@@ -156,6 +156,11 @@ pub trait Effect: Sync + Send {
         Reads::OwnJoints
     }
 
+    /// Whether its columns depend on the torques of the scene; otherwise the motion alone makes them.
+    fn reads_torques(&self) -> bool {
+        false
+    }
+
     /// The joints it can sit on: one list per candidate; an empty list stands for the whole robot.
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
         (0..robot.joint_count()).map(|j| vec![j]).collect()

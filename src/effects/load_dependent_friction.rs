@@ -24,6 +24,10 @@ impl Effect for LoadDependentFriction {
         Reads::Arm
     }
 
+    fn reads_torques(&self) -> bool {
+        true
+    }
+
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         let j = joints[0];
         let load = &scene.rigid[j];

@@ -31,6 +31,10 @@ impl Effect for TorqueCrosstalk {
             .collect()
     }
 
+    fn reads_torques(&self) -> bool {
+        true
+    }
+
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         vec![Column::on(joints[0], scene.declared[joints[1]].clone())]
     }

@@ -71,6 +71,10 @@ impl Effect for Unexplained {
         Kind::Additive
     }
 
+    fn reads_torques(&self) -> bool {
+        true
+    }
+
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let n = scene.robot.joint_count();
         let codes = &joints[1..joints.len().min(3)];

@@ -50,7 +50,7 @@ pub(crate) fn border(data: &Data, system: &System, term: &Term) -> (DMatrix<f64>
     let (p, k) = (system.covariance.nrows(), term.parameters());
     let (mut cross, mut own) = (DMatrix::zeros(p, k), DMatrix::zeros(k, k));
     let doubts = data.doubts(system);
-    for (blocks, parts) in system.blocks.iter().zip(system.whitened(data, &coarse, &per_stretch)) {
+    for (blocks, parts) in system.blocks.iter().zip(system.whitened(data, &coarse, per_stretch)) {
         for (j, m) in parts {
             cross += blocks[j].jacobian.tr_mul(&m) / doubts[j];
             own += m.tr_mul(&m) / doubts[j];

@@ -1,12 +1,14 @@
 //! Every effect on every place it can sit, and what it would explain of what is left.
 
-use super::system::{Data, System, Whitened, reduce};
+use super::store::Shaped;
+use super::system::{Data, System, Thinned, Whitened, reduce};
 use super::{AugmentedModel, Stretch, Term};
 use crate::dynamics::Coulomb;
 use crate::effects::{self, Column, Effect, Kind, Scene, Shape, Span};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::sync::Arc;
 
 /// An effect on a place, in one of its forms.
 #[derive(Clone)]
@@ -116,13 +118,41 @@ impl Candidate {
 /// find what is worth fitting.
 pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, shapes: &[Vec<f64>]) -> Whitened {
     let coarse: Vec<&Stretch> = data.stretches.iter().map(Stretch::coarse_form).collect();
-    let per_stretch: Vec<Vec<Column>> = coarse
+    let made: Vec<Shaped> = shapes
         .iter()
-        .zip(system.thinned(data))
-        .map(|(stretch, e)| {
-            if candidate.is_distortion() {
-                return distortion(system, stretch, candidate);
-            }
+        .map(|shape| shaped(data, system, &coarse, candidate, shape))
+        .collect();
+    system.whitened_shaped(data, &coarse, &side_by_side(made.iter(), coarse.len()))
+}
+
+/// The same of the grid's shapes, which every scan asks for again: what the measured motion alone decides is kept.
+fn columns_on_grid(data: &Data, system: &System, candidate: &Candidate, shapes: &[Vec<f64>]) -> Whitened {
+    let lasting = !candidate.is_distortion() && !candidate.effect.reads_torques();
+    if !lasting || system.thinned(data).iter().any(|t| t.moved) {
+        return columns_of(data, system, candidate, shapes);
+    }
+    let coarse: Vec<&Stretch> = data.stretches.iter().map(Stretch::coarse_form).collect();
+    let kept: Vec<Arc<Shaped>> = shapes
+        .iter()
+        .map(|shape| {
+            data.columns
+                .get(candidate, shape, || shaped(data, system, &coarse, candidate, shape))
+        })
+        .collect();
+    system.whitened_shaped(data, &coarse, &side_by_side(kept.iter().map(Arc::as_ref), coarse.len()))
+}
+
+/// Columns of several shapes in one list per stretch.
+fn side_by_side<'a>(shapes: impl Iterator<Item = &'a Shaped> + Clone, stretches: usize) -> Vec<Vec<&'a Column>> {
+    (0..stretches).map(|i| shapes.clone().flat_map(|s| &s[i]).collect()).collect()
+}
+
+/// Columns of one shape as they enter the rows, per stretch.
+fn shaped(data: &Data, system: &System, coarse: &[&Stretch], candidate: &Candidate, shape: &[f64]) -> Shaped {
+    let of = |(stretch, e): (&&Stretch, &Thinned)| {
+        let columns = if candidate.is_distortion() {
+            distortion(system, stretch, candidate)
+        } else {
             let scene = Scene {
                 robot: &system.model.robot,
                 motion: &e.motion,
@@ -132,11 +162,11 @@ pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, sh
                 periodic: stretch.periodic,
                 coulomb: Coulomb::Sign,
             };
-            let columns = |shape: &Vec<f64>| candidate.effect.columns(candidate.form, &scene, &candidate.joints, shape);
-            shapes.iter().flat_map(columns).collect()
-        })
-        .collect();
-    system.whitened(data, &coarse, &per_stretch)
+            candidate.effect.columns(candidate.form, &scene, &candidate.joints, shape)
+        };
+        columns.into_iter().map(|c| stretch.shaped_column(c)).collect()
+    };
+    coarse.iter().zip(system.thinned(data)).map(of).collect()
 }
 
 fn distortion(system: &System, stretch: &Stretch, candidate: &Candidate) -> Vec<Column> {
@@ -161,7 +191,7 @@ pub(crate) fn score(data: &Data, system: &System, candidate: &Candidate) -> Opti
     let grid = candidate.grid();
     let mut best: Option<(f64, usize, DVector<f64>, &Vec<f64>)> = None;
     for batch in grid.chunks(BATCH) {
-        let columns = columns_of(data, system, candidate, batch);
+        let columns = columns_on_grid(data, system, candidate, batch);
         let (own, rest, right) = system.projected(&columns);
         let k = own.nrows() / batch.len();
         if k == 0 {

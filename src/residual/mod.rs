@@ -19,6 +19,7 @@ mod remainder;
 mod report;
 mod rivals;
 mod select;
+mod store;
 mod stretch;
 mod system;
 mod trace;

@@ -166,7 +166,7 @@ fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> Option<Smoot
         .zip(system.thinned(data))
         .map(|(stretch, e)| Unexplained.columns(0, &scene(system, stretch, e), job, &shape))
         .collect();
-    let (own, rest, right) = system.projected(&system.whitened(data, &coarse, &columns));
+    let (own, rest, right) = system.projected(&system.whitened(data, &coarse, columns));
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
     let count = products(codes, system.model.robot.joint_count()) * if job.len() > 3 { 2 } else { 1 };
     let price = (rows as f64).ln() + 2.0 * (count as f64).ln();

@@ -1,7 +1,7 @@
 //! Measured torque along a motion, as the tracing sees it.
 
 use crate::dynamics::Motion;
-use crate::effects::Span;
+use crate::effects::{Column, Span};
 use crate::identification::filter::LowPass;
 use crate::identification::preprocess::RowFilter;
 use crate::identification::{Log, PreparedLog};
@@ -93,6 +93,14 @@ impl Stretch {
         match &self.filter {
             Some(filter) => filter(&values),
             None => values,
+        }
+    }
+
+    /// A column over the motion as it enters the rows.
+    pub(crate) fn shaped_column(&self, column: Column) -> Column {
+        let rows = column.rows.into_iter();
+        Column {
+            rows: rows.map(|(j, values)| (j, self.shaped(values))).collect(),
         }
     }
 

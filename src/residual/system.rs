@@ -2,6 +2,7 @@
 
 use super::model::{Evaluated, ShapedRows};
 use super::product::transposed_product;
+use super::store::ColumnStore;
 use super::{AugmentedModel, NoiseModel, NoiseSource, Stretch, Term};
 use crate::dynamics::Motion;
 use crate::effects::Column;
@@ -27,6 +28,8 @@ pub(crate) struct Data<'a> {
     base: Arc<OnceLock<Vec<ShapedRows>>>,
     /// The same whitened by this noise, per stretch and joint.
     white: OnceLock<Vec<Vec<Block>>>,
+    /// Columns of candidates along the undistorted motion.
+    pub columns: Arc<ColumnStore>,
 }
 
 /// The whitened rows of one joint over one stretch.
@@ -60,12 +63,14 @@ pub(crate) struct System {
 /// Motion of a stretch and torques along it, on the samples of its coarse form.
 pub(crate) struct Thinned {
     pub motion: Motion,
+    /// Whether a distortion has moved it from what was measured.
+    pub moved: bool,
     pub rigid: Vec<Vec<f64>>,
     pub declared: Vec<Vec<f64>>,
 }
 
 /// A scaled normal matrix loses 16 digits at a condition number of 1e8 of the rows; eigenvalues below 1e-13 of the largest are rounding.
-const RANK: f64 = 1e-13;
+pub(crate) const RANK: f64 = 1e-13;
 
 impl<'a> Data<'a> {
     pub fn new(stretches: &'a [Stretch], noise: Vec<NoiseModel>, prior: Option<&'a Prior>) -> Self {
@@ -75,6 +80,7 @@ impl<'a> Data<'a> {
             prior,
             base: Arc::default(),
             white: OnceLock::new(),
+            columns: Arc::default(),
         }
     }
 
@@ -86,6 +92,7 @@ impl<'a> Data<'a> {
             prior: self.prior,
             base: self.base.clone(),
             white: OnceLock::new(),
+            columns: self.columns.clone(),
         }
     }
 
@@ -384,6 +391,12 @@ impl System {
 
 /// Pseudo-inverse of a positive semidefinite matrix, scaled to a unit diagonal first; eigenvalues below `relative` of the largest count as zero.
 pub(crate) fn pseudo_inverse(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
+    let half = pseudo_root(normal, relative);
+    &half * half.transpose()
+}
+
+/// H with `H Hᵀ` the pseudo-inverse of [`pseudo_inverse`], and `Hᵀ G H = 1`.
+pub(crate) fn pseudo_root(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
     let p = normal.nrows();
     // A column that is zero but for rounding (gravity along an axis that is not quite a coordinate axis) is 1e-16 of the others.
     let least = 1e-24 * normal.diagonal().amax();
@@ -403,7 +416,7 @@ pub(crate) fn pseudo_inverse(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f6
         half.column_mut(c).scale_mut(eigen.eigenvalues[i].sqrt().recip());
     }
     (0..p).for_each(|r| half.row_mut(r).scale_mut(scale[r]));
-    &half * half.transpose()
+    half
 }
 
 /// A block of columns after the model's own columns are projected out.
@@ -432,6 +445,7 @@ impl System {
                 let pick = |rows: &[Vec<f64>]| rows.iter().map(|r| picked.iter().map(|&s| r[s]).collect()).collect();
                 Thinned {
                     motion: Motion::from_fn(stretch.joints(), picked.len(), |j, s| e.motion.get(j, picked[s])),
+                    moved: e.motion != stretch.motion,
                     rigid: pick(&e.rigid),
                     declared: pick(&e.declared),
                 }
@@ -441,7 +455,18 @@ impl System {
     }
 
     /// Whitens columns over the motion of `stretches` (not shaped yet), one list per stretch.
-    pub fn whitened(&self, data: &Data, stretches: &[&Stretch], columns: &[Vec<Column>]) -> Whitened {
+    pub fn whitened(&self, data: &Data, stretches: &[&Stretch], columns: Vec<Vec<Column>>) -> Whitened {
+        let shaped = |(stretch, columns): (&&Stretch, Vec<Column>)| {
+            let of = |c| stretch.shaped_column(c);
+            columns.into_iter().map(of).collect()
+        };
+        let shaped: Vec<Vec<Column>> = stretches.iter().zip(columns).map(shaped).collect();
+        let borrowed: Vec<Vec<&Column>> = shaped.iter().map(|c| c.iter().collect()).collect();
+        self.whitened_shaped(data, stretches, &borrowed)
+    }
+
+    /// Whitens columns that are as they enter the rows, one list per stretch.
+    pub fn whitened_shaped(&self, data: &Data, stretches: &[&Stretch], columns: &[Vec<&Column>]) -> Whitened {
         let per_stretch = stretches.iter().zip(&self.blocks).zip(&self.evaluated).zip(columns);
         per_stretch
             .map(|(((stretch, blocks), e), columns)| {
@@ -452,9 +477,8 @@ impl System {
                     let mut m = DMatrix::zeros(stretch.rows(), columns.len());
                     for (k, column) in columns.iter().enumerate() {
                         for (_, values) in column.rows.iter().filter(|r| r.0 == j) {
-                            let gained = values.iter().map(|v| v * e.gain[j]).collect();
-                            let white = data.noise[j].whiten(&stretch.shaped(gained), &blocks[j].rows, stretch.repetitions());
-                            m.column_mut(k).copy_from_slice(&white);
+                            let white = data.noise[j].whiten(values, &blocks[j].rows, stretch.repetitions());
+                            m.column_mut(k).iter_mut().zip(white).for_each(|(m, v)| *m = v * e.gain[j]);
                         }
                     }
                     (j, m)
