@@ -18,7 +18,6 @@ pub mod physical;
 pub mod preprocess;
 mod quality;
 mod robust;
-mod row_maker;
 mod solution;
 mod thin;
 mod validation;

@@ -75,20 +75,6 @@ impl NoiseSpectrum {
         Self { length, lines }
     }
 
-    /// The same noise over a block of `rows` of the `all` that it was made for ([`Self::from_residual`]).
-    fn over(&self, rows: usize, all: usize) -> Self {
-        let reach = self.length - all;
-        let covariance = inverse(self.lines.iter().map(|&v| Complex64::new(v, 0.0)).collect(), self.length);
-        let length = rows + reach;
-        let mut block = vec![0.0; length];
-        for lag in 0..reach.min(rows) {
-            block[lag] = covariance[lag];
-            block[(length - lag) % length] = covariance[lag];
-        }
-        let lines = forward(&block).iter().map(|x| x.re.max(0.0)).collect();
-        Self { length, lines }
-    }
-
     /// Spectrum of every `decimation`-th row: lines fold onto each other.
     fn folded(self, decimation: usize) -> Self {
         if decimation == 1 {
@@ -178,58 +164,17 @@ fn smoothed_in_octaves(lines: &[f64]) -> Vec<f64> {
 
 /// `Σ` over logs of `WⱼᵀRⱼWⱼ` on the columns of joint j, for spectra per log and joint.
 pub(super) fn passed(observations: &[Observation], spectra: &[Vec<NoiseSpectrum>]) -> Vec<DMatrix<f64>> {
+    let of = |(o, spectra): (&Observation, &Vec<NoiseSpectrum>)| -> Vec<DMatrix<f64>> {
+        let joints = o.matrices.par_iter().zip(spectra);
+        joints.map(|(matrix, spectrum)| spectrum.pass(matrix)).collect()
+    };
     observations
         .iter()
         .zip(spectra)
-        .map(|(o, s)| match o.is_held() {
-            true => passed_whole(o, s),
-            false => passed_in_blocks(o, s),
-        })
+        .map(of)
         .reduce(|mut sum, part| {
             sum.iter_mut().zip(part).for_each(|(a, b)| *a += b);
             sum
         })
         .expect("at least one log")
-}
-
-fn passed_whole(observation: &Observation, spectra: &[NoiseSpectrum]) -> Vec<DMatrix<f64>> {
-    let mut found = Vec::new();
-    observation.for_each_block(|_, block| {
-        found = block
-            .par_iter()
-            .zip(spectra)
-            .map(|(matrix, spectrum)| spectrum.pass(matrix))
-            .collect();
-    });
-    found
-}
-
-/// Noise of a residual is correlated over fewer rows than a block has ([`NoiseSpectrum::from_residual`]): only rows of the same block and of
-/// its neighbours meet, and `WᵀRW` is the sum over pairs of neighbours, less what the blocks between two pairs are counted twice.
-fn passed_in_blocks(observation: &Observation, spectra: &[NoiseSpectrum]) -> Vec<DMatrix<f64>> {
-    let rows = observation.samples.len();
-    let mut found: Vec<DMatrix<f64>> = Vec::new();
-    let mut before: Option<Vec<DMatrix<f64>>> = None;
-    observation.for_each_block(|_, block| {
-        let joint = |j: usize| {
-            let pass = |matrix: &DMatrix<f64>| spectra[j].over(matrix.nrows(), rows).pass(matrix);
-            let Some(before) = &before else { return pass(&block[j]) };
-            let pair = DMatrix::from_fn(before[j].nrows() + block[j].nrows(), block[j].ncols(), |r, c| {
-                match r.checked_sub(before[j].nrows()) {
-                    Some(r) => block[j][(r, c)],
-                    None => before[j][(r, c)],
-                }
-            });
-            // The first block alone was there already.
-            pass(&pair) - pass(&before[j])
-        };
-        let part: Vec<DMatrix<f64>> = (0..block.len()).into_par_iter().map(joint).collect();
-        if found.is_empty() {
-            found = part;
-        } else {
-            found.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-        }
-        before = Some(block.to_vec());
-    });
-    found
 }

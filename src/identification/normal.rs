@@ -47,7 +47,7 @@ impl JointNormal {
         }
     }
 
-    /// Takes up a block of rows.
+    /// Takes up rows.
     pub(super) fn add(&mut self, matrix: &DMatrix<f64>, torque: &DVector<f64>) {
         self.gram += gram(matrix);
         self.moment += matrix.tr_mul(torque);
@@ -71,21 +71,19 @@ pub fn normal_equations(observations: &[Observation]) -> Vec<JointNormal> {
     summed(observations, |_, _, normal, matrix, torque| normal.add(matrix, &torque))
 }
 
-/// Normal equations to which `add` takes up every block of every joint: number of the observation and of the joint, what to add to, rows and
-/// torques. Joints are worked on side by side; the sums are in the order of the rows.
+/// Normal equations to which `add` takes up the rows of every joint: number of the observation and of the joint, what to add to, rows and
+/// torques. Joints are worked on side by side.
 pub(super) fn summed(
     observations: &[Observation],
     add: impl Fn(usize, usize, &mut JointNormal, &DMatrix<f64>, DVector<f64>) + Sync,
 ) -> Vec<JointNormal> {
-    let of = |(number, o): (usize, &Observation)| {
-        let mut normals: Vec<JointNormal> = o.joints.iter().map(JointNormal::none).collect();
-        o.for_each_block(|first, block| {
-            normals.par_iter_mut().enumerate().for_each(|(j, normal)| {
-                let torque = o.joints[j].torque.rows(first, block[j].nrows()).into_owned();
-                add(number, j, normal, &block[j], torque);
-            });
-        });
-        normals
+    let of = |(number, o): (usize, &Observation)| -> Vec<JointNormal> {
+        let joint = |(j, rows): (usize, &JointRows)| {
+            let mut normal = JointNormal::none(rows);
+            add(number, j, &mut normal, &o.matrices[j], rows.torque.clone());
+            normal
+        };
+        o.joints.par_iter().enumerate().map(joint).collect()
     };
     observations
         .iter()

@@ -2,10 +2,8 @@
 //!
 //! Row j of the regressor is zero except in the columns of joint j and of the links it carries, so W is kept as one dense block per
 //! joint. Rows that are left out (gaps, dead zone) are zero rows: they weigh nothing and keep the others evenly spaced in time.
-//! What would fill the memory is not kept: [`Observation::for_each_block`] then makes it afresh, some rows at a time.
 
 use super::PreparedLog;
-use super::row_maker::RowMaker;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
@@ -42,32 +40,13 @@ pub struct Observation {
     pub columns: usize,
     /// Sample of the prepared log that every row stands for, R.
     pub samples: Vec<usize>,
-    matrices: Matrices,
-}
-
-/// W, filtered and decimated like the torque.
-#[derive(Debug, Clone, PartialEq)]
-enum Matrices {
-    /// R × w per joint.
-    Held(Vec<DMatrix<f64>>),
-    /// The regressor's columns are made when they are asked for; those added later, per joint, are here.
-    Made {
-        maker: Box<RowMaker>,
-        added: Vec<Vec<DVector<f64>>>,
-    },
-}
-
-impl Default for Matrices {
-    fn default() -> Self {
-        Self::Held(Vec::new())
-    }
+    /// W, filtered and decimated like the torque: R × w per joint.
+    pub matrices: Vec<DMatrix<f64>>,
 }
 
 /// Doubles that regressor columns may take before they are filtered and decimated (32 MB): longer logs go through in several
 /// passes over the kinematics, which is cheap.
 const BLOCK_BUDGET: usize = 4 << 20;
-/// Doubles of W that are held: all. Rows made in blocks differ from held ones by more than rounding at the cuts of a filter.
-const HELD: usize = usize::MAX;
 
 impl Observation {
     /// Columns of the base parameters `base` of `robot` over a prepared log.
@@ -77,11 +56,6 @@ impl Observation {
 
     /// Columns of the standard parameters `wanted` (indices into [`Layout::standard`]), in that order.
     pub fn of_columns(robot: &Robot, wanted: &[usize], log: &PreparedLog) -> Self {
-        Self::holding(HELD, robot, wanted, log)
-    }
-
-    /// The same, with W held in memory as long as it is no more than `most` numbers, or one period.
-    pub fn holding(most: usize, robot: &Robot, wanted: &[usize], log: &PreparedLog) -> Self {
         let set = ColumnSet::new(robot, &Layout::standard(robot), wanted);
         let samples: Vec<usize> = log.row_filter.rows(log.samples()).collect();
         let joints: Vec<JointRows> = (0..log.joints())
@@ -94,25 +68,18 @@ impl Observation {
                 }
             })
             .collect();
-        let width: usize = (0..log.joints()).map(|j| set.row(j).len()).sum();
         let mut observation = Self {
             joints,
             columns: wanted.len(),
             samples,
-            matrices: Matrices::default(),
+            matrices: Vec::new(),
         };
-        if log.is_periodic() || width * observation.samples.len() <= most {
-            observation.hold(robot, wanted, log);
-        } else {
-            observation.matrices = Matrices::Made {
-                maker: Box::new(RowMaker::new(robot, set, log)),
-                added: vec![Vec::new(); log.joints()],
-            };
-        }
+        observation.fill(robot, wanted, log);
         observation
     }
 
-    fn hold(&mut self, robot: &Robot, wanted: &[usize], log: &PreparedLog) {
+    /// Makes W, some columns at a time.
+    fn fill(&mut self, robot: &Robot, wanted: &[usize], log: &PreparedLog) {
         let layout = Layout::standard(robot);
         let mut data: Vec<Vec<f64>> = vec![Vec::new(); self.joints.len()];
         self.joints.iter_mut().for_each(|rows| rows.columns.clear());
@@ -135,54 +102,13 @@ impl Observation {
                 });
         }
         let matrix = |(rows, data): (&JointRows, Vec<f64>)| DMatrix::from_vec(self.samples.len(), rows.columns.len(), data);
-        self.matrices = Matrices::Held(self.joints.iter().zip(data).map(matrix).collect());
-    }
-
-    /// Whether W is in memory.
-    pub fn is_held(&self) -> bool {
-        matches!(self.matrices, Matrices::Held(_))
-    }
-
-    /// Hands W out: the first row of a block, and the block's rows per joint. Blocks follow each other, the last may be shorter, and
-    /// what is held is one block.
-    pub fn for_each_block(&self, mut take: impl FnMut(usize, &[DMatrix<f64>])) {
-        let (maker, added) = match &self.matrices {
-            Matrices::Held(matrices) => return take(0, matrices),
-            Matrices::Made { maker, added } => (maker, added),
-        };
-        let rows = maker.rows_per_block(self.samples.len());
-        for first in (0..self.samples.len()).step_by(rows) {
-            let range = first..(first + rows).min(self.samples.len());
-            let mut block = maker.rows(&self.samples[range.clone()]);
-            for ((matrix, added), rows) in block.iter_mut().zip(added).zip(&self.joints) {
-                let width = matrix.ncols();
-                let mut whole = std::mem::replace(matrix, DMatrix::zeros(0, 0)).insert_columns(width, added.len(), 0.0);
-                for (k, column) in added.iter().enumerate() {
-                    whole.set_column(width + k, &column.rows(first, range.len()));
-                }
-                for (r, _) in range.clone().enumerate().filter(|(_, r)| !rows.used[*r]) {
-                    whole.row_mut(r).fill(0.0);
-                }
-                *matrix = whole;
-            }
-            take(first, &block);
-        }
+        self.matrices = self.joints.iter().zip(data).map(matrix).collect();
     }
 
     /// Predicted torques for every one of several parameter sets of the whole model, per joint and set, R each.
     pub fn predict(&self, sets: &[&DVector<f64>]) -> Vec<Vec<DVector<f64>>> {
-        let empty = vec![DVector::zeros(self.samples.len()); sets.len()];
-        let mut found = vec![empty; self.joints.len()];
-        self.for_each_block(|first, block| {
-            for ((rows, matrix), found) in self.joints.iter().zip(block).zip(&mut found) {
-                for (values, torque) in sets.iter().zip(found) {
-                    torque
-                        .rows_mut(first, matrix.nrows())
-                        .gemv(1.0, matrix, &rows.own(values), 0.0);
-                }
-            }
-        });
-        found
+        let of = |(rows, matrix): (&JointRows, &DMatrix<f64>)| sets.iter().map(|values| matrix * rows.own(values)).collect();
+        self.joints.iter().zip(&self.matrices).map(of).collect()
     }
 
     /// Measured minus predicted torque, per joint R; zero in rows that are not used.
@@ -200,15 +126,10 @@ impl Observation {
         for &(j, values) in entries {
             let column = self.column_rows(log, j, values);
             self.joints[j].columns.push(number);
-            match &mut self.matrices {
-                Matrices::Made { added, .. } => added[j].push(column),
-                Matrices::Held(matrices) => {
-                    let at = matrices[j].ncols();
-                    let mut matrix = std::mem::replace(&mut matrices[j], DMatrix::zeros(0, 0)).insert_column(at, 0.0);
-                    matrix.set_column(at, &column);
-                    matrices[j] = matrix;
-                }
-            }
+            let matrix = &mut self.matrices[j];
+            let at = matrix.ncols();
+            *matrix = std::mem::replace(matrix, DMatrix::zeros(0, 0)).insert_column(at, 0.0);
+            matrix.set_column(at, &column);
         }
         number
     }

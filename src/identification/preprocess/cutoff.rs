@@ -8,12 +8,15 @@ const ABOVE_NOISE: f64 = 100.0;
 /// The rigid model ends where joints and links begin to swing: first resonances of industrial arms lie between 5 and 30 Hz.
 pub(super) const RIGID_LIMIT_HZ: f64 = 20.0;
 
+/// Cut-off of the row filter over the highest frequency of the signal.
+pub(super) const ABOVE_SIGNAL: f64 = 1.5;
+
 /// Cut-off [Hz] for a log that does not repeat: one and a half times the highest frequency at which some joint's position stands
 /// 20 dB above its own noise floor, so that the filter's roll-off stays clear of it; at most [`RIGID_LIMIT_HZ`] and a fifth of the rate.
 pub(super) fn signal_cutoff(log: &Log) -> f64 {
     let highest = log.q.iter().map(|q| highest_signal(q, log.rate_hz)).fold(0.0, f64::max);
     let slowest = 5.0 / log.duration_s();
-    (1.5 * highest)
+    (ABOVE_SIGNAL * highest)
         .clamp(slowest, RIGID_LIMIT_HZ.max(slowest))
         .min(0.2 * log.rate_hz)
 }
