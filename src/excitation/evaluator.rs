@@ -2,7 +2,7 @@
 
 use super::added::Beside;
 use super::criterion::SmoothCriterion;
-use super::problem::Problem;
+use super::problem::{Problem, Start};
 use super::variables::Variables;
 use crate::dynamics::{ColumnSet, Coulomb, LANES, Motion, MotionGradient, RowBlocks};
 use crate::trajectory::harmonic;
@@ -191,6 +191,10 @@ impl<'a> Evaluator<'a> {
             self.motion.q[j * stride..(j + 1) * stride]
                 .iter_mut()
                 .for_each(|q| *q += rest);
+        }
+        // At rest by (14c), but for rounding, which would give Coulomb friction a direction; what is returned is rounded so that it has none.
+        if self.problem.spec().start == Start::Zero {
+            self.motion.qd.iter_mut().step_by(stride).for_each(|v| *v = 0.0);
         }
     }
 
