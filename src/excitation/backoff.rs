@@ -30,10 +30,10 @@ const DRAWN_IN: f64 = 0.9;
 /// At a hundredth of the motion nothing is learnt any more.
 const LEAST: f64 = 0.01;
 
-/// A smaller, slower `series` within all limits of the problem; `None` where even a hundredth of it is not.
+/// A smaller, slower `series` within all limits of the problem; `None` where what was asked for is not, nor any part of it down to a hundredth.
 pub fn first_run(problem: &Problem, series: &FourierSeries, asked: Backoff) -> Option<FirstRun> {
     let mut amplitude = asked.amplitude;
-    while amplitude >= LEAST {
+    loop {
         let smaller = scaled(series, amplitude, asked.slowness);
         if holds(problem, &smaller) {
             return Some(FirstRun {
@@ -43,8 +43,10 @@ pub fn first_run(problem: &Problem, series: &FourierSeries, asked: Backoff) -> O
             });
         }
         amplitude *= DRAWN_IN;
+        if amplitude < LEAST {
+            return None;
+        }
     }
-    None
 }
 
 /// `q(t) = q_0 + amplitude (q_full(t/slowness) − q_0)`, q_0 where the motion starts.

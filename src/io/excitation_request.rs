@@ -126,6 +126,8 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
             robot: model.robot.clone(),
             notes: Vec::new(),
         }),
+        // What is wrong with the model is said already.
+        (None, None) if fields.nullable("model").is_some() => None,
         _ => fields.required("robot").and_then(|c| read_robot_or_name(&c, known)),
     };
     let notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();

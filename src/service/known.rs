@@ -3,14 +3,14 @@
 
 use super::access::Access;
 use super::state::Service;
-use crate::app::Error;
+use crate::app::{Code, Error};
 use crate::io::shipped::{ROBOTS, Shipped};
 use crate::io::{NamedExcitations, NamedRobots, Parsed, RobotDocument, robot_document};
 use crate::service::store::State;
 use crate::service::work::Kind;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Robots and excitations by name.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -39,6 +39,13 @@ pub fn robot_named(request: &Value) -> Option<&str> {
     places.into_iter().find_map(Value::as_str)
 }
 
+/// Every robot that a request names: that of a model, and of data that are given, beside its own.
+fn robots_named(request: &Value) -> impl Iterator<Item = &str> {
+    let given = request["given"].as_array().into_iter().flatten();
+    let places = [&request["robot"], &request["model"]["robot"], &request["model"]];
+    places.into_iter().chain(given.map(|g| &g["robot"])).filter_map(Value::as_str)
+}
+
 /// The robot that stands in a request, by its own name.
 pub fn robot_inside(request: &Value) -> Option<&str> {
     let places = [&request["robot"], &request["model"]["robot"], &request["model"]];
@@ -52,10 +59,16 @@ impl Known {
             names: service.robot_names(access).await?,
             ..Self::default()
         };
-        if let Some(name) = robot_named(request)
-            && let Ok(document) = service.robot(name, access).await
-        {
-            known.robots.insert(name.to_string(), document);
+        let named: BTreeSet<&str> = robots_named(request).collect();
+        for name in named {
+            match service.robot(name, access).await {
+                Ok(document) => {
+                    known.robots.insert(name.to_string(), document);
+                }
+                // The reader of the request says so, with the place.
+                Err(e) if e.code == Code::UnknownRobot => {}
+                Err(e) => return Err(e),
+            }
         }
         if let Some(id) = request["excitation"].as_str()
             && let Some(found) = excitation(id, service, access).await?

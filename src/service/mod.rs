@@ -70,6 +70,8 @@ pub async fn serve(
 pub async fn work(config: Config, shutdown: impl Future<Output = ()> + Send + 'static) -> Result<(), Error> {
     let service = Service::open(config).await?;
     worker::start(&service);
+    // Files that it has fetched for jobs that are forgotten by now.
+    upkeep::start(&service);
     shutdown.await;
     tracing::info!("shutting down");
     service.close();

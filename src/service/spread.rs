@@ -9,7 +9,7 @@ use super::state::Service;
 use super::store::{Claimed, Share, Spent};
 use super::work::{Class, Input, Outcome, Request};
 use super::worker::{NEWS, in_time, on_a_thread};
-use crate::app::{CancelFlag, Error};
+use crate::app::{CancelFlag, Code, Error};
 use crate::io::ExcitationRequest;
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -75,7 +75,12 @@ pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome, before:
     spent["elapsed_s"] = json!(spent["elapsed_s"].as_f64().unwrap_or(0.0) + before.time.as_secs_f64());
     let mut documents = vec![own];
     for hash in &shares.results {
-        documents.push(serde_json::from_slice(&service.files().read(hash).await?).unwrap_or_default());
+        match service.files().read(hash).await {
+            Ok(document) => documents.push(serde_json::from_slice(&document).unwrap_or_default()),
+            Err(error) if error.code == Code::StorageUnavailable => return Err(error),
+            // What is missing will not come: the design does not wait for it.
+            Err(error) => tracing::warn!(job = job.id, %error, "a share is left out"),
+        }
     }
     Ok(best_of(documents).to_string().into_bytes())
 }

@@ -332,7 +332,7 @@ impl Prepared {
 /// Hands the result in; as long as database or disk fail, again and again.
 async fn hand_in(service: &Service, job: &Claimed, done: Done) {
     loop {
-        let Err(error) = try_to_hand_in(service, job, &done).await else {
+        let Err(error) = in_time(HANDING_IN, try_to_hand_in(service, job, &done)).await else {
             return;
         };
         tracing::error!(job = job.id, %error, "the result cannot be handed in; trying again");

@@ -154,3 +154,49 @@ fn what_is_not_there_is_named() {
     alone["criterion"] = json!("rival_evidence");
     assert_eq!(problems(&server.excite(&alone)), ["/rivals"]);
 }
+
+/// That there is no trajectory is an outcome with its reason, not an error; the reason names what takes part. A start that the robot cannot take is
+/// an error of that field.
+#[test]
+fn limits_that_leave_no_room_are_named() {
+    let server = Server::start();
+    let asked = |robot: &str, constraints: Value| {
+        let mut request = quick_request();
+        request["robot"] = json!(robot);
+        request["constraints"] = constraints;
+        server.excite(&request)
+    };
+    let press = json!({"boxes": [{"name": "press", "center": [0, 0, 0.8], "size": [0.5, 1.2, 0.62]}]});
+    // The planar arm lies level at its start: 9.81 · (0.5 + 1.5) N m.
+    for (robot, constraints, named) in [
+        (
+            "planar_two_link",
+            json!({"torque": {"limits": [10, 100], "safety_factor": 1.25}}),
+            ["`J1` needs 19.6200", "constraints.torque allows 8.0000"],
+        ),
+        ("iiwa14", json!({"space": press}), ["`press`", "constraints.space allows"]),
+    ] {
+        let answer = asked(robot, constraints);
+        assert_eq!(answer.status, 200, "{}", answer.text);
+        let design = answer.json();
+        assert_eq!(design["status"], "Infeasible");
+        let reason = design["reason"].as_str().unwrap();
+        for words in named.iter().chain(&["start_position"]) {
+            assert!(reason.contains(words), "{words} not in: {reason}");
+        }
+        let id = design["id"].as_str().unwrap();
+        let trajectory = server.get(&format!("/excitation/{id}/trajectory"));
+        assert_eq!(
+            (trajectory.status, &trajectory.problem()["code"]),
+            (409, &json!("no_trajectory"))
+        );
+        assert_eq!(server.get(&format!("/jobs/{id}")).json()["outcome"], "Infeasible");
+    }
+    let outside = asked("planar_two_link", json!({"start_position": [0, 3]}));
+    assert_eq!(
+        (outside.status, problems(&outside)),
+        (422, vec!["/constraints/start_position/1".to_string()]),
+        "{}",
+        outside.text
+    );
+}

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// Two links of 3 kg and 1 kg with friction.
-fn truth(layout: &Layout) -> Vec<f64> {
+pub fn truth(layout: &Layout) -> Vec<f64> {
     let links = [
         [3.0, 0.6, 0.03, 0.0, 0.02, 0.0, 0.0, 0.2, 0.0, 0.2],
         [1.0, 0.2, -0.01, 0.0, 0.01, 0.0, 0.0, 0.06, 0.0, 0.06],
@@ -78,7 +78,7 @@ fn multipart(parts: &[(&str, &str, &str)]) -> String {
     body + "--XXboundary--\r\n"
 }
 
-fn post(server: &Server, path: &str, wait: bool, parts: &[(&str, &str, &str)]) -> Answer {
+pub fn post(server: &Server, path: &str, wait: bool, parts: &[(&str, &str, &str)]) -> Answer {
     let mut headers = vec![("content-type", "multipart/form-data; boundary=XXboundary")];
     if wait {
         headers.push(("prefer", "wait=60"));

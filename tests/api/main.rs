@@ -7,6 +7,7 @@ mod bad_input;
 mod designs;
 mod identify;
 mod identify_faults;
+mod identify_logs;
 mod jobs;
 mod openapi;
 mod pages;

@@ -1,6 +1,7 @@
 //! The OpenAPI document is the one checked in, and says what the readers read.
 
-use crate::server::Server;
+use crate::server::{Server, quick_request};
+use dynident::service::Config;
 use serde_json::{Value, json};
 
 fn checked_in() -> String {
@@ -50,4 +51,38 @@ fn the_example_works() {
     let mut example = document["components"]["schemas"]["ExcitationRequest"]["example"].clone();
     example["search"]["time_limit_s"] = json!(0.2);
     assert_eq!(server.excite(&example).status, 200);
+}
+
+/// Answers that take a history of their own, held against the document: the fuzzer seldom comes by them.
+#[test]
+fn answers_that_come_seldom_are_documented() {
+    // Nobody does the work: a job that is cancelled has no result.
+    let server = Server::with(Config {
+        concurrent_jobs: 0,
+        short_jobs: 0,
+        largest_document: 20_000,
+        ..Config::default()
+    });
+    let headers = [("content-type", "application/json"), ("idempotency-key", "again")];
+    let begin = || server.send("POST", "/excitation", &headers, &quick_request().to_string());
+    let job = begin();
+    assert_eq!(job.status, 202, "{}", job.text);
+    let cancelled = server.delete(&format!("/jobs/{}", job.json()["id"].as_str().unwrap()));
+    assert_eq!(cancelled.status, 200, "{}", cancelled.text);
+    let large = " ".repeat(30_000);
+    let put = |path: &str, method: &str| server.send(method, path, &[("content-type", "application/json")], &large);
+    let answers = [
+        ("post", "/excitation", 409, begin()),
+        ("post", "/robots", 413, put("/robots", "POST")),
+        ("put", "/robots/{id}", 413, put("/robots/x", "PUT")),
+    ];
+    let document: Value = serde_json::from_str(&dynident::service::openapi_json()).unwrap();
+    for (method, path, status, answer) in answers {
+        assert_eq!(answer.status, status, "{method} {path}: {}", answer.text);
+        let documented = &document["paths"][path][method]["responses"][status.to_string()];
+        assert!(
+            documented.is_object(),
+            "{method} {path} answers {status}, and the document does not say so"
+        );
+    }
 }

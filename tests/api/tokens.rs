@@ -79,9 +79,13 @@ impl Drop for Guarded {
 }
 
 fn multipart(request: &Value) -> String {
+    multipart_of(request, "x")
+}
+
+fn multipart_of(request: &Value, log: &str) -> String {
     format!(
         "--b\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{request}\r\n\
-         --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\nx\r\n--b--\r\n"
+         --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\n{log}\r\n--b--\r\n"
     )
 }
 
@@ -101,6 +105,12 @@ fn operations() -> Vec<(String, String)> {
     };
     let all = paths.iter().flat_map(of_path);
     all.filter(|(_, path)| !path.starts_with("/health/")).collect()
+}
+
+/// Whether the OpenAPI document says that the operation may answer so.
+fn is_documented(method: &str, path: &str, status: u16) -> bool {
+    let document: Value = serde_json::from_str(&dynident::service::openapi_json()).unwrap();
+    document["paths"][path][method.to_lowercase()]["responses"][status.to_string()].is_object()
 }
 
 /// A body that the operation would take.
@@ -157,6 +167,7 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
                 .1;
             let answer = send(&mine, &path.replace("{id}", id), &content);
             assert_eq!(answer.status, 404, "{method} {path}: {}", answer.text);
+            assert!(is_documented(&method, &path, 404), "{method} {path}");
             // Word for word what is said of a thing that is not there.
             let nothing = send(&mine, &path.replace("{id}", "nothing"), &content.replace("arm-b", "nothing"));
             assert_eq!(answer.text.replace(id, "nothing"), nothing.text, "{method} {path}");
@@ -165,6 +176,11 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
             let answer = send(&mine, &path, &content);
             let nothing = send(&mine, &path, &content.replace("arm-b", "arm-z"));
             assert!([404, 422].contains(&answer.status), "{method} {path}: {}", answer.text);
+            assert!(
+                is_documented(&method, &path, answer.status),
+                "{method} {path}: {}",
+                answer.status
+            );
             assert_eq!(
                 (answer.status, answer.text.replace("arm-b", "arm-z")),
                 (nothing.status, nothing.text),
@@ -182,6 +198,128 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
     for (start, id) in ids {
         assert_ne!(guarded.get(&theirs, &format!("{start}{id}")).status, 404, "{start}");
     }
+}
+
+/// A request that calls something else by its id: where it goes, what it says, and the place of the id in it.
+struct Reference {
+    path: &'static str,
+    request: Value,
+    pointer: &'static str,
+}
+
+/// All that bodies may refer to by the id of a job, with these ids. Warm starts hold numbers and no ids.
+fn references(identification: &str, excitation: &str) -> Vec<Reference> {
+    let design = |name: &str, value: Value| {
+        let mut request = quick_request();
+        request[name] = value;
+        request
+    };
+    let mut of_model = design("model", json!({"identification": identification}));
+    of_model.as_object_mut().unwrap().remove("robot");
+    let list = [
+        ("/excitation", of_model, "/model/identification"),
+        (
+            "/excitation",
+            design("given", json!([{"identification": identification}])),
+            "/given/0/identification",
+        ),
+        (
+            "/excitation",
+            design("given", json!([{"excitation": excitation, "periods": 2}])),
+            "/given/0/excitation",
+        ),
+        ("/identify", json!({"robot": ARM, "excitation": excitation}), "/excitation"),
+        (
+            "/identify/preview",
+            json!({"robot": ARM, "excitation": excitation}),
+            "/excitation",
+        ),
+        ("/validate", json!({"model": ARM, "excitation": excitation}), "/excitation"),
+    ];
+    let of = |(path, request, pointer)| Reference { path, request, pointer };
+    list.into_iter().map(of).collect()
+}
+
+/// Comes with the program: anybody may use it, and what is made with it belongs to the robot of the token.
+const ARM: &str = "planar_two_link";
+
+impl Guarded {
+    fn refer(&self, token: &str, reference: &Reference) -> Answer {
+        let (kind, body) = match reference.path {
+            "/excitation" => ("application/json", reference.request.to_string()),
+            _ => (
+                "multipart/form-data; boundary=b",
+                multipart_of(&reference.request, &crate::identify::log(0.3)),
+            ),
+        };
+        self.send(token, "POST", reference.path, &[("content-type", kind)], &body)
+    }
+
+    /// Ids of a finished identification, which has a model, and of a finished design.
+    fn finished(&self, token: &str) -> [String; 2] {
+        let log = multipart_of(&json!({"robot": ARM}), &crate::identify::log(0.3));
+        let headers = [("content-type", "multipart/form-data; boundary=b"), ("prefer", "wait=60")];
+        let identification = self.send(token, "POST", "/identify", &headers, &log);
+        let design = self.post(token, "/excitation", &quick_request());
+        [identification, design].map(|answer| {
+            assert_eq!(answer.status, 200, "{}", answer.text);
+            answer.json()["id"].as_str().unwrap().to_string()
+        })
+    }
+}
+
+/// Bodies reach no farther than addresses: an id of another robot's job is one that nobody has.
+#[test]
+fn nothing_of_another_robot_is_reached_through_a_body() {
+    let guarded = Guarded::start("bodies");
+    let (_, mine) = guarded.token(Role::Run, &["arm-a"]);
+    let (_, theirs) = guarded.token(Role::Run, &["arm-b"]);
+    let [identification, excitation] = guarded.finished(&theirs);
+    let nothing = references("nothing", "nothing");
+    for (reference, nothing) in references(&identification, &excitation).iter().zip(&nothing) {
+        let Reference { path, pointer, .. } = reference;
+        // For their owner the ids stand for something: what is refused below is refused for no other reason.
+        let own = guarded.refer(&theirs, reference);
+        assert!([200, 202].contains(&own.status), "{path} {pointer}: {}", own.text);
+        let refused = guarded.refer(&mine, reference);
+        assert_eq!(refused.status, 422, "{path} {pointer}: {}", refused.text);
+        let errors = refused.errors();
+        assert!(
+            errors.len() == 1 && errors[0].starts_with(&format!("{pointer}: ")),
+            "{path}: {errors:?}"
+        );
+        // Word for word what is said of an id that nobody has.
+        let said = refused
+            .text
+            .replace(&identification, "nothing")
+            .replace(&excitation, "nothing");
+        assert_eq!(said, guarded.refer(&mine, nothing).text, "{path} {pointer}");
+    }
+    // A warm start has no place for an id, not even for one's own.
+    let mut warm = quick_request();
+    warm["warm_start"] = json!({"excitation": excitation});
+    let errors = guarded.post(&theirs, "/excitation", &warm).errors();
+    let no_field = "/warm_start/excitation: is not a field";
+    assert!(errors.iter().any(|e| e.starts_with(no_field)), "{errors:?}");
+    // Nor does anything of theirs come along with what is refused.
+    assert_eq!(guarded.get(&mine, "/jobs").json()["jobs"], json!([]));
+}
+
+/// A key is a word of whoever sends it: the same word of another begins work of their own.
+#[test]
+fn a_key_of_another_token_finds_nothing() {
+    let guarded = Guarded::start("keys");
+    let (_, mine) = guarded.token(Role::Run, &["arm-a"]);
+    let (_, theirs) = guarded.token(Role::Run, &["arm-b"]);
+    let begin = |token: &str| {
+        let headers = [("content-type", "application/json"), ("idempotency-key", "monday")];
+        let answer = guarded.send(token, "POST", "/excitation", &headers, &quick_request().to_string());
+        assert!([200, 202].contains(&answer.status), "{}", answer.text);
+        answer.json()["id"].as_str().unwrap().to_string()
+    };
+    let first = begin(&theirs);
+    assert_eq!(begin(&theirs), first);
+    assert_ne!(begin(&mine), first);
 }
 
 #[test]

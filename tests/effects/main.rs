@@ -2,6 +2,7 @@
 
 mod augmented;
 mod bench;
+mod columns;
 mod faults;
 mod findings;
 mod measured;

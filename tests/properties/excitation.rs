@@ -4,9 +4,10 @@ use crate::support::{iiwa14_limited, structured_arm};
 use dynident::dynamics::inverse_dynamics;
 use dynident::excitation::*;
 use dynident::io::{NamedRobots, shipped::Shipped};
-use dynident::model::{Limits, Robot};
+use dynident::model::{Capsule, Joint, Limits, Robot};
 use dynident::parameters::Layout;
 use dynident::trajectory::Trajectory;
+use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -170,6 +171,135 @@ fn prop_a_joint_that_starts_on_its_limit_is_an_infeasible_outcome() {
         design.status
     );
     assert!(design.criteria.is_none());
+}
+
+/// The planar arm with so much torque for its first joint, in the space that is handed in.
+fn planar(start: Start, torque: Option<f64>, space: Option<SpaceLimits>) -> ProblemSpec {
+    let bare = Shipped.named("planar_two_link").unwrap().robot;
+    let capsule = Capsule {
+        ends: [Vector3::zeros(), Vector3::x()],
+        radius: 0.05,
+    };
+    let shaped = |joint: &Joint| Joint {
+        geometry: vec![capsule],
+        ..joint.clone()
+    };
+    let joints = bare.joints().iter().map(shaped).collect();
+    let robot = Robot::new(bare.name(), bare.gravity(), joints, bare.friction()).unwrap();
+    ProblemSpec {
+        torque: torque.map(|first| TorqueLimits {
+            limits: Some(vec![first, 1e4]),
+            safety_factor: 1.0,
+        }),
+        space,
+        ..problem(robot, Form::Exact, start).spec().clone()
+    }
+}
+
+/// Nothing higher or lower than half a metre.
+fn slab() -> SpaceLimits {
+    let half_space = |name: &str, normal: Vector3<f64>| HalfSpace {
+        name: name.into(),
+        normal,
+        offset: -0.5,
+    };
+    SpaceLimits {
+        clearance: 0.02,
+        half_spaces: vec![half_space("floor", Vector3::y()), half_space("ceiling", -Vector3::y())],
+        boxes: Vec::new(),
+        self_collision: None,
+    }
+}
+
+fn reason(spec: ProblemSpec) -> String {
+    let design = search(&Problem::new(spec).unwrap(), &options(1, 100), &never());
+    match design.status {
+        Outcome::Infeasible(reason) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The percentage that stands after the last `words`.
+fn percentage(reason: &str, words: &str) -> f64 {
+    let (_, rest) = reason
+        .rsplit_once(words)
+        .unwrap_or_else(|| panic!("no `{words}` in: {reason}"));
+    let number = rest.split(" %").next().and_then(|n| n.parse().ok());
+    number.unwrap_or_else(|| panic!("no percentage after `{words}` in: {reason}"))
+}
+
+/// Whether there is any motion, and not only a posture.
+fn moves(spec: ProblemSpec) -> bool {
+    random_design(&Problem::new(spec).unwrap(), 1, 0).is_some_and(|series| series.a.amax() > 0.0)
+}
+
+/// Torque of the first joint at rest: a kilogram at half a metre, and one at half a metre beyond the first metre.
+fn load(q: [f64; 2]) -> f64 {
+    9.81 * (1.5 * q[0].cos() + 0.5 * (q[0] + q[1]).cos())
+}
+
+/// The arm lies level where the motion starts.
+#[test]
+fn prop_a_torque_limit_below_the_load_is_an_infeasible_outcome_with_both_numbers() {
+    let said = reason(planar(Start::Zero, Some(8.0), None));
+    let needs = format!("`J1` needs {:.4}", load([0.0, 0.0]));
+    for words in [needs.as_str(), "constraints.torque allows 8.0000", "start_position"] {
+        assert!(said.contains(words), "{words} not in: {said}");
+    }
+    // The share of postures that the limit allows, counted on a grid over nine tenths of the range.
+    let (cells, half) = (500, 0.9 * 150f64.to_radians());
+    let at = |i: usize| half * ((2 * i + 1) as f64 / cells as f64 - 1.0);
+    let allowed = |i: usize| (0..cells).filter(|&k| load([at(i), at(k)]).abs() < 8.0).count();
+    let share = (0..cells).map(allowed).sum::<usize>() as f64 / (cells * cells) as f64;
+    let told = 0.01 * percentage(&said, "constraints.torque allows ");
+    // Counted from 2000 random ones: five standard deviations, and the rounding of what is told.
+    let scatter = 5.0 * (share * (1.0 - share) / 2000.0).sqrt() + 0.0005;
+    assert!((told - share).abs() < scatter, "{told} of {share}");
+    // Somewhere else it can be held: with a free start the motion is there.
+    assert!(moves(planar(Start::Free, Some(8.0), None)));
+}
+
+/// In the slab the first link is within 26° of level, and needs 9.81 · (1.5 cos 26° − 0.5) = 8.3 N m at least.
+#[test]
+fn prop_limits_that_fight_are_named_with_what_each_allows_alone() {
+    let said = reason(planar(Start::Free, Some(8.0), Some(slab())));
+    assert!(said.contains("`J1` needs"), "{said}");
+    let alone = ["constraints.torque allows ", "constraints.space allows "].map(|words| percentage(&said, words));
+    assert!(alone.iter().all(|percent| *percent > 0.0), "{said}");
+    assert_eq!(percentage(&said, "both together "), 0.0, "{said}");
+    // Each of the two alone leaves room, and so do both with more torque.
+    assert!(moves(planar(Start::Free, Some(8.0), None)));
+    assert!(moves(planar(Start::Free, None, Some(slab()))));
+    assert!(!moves(planar(Start::Free, Some(8.0), Some(slab()))));
+    assert!(moves(planar(Start::Free, Some(19.0), Some(slab()))));
+}
+
+/// A hundredth is where drawing in gives up, not the least that may be asked for.
+#[test]
+fn regress_a_first_run_of_less_than_a_hundredth_is_made() {
+    let problem = problem(iiwa14_limited(), Form::Exact, Start::Zero);
+    let series = random_design(&problem, 1, 0).unwrap();
+    let asked = Backoff {
+        amplitude: 0.004,
+        slowness: 1.0,
+    };
+    let run = first_run(&problem, &series, asked).expect("a part of a motion within the limits is within them");
+    assert_eq!(run.amplitude, asked.amplitude);
+    assert_eq!(run.series.a, &series.a * asked.amplitude);
+}
+
+#[test]
+fn prop_a_start_outside_the_position_limits_is_refused_with_the_joint_and_its_limits() {
+    let spec = ProblemSpec {
+        start_position: Some(vec![0.0, 3.0]),
+        ..planar(Start::Zero, None, None)
+    };
+    let found = Problem::new(spec).unwrap_err().0;
+    let [only] = found.as_slice() else { panic!("{found:?}") };
+    assert_eq!(only.pointer, "/constraints/start_position/1");
+    for words in ["is 3,", "[-2.617", "`J2`"] {
+        assert!(only.detail.contains(words), "{words} not in: {}", only.detail);
+    }
 }
 
 /// Twenty thousand moments of one period by the recursive algorithm, which the search does not use.

@@ -1,8 +1,9 @@
 //! Trajectories keep off the floor, the table and the arm itself, as seen by kinematics and distances of the test's own.
 
+use crate::support::FRICTION;
 use dynident::excitation::*;
 use dynident::io::{NamedRobots, shipped::Shipped};
-use dynident::model::Robot;
+use dynident::model::{Capsule, Joint, JointKind, Limits, Mdh, Robot};
 use dynident::trajectory::{FourierSeries, Trajectory};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
@@ -98,6 +99,88 @@ fn prop_a_start_inside_an_obstacle_is_an_infeasible_outcome_that_names_it() {
     assert!(reason.contains("`table`") && reason.contains("start_position"), "{reason}");
 }
 
+/// Length of a link of the folding arm (m).
+const LINK: f64 = 0.4;
+
+/// Three equal links that turn in one plane, the third beside the first two by so little that it cannot pass the first.
+fn folding_arm() -> Robot {
+    let joint = |i: usize| {
+        let mdh = Mdh {
+            alpha: 0.0,
+            d: if i == 0 { 0.0 } else { LINK },
+            theta: 0.0,
+            r: if i == 2 { 0.02 } else { 0.0 },
+        };
+        let limits = Limits {
+            position: Some([-2.6, 2.6]),
+            velocity: Some(2.0),
+            ..Limits::unlimited()
+        };
+        let capsule = Capsule {
+            ends: [Vector3::zeros(), Vector3::x() * LINK],
+            radius: 0.05,
+        };
+        Joint {
+            geometry: vec![capsule],
+            ..Joint::from_mdh(format!("J{}", i + 1), JointKind::Revolute, mdh).with_limits(limits)
+        }
+    };
+    let gravity = Vector3::new(0.0, -9.81, 0.0);
+    Robot::new("folding", gravity, (0..3).map(joint).collect(), FRICTION).unwrap()
+}
+
+/// No floor and no table: all that the arm can hit is itself, and from a folded start the free optimum does.
+#[test]
+fn prop_an_arm_keeps_off_itself_where_the_free_optimum_folds_into_itself() {
+    let robot = folding_arm();
+    let alone = SpaceLimits {
+        clearance: CLEARANCE,
+        half_spaces: Vec::new(),
+        boxes: Vec::new(),
+        self_collision: Some(SelfCollision::default()),
+    };
+    let asked = |space: Option<SpaceLimits>| ProblemSpec {
+        robot: robot.clone(),
+        start_position: Some(vec![0.0, 1.9, 1.5]),
+        ..spec(space)
+    };
+    let (free, kept) = (find(asked(None)), find(asked(Some(alone))));
+    let before = nearest_to_itself(&robot, &free.series);
+    assert!(before < 0.0, "nothing to show: the free optimum keeps {before} m");
+    // Points on the bodies are never nearer than the bodies: no allowance for how few they are.
+    let after = nearest_to_itself(&robot, &kept.series);
+    assert!(after >= CLEARANCE, "{after}");
+    // It binds: drawing in stops within 0.1 % of the amplitude, which is 2.6 rad at most, of a tip 1.2 m away at most.
+    assert!(after < CLEARANCE + 1e-3 * 2.6 * 3.0 * LINK, "{after}");
+    // Neighbours touch by nature: the first and the third link are the one pair there is.
+    let [pair] = kept.clearances.as_slice() else {
+        panic!("{:?}", kept.clearances)
+    };
+    assert_eq!((pair.joint, pair.from.as_str()), (2, "J1"));
+    assert!(
+        pair.asked <= pair.certified && pair.certified <= pair.least.min(after),
+        "{pair:?} {after}"
+    );
+    assert!(kept.margins.iter().all(|m| m.margin >= 0.0));
+}
+
+/// Least distance of the arm from itself over 5000 moments.
+fn nearest_to_itself(robot: &Robot, series: &FourierSeries) -> f64 {
+    let moments = 5000;
+    let at = |k: usize| {
+        let t = k as f64 * series.duration() / moments as f64;
+        folded(&links(robot, &|j| series.state(j, t)[0]))
+    };
+    (0..moments).map(at).fold(f64::INFINITY, f64::min)
+}
+
+/// Distance of the third body from the first, point by point: of the iiwa's hand from its upper arm.
+fn folded(links: &[(Vec<Point3<f64>>, f64)]) -> f64 {
+    let (first, third) = (&links[0], &links[2]);
+    let between = |p: &Point3<f64>| first.0.iter().map(|o| (p - o).norm()).fold(f64::INFINITY, f64::min);
+    third.0.iter().map(between).fold(f64::INFINITY, f64::min) - first.1 - third.1
+}
+
 /// Least distance over 5000 moments: floor, table, hand against upper arm.
 fn nearest(robot: &Robot, series: &FourierSeries) -> f64 {
     let moments = 5000;
@@ -107,10 +190,7 @@ fn nearest(robot: &Robot, series: &FourierSeries) -> f64 {
         let all = || links.iter().flat_map(|(points, r)| points.iter().map(move |p| (p, r)));
         let floor = all().map(|(p, r)| p.z - FLOOR - r).fold(f64::INFINITY, f64::min);
         let table = all().map(|(p, r)| outside(p) - r).fold(f64::INFINITY, f64::min);
-        let (upper, hand) = (&links[0], &links[2]);
-        let between = |p: &Point3<f64>| upper.0.iter().map(|o| (p - o).norm()).fold(f64::INFINITY, f64::min);
-        let folded = hand.0.iter().map(between).fold(f64::INFINITY, f64::min) - upper.1 - hand.1;
-        floor.min(table).min(folded)
+        floor.min(table).min(folded(&links))
     };
     (0..moments).map(at).fold(f64::INFINITY, f64::min)
 }

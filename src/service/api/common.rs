@@ -40,6 +40,9 @@ pub enum Begun {
     /// The job; its address is in `Location`
     #[response(status = 202, headers(("Location" = String, description = "Address of the job")))]
     Job(JobDocument),
+    /// Cancelled before it had a result
+    #[response(status = 409, content_type = "application/problem+json")]
+    Cancelled(Problem),
     /// Too many jobs; see `Retry-After`
     #[response(status = 503, content_type = "application/problem+json")]
     TooMany(Problem),

@@ -1,8 +1,7 @@
 //! `/robots`: those that come with the program and those of the lab.
 
 use super::schemas::RobotSchema;
-use crate::app::Error;
-use crate::app::Problem;
+use crate::app::{Code, Error, Problem};
 use crate::io::{BaseParametersDocument, Parsed, RobotDocument, robot_document};
 use crate::model::FieldProblem;
 use crate::service::access::{Access, slug};
@@ -69,9 +68,11 @@ async fn read_stored(document: Value) -> Result<RobotDocument, Failure> {
 pub async fn list(State(service): State<Service>, access: Access) -> Result<Json<RobotList>, Failure> {
     let mut robots = Vec::new();
     for id in service.robot_names(&access).await? {
-        // A robot that was removed meanwhile is not listed.
-        if let Ok(document) = service.robot(&id, &access).await {
-            robots.push(RobotSummary::of(&id, &read_stored(document).await?));
+        match service.robot(&id, &access).await {
+            Ok(document) => robots.push(RobotSummary::of(&id, &read_stored(document).await?)),
+            // A robot that was removed meanwhile is not listed.
+            Err(e) if e.code == Code::UnknownRobot => {}
+            Err(e) => return Err(Failure(e)),
         }
     }
     Ok(Json(RobotList { robots }))
@@ -117,7 +118,9 @@ pub async fn base_parameters(
         (status = 201, description = "Kept; its address is in `Location`", body = RobotSummary,
             headers(("Location" = String, description = "Address of the robot"))),
         (status = 400, description = "Neither JSON nor XML", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "The token is not for a robot of this name", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "A robot of that name exists", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
     )
@@ -139,7 +142,9 @@ pub async fn post(State(service): State<Service>, access: Access, RobotBody(pars
         (status = 200, description = "Replaced", body = RobotSummary),
         (status = 201, description = "Kept", body = RobotSummary),
         (status = 400, description = "Neither JSON nor XML", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "The token is not for a robot of this name", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "Comes with the program", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
     )
