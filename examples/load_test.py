@@ -6,7 +6,7 @@
     python3 examples/load_test.py http://127.0.0.1:8080 --robot planar_two_link --log log.csv --pid $! --seconds 120
 
 Robot 0 identifies, one job after the other: first alone, then while the clients of the other robots design, identify and look. Prints
-the latencies of both, every answer that was not as it should be, and the memory of the server at the start and the end."""
+the latencies of both, every answer that was not as it should be, and the course of the server's memory."""
 import argparse
 import http.client
 import json
@@ -121,18 +121,17 @@ def main():
     clients = [threading.Thread(target=load.client, args=(k,)) for k in range(arguments.clients)]
     for client in clients:
         client.start()
-    # What has to be in memory once is there after a tenth of the time.
-    warm = load.latencies(arguments.seconds / 10)
-    before = memory(arguments.pid)
-    beside = warm + load.latencies(0.9 * arguments.seconds)
-    after = memory(arguments.pid)
+    beside, course = [], [memory(arguments.pid)]
+    for _ in range(10):
+        beside += load.latencies(arguments.seconds / 10)
+        course.append(memory(arguments.pid))
     for client in clients:
         client.join()
     for name, found in (("alone", alone), ("beside", beside)):
         print(f"{name}: {len(found)} identifications, median {percentile(found, 0.5):.3f} s, 95 % {percentile(found, 0.95):.3f} s")
     print(f"ratio at 95 %: {percentile(beside, 0.95) / percentile(alone, 0.95):.2f}")
     print(f"requests: {load.done}; wrong: {len(load.wrong)} {load.wrong[:5]}")
-    print(f"memory: {before:.0f} MB then {after:.0f} MB")
+    print("memory at tenths of the time:", " ".join(f"{m:.0f}" for m in course), "MB")
 
 
 if __name__ == "__main__":

@@ -109,6 +109,23 @@ pub fn identify(
     cancel: &CancelFlag,
     observe: &(dyn Fn(&Step) + Sync),
 ) -> Result<Identified, Error> {
+    std::thread::scope(|scope| {
+        // Hashing keeps one core busy; beside the rest it costs no time.
+        let hashed = scope.spawn(|| provenance(request, logs, validation));
+        let mut found = identified(request, logs, validation, cancel, observe)?;
+        let origin = hashed.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        found.document.provenance = Some(origin?);
+        Ok(found)
+    })
+}
+
+fn identified(
+    request: &IdentifyRequest,
+    logs: &[LogFile],
+    validation: &[LogFile],
+    cancel: &CancelFlag,
+    observe: &(dyn Fn(&Step) + Sync),
+) -> Result<Identified, Error> {
     if logs.is_empty() {
         return Err(
             Error::new(Code::InvalidLog, "there is no log to identify from").with_hint("send at least one part called `log`")
@@ -123,7 +140,6 @@ pub fn identify(
         offset: request.offset,
         trace: request.trace,
     };
-    let (given_logs, given_validation) = (logs, validation);
     let ((logs, beside_logs), (validation, beside_validation)) = (
         split_companions(&request.columns, logs)?,
         split_companions(&request.columns, validation)?,
@@ -191,7 +207,6 @@ pub fn identify(
         };
         document.predictions = predictions(&request.robot, used.iter().chain(&held_out), &by, request.prediction_points);
     }
-    document.provenance = Some(provenance(request, given_logs, given_validation)?);
     Ok(Identified {
         document,
         base,

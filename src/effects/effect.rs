@@ -215,6 +215,17 @@ pub trait Effect: Sync + Send {
         false
     }
 
+    /// Codes of the effects on the same joints that it comes to where its parameters go to a limit: it fits no worse than those, whatever the cause.
+    fn contains(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether these coefficients, or some within three of their standard deviations, are those of a real thing, and not the limit at which it is one of
+    /// the effects that it [contains](Self::contains).
+    fn is_within_reach(&self, _coefficients: &[f64], _covariance: &DMatrix<f64>) -> bool {
+        true
+    }
+
     /// Reported values from coefficients and shape; differentiable, for the standard deviations. The identity unless said otherwise.
     fn reported(&self, _form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
         coefficients.iter().chain(shape).copied().collect()

@@ -88,9 +88,12 @@ fn random_states(robot: &Robot, logs: &[&PreparedLog]) -> Motion {
             None => [-largest(j, Motion::positions), largest(j, Motion::positions)],
         }
     };
+    let joints = 0..robot.joint_count();
+    let reach: Vec<_> = joints
+        .map(|j| (travel(j), largest(j, Motion::velocities), largest(j, Motion::accelerations)))
+        .collect();
     Motion::from_fn(robot.joint_count(), STATES, |j, _| {
-        let [low, high] = travel(j);
-        let (speed, acceleration) = (largest(j, Motion::velocities), largest(j, Motion::accelerations));
+        let ([low, high], speed, acceleration) = reach[j];
         [
             rng.random_range(low..high),
             rng.random_range(-speed..speed),

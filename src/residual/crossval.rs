@@ -127,3 +127,37 @@ fn half_right_side(data: &Data, system: &System, columns: &Whitened, half: usize
     }
     direct - cross.tr_mul(&(&system.covariance * through))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A parameter that one block alone determines, but for a breath: extrapolated into the block it would be off by thousands, in both models,
+    /// and their difference would drown what the effect explains.
+    #[test]
+    fn prop_a_parameter_of_one_block_does_not_judge_an_effect() {
+        let wave = |s: usize, f: f64| (f * s as f64).sin();
+        let row = |s: usize| {
+            let base = if s < 20 { wave(s, 0.9) } else { 1e-5 * wave(s, 0.7) };
+            (
+                DVector::from_vec(vec![base, wave(s, 0.37)]),
+                2.0 * wave(s, 0.37) + 0.3 * wave(s, 2.9),
+            )
+        };
+        let sum = |rows: std::ops::Range<usize>| {
+            rows.map(row)
+                .fold((DMatrix::zeros(2, 2), DVector::zeros(2)), |(g, b), (z, r)| {
+                    (g + &z * z.transpose(), b + z * r)
+                })
+        };
+        let (total, fold) = (sum(0..100), sum(0..20));
+        let cost = |size: usize| {
+            let root = pseudo_root(&total.0.view((0, 0), (size, size)).into_owned(), RANK);
+            fold_cost(&root, &total.1, &fold)
+        };
+        // The effect has amplitude 2 in twenty rows of mean square 1/2.
+        let explained = 2.0 * 2.0 * 0.5 * 20.0;
+        let gain = cost(1) - cost(2);
+        assert!(gain > 0.5 * explained && gain < 1.5 * explained, "{gain} of {explained}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
-use super::candidate::{Candidate, appraise, hypotheses, reach, scan};
+use super::candidate::{Candidate, Scored, appraise, hypotheses, reach, scan};
 use super::select::{Accepted, Selected, Threshold, extend, judge};
 use super::system::{Data, System};
 use super::trace::joint_names;
@@ -87,6 +87,27 @@ struct Better {
     system: System,
 }
 
+/// Twice the log of the evidence ratio in favour of the finding.
+///
+/// A rival that contains the finding fits no worse, and has only its further parameters against it: simplicity is a reason to name the finding, but none to
+/// exclude the rival. The data do that where they leave none of its parameters but those at which it is the finding; until then their part of the
+/// evidence alone counts.
+fn said_against(finding: &Scored, rival: &Scored, fitted: &System) -> f64 {
+    let evidence = finding.evidence - rival.evidence;
+    let effect = rival.candidate.effect;
+    if evidence < 0.0
+        || !effect.contains().contains(&finding.candidate.effect.code())
+        || rival.candidate.joints != finding.candidate.joints
+    {
+        return evidence;
+    }
+    let at = fitted.model.terms.len() - 1;
+    match effect.is_within_reach(&fitted.model.terms[at].coefficients, &fitted.term_covariance(at)) {
+        true => (finding.fair_gain - rival.fair_gain).clamp(0.0, evidence),
+        false => evidence.max(NOT_EXCLUDED),
+    }
+}
+
 fn contest(
     data: &Data,
     selected: &Selected,
@@ -124,7 +145,7 @@ fn contest(
             let free = s.candidate.shapes.len().min(s.cost);
             let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
             let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));
-            let evidence = finding.evidence - there.evidence;
+            let evidence = said_against(&finding, &there, &fitted);
             (evidence < NOT_EXCLUDED).then(|| {
                 let rival = Rival {
                     effect: s.candidate.effect.code().into(),

@@ -58,7 +58,7 @@ def settle(page):
 
 
 def check(page, name):
-    """What every page must keep to: nothing wider than the screen, labels on all controls, units on all axes."""
+    """What every page must keep to: nothing wider than the screen, labels on all controls, names given once, units on all axes."""
     page.wait_for_timeout(150)
     wide = page.evaluate("""() => { const width = document.documentElement.clientWidth;
         return document.documentElement.scrollWidth > width ? [...document.querySelectorAll('main *')].filter(e => e.getBoundingClientRect().right > width + 1 && !e.closest('.scroll, .toc, nav, pre')).map(e => e.outerHTML.slice(0, 120)).slice(0, 5).concat('page') : [] }""")
@@ -67,6 +67,9 @@ def check(page, name):
         const named = e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || (e.labels && e.labels.length && e.labels[0].textContent.trim());
         return !(named || (e.tagName === 'IMG' && e.hasAttribute('alt')) || (['BUTTON', 'A'].includes(e.tagName) && e.textContent.trim())) }).map(e => e.outerHTML.slice(0, 120))""")
     assert not unnamed, f"{name}: controls without a name: {unnamed}"
+    twice = page.evaluate("""() => { const ids = [...document.querySelectorAll('[id]')].filter(e => !e.closest('.js-plotly-plot')).map(e => e.id);
+        return ids.filter((id, i) => ids.indexOf(id) !== i) }""")
+    assert not twice, f"{name}: ids given twice: {twice}"
     axes = page.evaluate("""() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.querySelector('.main-svg')).map(p =>
         [p.dataset.label, [...p.querySelectorAll('.infolayer text')].filter(t => /^[xy]\\d*title/.test(t.getAttribute('class') ?? '')).map(t => t.textContent)])""")
     check_accessible(page, name)
@@ -74,7 +77,7 @@ def check(page, name):
         assert label, f"{name}: a plot without a label for those who do not see it"
         assert len(titles) >= 2, f"{name}: {label}: axes without titles: {titles}"
         for title in titles:
-            counted = re.search(r"joint|parameter|link|start, best|evaluations|identification|criterion|condition number|margin|ratio", title)
+            counted = re.search(r"joint|parameter|link|start, best|evaluations|identification|criterion|condition number|margin|ratio|^data$", title)
             assert counted or re.search(r"\(.+\)", title), f"{name}: {label}: no unit in `{title}`"
     return axes
 

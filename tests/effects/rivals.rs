@@ -181,3 +181,33 @@ fn prop_a_designed_motion_decides_between_frictions() {
     let pair = [("nonlinear_viscous_friction", "J2"), ("stribeck_friction", "J2")];
     assert_eq!(decide(hidden, pair[1], 0.1, 2, pair), None);
 }
+
+/// Rivals of the one finding on a joint whose motion is a share of the others'.
+fn rivals_of(hidden: HiddenEffect, share: f64, seed: u64) -> (String, Vec<String>) {
+    let robot = limited(&four_axes());
+    let arm = Arm {
+        robot: &robot,
+        phi: bodies(&robot, seed),
+        effects: &[hidden],
+        noise: sensor_noise(4),
+    };
+    let found = identified(&arm, &[&arm.log(&cautious(4, 3, share, seed), 6.0, seed)], seed);
+    let finding = &found.report.findings[0];
+    let there = finding.rivals.iter().filter(|r| r.joints == ["J4"]);
+    (finding.effect.clone(), there.map(|r| r.effect.clone()).collect())
+}
+
+/// A spring fits what an offset does, with a parameter more. That is no reason to exclude it as long as the data allow a spring that could be
+/// there; where they leave only those with a rest turns away, it is.
+#[test]
+fn prop_a_spring_is_excluded_by_data_and_not_by_its_parameters() {
+    let offset = || effect("torque_offset", 3, 1.2, &four_axes());
+    for seed in 2..5 {
+        let (found, rivals) = rivals_of(offset(), 0.1, seed);
+        assert_eq!(found, "torque_offset", "{seed}");
+        assert!(rivals.iter().any(|r| r == "joint_spring"), "{seed}: {rivals:?}");
+        let (found, rivals) = rivals_of(offset(), 1.0, seed);
+        assert_eq!(found, "torque_offset", "{seed}");
+        assert!(rivals.iter().all(|r| r != "joint_spring"), "{seed}: {rivals:?}");
+    }
+}

@@ -37,7 +37,9 @@ fn rms_percent(found: &Identified) -> Vec<f64> {
     found.document.rms.identification[0].base.percent.clone()
 }
 
-/// Estimates are numbers or said to be open, bodies are bodies, and the fit explains most of what the joints that carry the arm do.
+/// Estimates are numbers or said to be open, bodies are bodies. `most_percent` locks what the fit leaves of every joint's torque today, rounded up:
+/// no outside figure exists for these logs; joints that carry the arm are explained to a few per cent, those that carry little are mostly friction
+/// that the declared model lacks (what the tracing finds there is tested in `tests/effects/measured.rs`).
 fn check_sensible(found: &Identified, most_percent: &[f64]) {
     for p in &found.document.base_parameters {
         let given = p.value.is_some_and(f64::is_finite) && p.std_dev.is_some_and(f64::is_finite);

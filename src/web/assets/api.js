@@ -130,3 +130,9 @@ export function unmark(form) {
   form.querySelectorAll('[aria-invalid]').forEach((f) => f.removeAttribute('aria-invalid'));
   form.querySelectorAll('.field-error').forEach((e) => e.remove());
 }
+
+/** What is changed is no longer what was refused: its mark goes, and those of the part of the form that it switches. */
+export function unmarkAround(field) {
+  const around = field.closest('details') ?? field.closest('.field');
+  if (around) unmark(around);
+}

@@ -30,15 +30,24 @@ function ellipse([[a, b], [, d]]) {
   return { long: Math.sqrt(Math.max(mean + spread, 0)), short: Math.sqrt(Math.max(mean - spread, 0)), angle: 0.5 * Math.atan2(2 * b, a - d) };
 }
 
+/** Against gravity, as unit vector in the base frame; z where nothing pulls. Whole numbers stay whole. */
+export function upwards(gravity) {
+  const size = Math.hypot(...gravity);
+  return size < 1e-9 ? [0, 0, 1] : gravity.map((g) => Number((-g / size).toFixed(6)) + 0);
+}
+
 /** The robot's own size (m): how far its joints are apart, and what sliding joints add. */
 function reach(joints) {
   const parts = joints.map((j) => Math.hypot(...j.translation) + (j.kind === 'prismatic' && j.position_limits ? j.position_limits[1] - j.position_limits[0] : 0));
   return Math.max(parts.reduce((a, b) => a + b, 0), 0.3);
 }
 
+const three = (v) => Array.isArray(v) && v.length === 3 && v.every(Number.isFinite);
+const plane = ({ normal, offset }) => three(normal) && Math.hypot(...normal) > 0 && Number.isFinite(offset);
+
 export class ArmView {
   constructor(canvas, joints, gravity = [0, 0, -9.81]) {
-    Object.assign(this, { canvas, joints, q: joints.map(() => 0), path: null, space: null, bodies: [], azimuth: -0.9, elevation: 0.35, reach: reach(joints) });
+    Object.assign(this, { canvas, joints, q: joints.map(() => 0), path: null, space: null, shape: [], bodies: [], azimuth: -0.9, elevation: 0.35, reach: reach(joints) });
     this.up = this.upright(gravity);
     // In the upright frame, as the ground is.
     const heights = [0, ...poses(joints, this.q).map((f) => times(this.up, f.position)[2])];
@@ -69,6 +78,18 @@ export class ArmView {
     const [x, y, z] = sides.map(([low, high]) => high - low);
     // The canvas is wide: depth and width share it, height needs its own.
     this.span = 1.25 * Math.max(z + 0.35 * Math.hypot(x, y), 0.6 * Math.hypot(x, y), 0.5 * this.reach);
+  }
+
+  /** Looks at the arm as it stands, and at the boxes and planes around it. */
+  frameCell() {
+    const frames = poses(this.joints, this.q);
+    const ends = this.shape.flatMap(({ joint, from, to }) => [from, to].map((p) => add(frames[joint].position, times(frames[joint].rotation, p))));
+    const boxes = (this.space?.boxes ?? []).filter((b) => [b.center, b.size].every(three)).flatMap(({ center, size }) => [-0.5, 0.5].map((side) => center.map((c, i) => c + side * size[i])));
+    const planes = (this.space?.half_spaces ?? []).filter(plane).map(({ normal, offset }) => normal.map((c) => (c * offset) / (Math.hypot(...normal) || 1)));
+    const points = [[0, 0, 0], ...frames.map((f) => f.position), ...ends, ...boxes, ...planes].map((p) => times(this.up, p));
+    const sides = [0, 1, 2].map((i) => [Math.min(...points.map((p) => p[i])), Math.max(...points.map((p) => p[i]))]);
+    this.centre = sides.map(([low, high]) => (low + high) / 2);
+    this.span = Math.max(Math.hypot(...sides.map(([low, high]) => high - low)), this.reach);
   }
 
   set(q) {
@@ -128,7 +149,7 @@ export class ArmView {
     Object.assign(this, { context, project, scale, view: camera });
     this.drawGround();
     const frames = poses(this.joints, this.q);
-    const things = [...(this.path ? this.pathParts() : []), ...this.obstacles()];
+    const things = [...(this.path ? this.pathParts() : []), ...this.obstacles(), ...this.capsules(frames)];
     this.links(frames, things);
     for (const body of this.bodies) things.push(this.bodyPart(body, frames));
     things.sort((a, b) => a.depth - b.depth).forEach((thing) => thing.draw());
@@ -185,6 +206,19 @@ export class ArmView {
     return parts;
   }
 
+  /** What the arm keeps off things with: without perspective a capsule is exactly a thick line with round ends. */
+  capsules(frames) {
+    return this.shape.map(({ joint, from, to, radius }) => {
+      const [a, b] = [from, to].map((p) => this.project(add(frames[joint].position, times(frames[joint].rotation, p))));
+      const draw = () => {
+        this.context.globalAlpha = 0.22;
+        this.line(a, [b[0] + 0.01, b[1]], 2 * radius * this.scale, variable('--soft'));
+        this.context.globalAlpha = 1;
+      };
+      return { depth: (a[2] + b[2]) / 2 + radius, draw };
+    });
+  }
+
   /** Boxes, and a patch of every floor and wall: translucent faces with edges. */
   obstacles() {
     const face = (corners) => {
@@ -215,7 +249,7 @@ export class ArmView {
         return corner;
       }));
     }));
-    const plane = ({ normal, offset }) => {
+    const patch = ({ normal, offset }) => {
       const n = normal.map((c) => c / Math.hypot(...normal));
       const seed = Math.abs(n[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0];
       const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -224,7 +258,8 @@ export class ArmView {
       const at = (a, b) => n.map((c, i) => (c * offset) / Math.hypot(...normal) + a * across[i] + b * along[i]);
       return face([at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)]);
     };
-    return [...(this.space?.boxes ?? []).flatMap(box), ...(this.space?.half_spaces ?? []).map(plane)];
+    // While the form is filled in, numbers may be missing.
+    return [...(this.space?.boxes ?? []).filter((b) => [b.center, b.size].every(three)).flatMap(box), ...(this.space?.half_spaces ?? []).filter(plane).map(patch)];
   }
 
   /** An ellipsoid {joint, centre, shape, label}: shape is its half-axes squared as a matrix, both in the frame of the joint. */

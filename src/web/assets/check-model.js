@@ -1,6 +1,7 @@
 // Holding an identified model against another log: what has changed since.
 import { Refused, explain, getJson, send } from './api.js';
-import { h } from './dom.js';
+import { h, sentence } from './dom.js';
+import { findingParameters } from './finding.js';
 
 export function checkModel(result) {
   if (!result.physical_parameters) return null;
@@ -18,6 +19,7 @@ export function checkModel(result) {
       body.append('request', JSON.stringify({ model, columns: asked.columns, preprocess: asked.preprocess, prediction_points: 6000 }));
       [...file.files].forEach((f) => body.append('log', f, f.name));
       const job = await (await send('/validate', { method: 'POST', body })).json();
+      sessionStorage.setItem(`dynident.checked.${job.id}`, result.id);
       location.href = `/identification?validation=${job.id}`;
     } catch (error) {
       explain(trouble, error);
@@ -32,7 +34,8 @@ export function checkModel(result) {
 /** What has changed since the model was made, in the words of the interface. */
 export function changes(residual) {
   if (!residual) return null;
-  const found = residual.findings.map((f) => h('p', { class: 'sentence', 'data-effect': f.effect }, f.sentence));
+  const found = residual.findings.map((f) => h('div', { class: 'finding', 'data-effect': f.effect }, h('p', { class: 'sentence' }, f.sentence), findingParameters(f)));
+  const all = residual.findings.length || residual.remainder;
   return h('section', { class: 'card', id: 'changes', 'aria-labelledby': 'changes-title' }, h('h2', { id: 'changes-title' }, 'What has changed since the model was made'),
-    h('p', {}, h('strong', {}, residual.findings.length || residual.remainder ? residual.summary : 'Nothing: what the model leaves over is noise.')), found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
+    h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, all ? sentence(residual.summary) : 'Nothing: what the model leaves over is noise.')), found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
 }

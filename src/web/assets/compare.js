@@ -1,5 +1,6 @@
 // Two designs side by side.
 import { explain, getJson } from './api.js';
+import { reached } from './criteria.js';
 import { fill, h, number, table, time, words } from './dom.js';
 import { colour, plot } from './plot.js';
 
@@ -8,7 +9,7 @@ export function compareWith(result) {
   const place = h('div');
   getJson('/jobs').then(({ jobs }) => {
     const others = jobs.filter((j) => j.kind === 'excitation' && j.id !== result.id && ['finished', 'cancelled'].includes(j.state));
-    choice.append(...others.map((j) => h('option', { value: j.id }, `${time(j.finished_at)}: ${j.progress?.best ? `best ${number(j.progress.best)}` : words(j.outcome)}`)));
+    choice.append(...others.map((j) => h('option', { value: j.id }, `${time(j.finished_at)}: ${j.progress?.best ? reached(j.progress) : words(j.outcome)}`)));
     if (!others.length) fill(place, h('p', { class: 'soft' }, 'There is no other design yet.'));
   }).catch((e) => explain(place, e));
   choice.addEventListener('change', async () => {

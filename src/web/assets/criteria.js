@@ -1,33 +1,34 @@
 // Criteria as people read them: what is made small, and what it says.
+import { number } from './dom.js';
 
 export const CRITERIA = {
   condition_number: {
-    name: 'Condition number', digits: 4, unit: '',
+    name: 'Condition number', short: 'condition number', digits: 4, unit: '',
     help: 'Ratio of the best to the worst determined direction. The usual choice, and the one of the published results.',
     meaning: 'how evenly the parameters are determined, in their own units; 1 is ideal',
   },
   scaled_condition_number: {
-    name: 'Condition number, columns scaled', digits: 4, unit: '',
+    name: 'Condition number, columns scaled', short: 'scaled condition number', digits: 4, unit: '',
     help: 'The same with every column of the regressor at length one: does not depend on units.',
     meaning: 'the same, independent of units',
   },
   i_optimality: {
-    name: 'Torque prediction error (I)', digits: 4, unit: 'N·m per unit of noise',
+    name: 'Torque prediction error (I)', short: 'prediction error (N·m)', digits: 4, unit: 'N·m per unit of noise',
     help: 'Expected error of predicted torques over the whole workspace. Choose it when the model will be used for control.',
     meaning: 'expected error of torques that the identified model predicts, anywhere in the workspace',
   },
   d_optimality: {
-    name: 'Volume of uncertainty (D)', digits: 3, unit: '',
+    name: 'Volume of uncertainty (D)', short: 'D-criterion', digits: 3, unit: '',
     help: 'Geometric mean of all deviations. Does not depend on units, and lets single parameters stay poor.',
     meaning: 'geometric mean of the deviations of all parameters',
   },
   a_optimality: {
-    name: 'Mean variance (A)', digits: 3, unit: '',
+    name: 'Mean variance (A)', short: 'A-criterion', digits: 3, unit: '',
     help: 'Mean variance of the parameters. Weighs large parameters most.',
     meaning: 'root of the mean variance of the parameters',
   },
   rival_evidence: {
-    name: 'Expected evidence between the rivals', digits: 3, unit: '',
+    name: 'Expected evidence between the rivals', short: 'evidence (2 ln odds)', digits: 3, unit: '',
     help: 'How hard the next log will be to explain by the wrong one of two causes. Choose the identification below, under “What is known already”.',
     meaning: 'twice the log of the odds that the next log will give; 6 is 20 to 1, larger is better',
   },
@@ -36,3 +37,7 @@ export const CRITERIA = {
 /** What a search tells falls; evidence is told as it is, and grows. */
 export const shown = (criterion, value) => (criterion === 'rival_evidence' && value ? 1 / (value * value) : value);
 export const title = (criterion) => CRITERIA[criterion]?.name ?? 'Criterion';
+/** As it stands on an axis. */
+export const short = (criterion) => CRITERIA[criterion]?.short ?? 'criterion';
+/** How far a search has come, as in `condition number 65.4`; nothing where it has found nothing. */
+export const reached = (progress) => (progress?.best ? `${short(progress.criterion)} ${number(shown(progress.criterion, progress.best))}` : '');

@@ -1,6 +1,7 @@
 // A search as it goes: one line per random start, and the best so far.
-import { shown, title } from './criteria.js';
+import { short, shown, title } from './criteria.js';
 import { fill, h, number, seconds } from './dom.js';
+import { on } from './known-form.js';
 import { colour, plot } from './plot.js';
 
 export class Live {
@@ -8,7 +9,8 @@ export class Live {
     Object.assign(this, { place, cancel, best: [], starts: [], criterion: null, due: 0, timer: null });
   }
 
-  begin(job) {
+  /** `asked`: the request, where this browser made it. */
+  begin(job, asked) {
     this.place.hidden = false;
     this.figures = h('dl', { class: 'figures', 'aria-live': 'off' });
     this.charts = [
@@ -16,8 +18,10 @@ export class Live {
       h('div', { class: 'plot', 'data-label': 'The best value of the criterion so far, over all evaluations' }),
     ];
     const stop = h('button', { type: 'button', onclick: () => { stop.disabled = true; stop.textContent = 'Ending …'; this.cancel(); } }, 'Stop and keep the best');
-    const about = ['One line per random start: from where it began, down its own slope.', 'The best of all. Later searches start from the best points found, and exchange joints between them.'];
-    fill(this.place, h('div', { class: 'row spread' }, h('h2', { id: 'live-title' }, job.state === 'queued' ? 'Waiting for its turn' : 'Searching'), stop), this.figures,
+    const pair = asked?.rivals?.finding?.effect ? asked.rivals : null;
+    const about = [`One line per random start: from where it began, ${pair ? 'up' : 'down'} its own slope.`, 'The best of all. Later searches start from the best points found, and exchange joints between them.'];
+    fill(this.place, h('div', { class: 'row spread' }, h('h2', { id: 'live-title' }, job.state === 'queued' ? 'Waiting for its turn' : 'Searching'), stop),
+      pair ? h('p', {}, 'For the motion that tells apart: ', h('strong', {}, `${on(pair.finding)}, or ${on(pair.rival)}`), '. The search makes the evidence between them large.') : null, this.figures,
       h('div', { class: 'halves' }, this.charts.map((chart, i) => h('div', {}, chart, h('p', { class: 'help' }, about[i])))));
   }
 
@@ -49,7 +53,7 @@ export class Live {
   falling() {
     return {
       traces: [{ x: this.best.map((b) => b[0]), y: this.best.map((b) => b[1]), type: 'scatter', mode: 'lines', line: { color: colour(1), width: 3, shape: 'hv' }, showlegend: false, hovertemplate: '%{y:.4g}<extra></extra>' }],
-      layout: { height: 290, hovermode: 'x', xaxis: { title: 'all evaluations of the criterion', rangemode: 'tozero' }, yaxis: { title: `${title(this.criterion).toLowerCase()}, best so far`, type: 'log' } },
+      layout: { height: 290, hovermode: 'x', xaxis: { title: 'all evaluations of the criterion', rangemode: 'tozero', exponentformat: 'none', nticks: 5 }, yaxis: { title: `${short(this.criterion)}, best so far`, type: 'log' } },
     };
   }
 
@@ -80,6 +84,6 @@ export function courses(starts, criterion) {
       { x, y, type: 'scatter', mode: 'lines', name: 'random starts', line: { color: colour(5), width: 1 }, opacity: 0.75, hoverinfo: 'skip' },
       { x: front.map((p) => p[0]), y: front.map((p) => p[1]), type: 'scatter', mode: 'lines', name: 'the best of them', line: { color: colour(0), width: 2.5 }, hovertemplate: '%{y:.4g}<extra></extra>' },
     ],
-    layout: { height: 290, hovermode: 'closest', xaxis: { title: 'evaluations of each start', rangemode: 'tozero' }, yaxis: { title: title(criterion).toLowerCase(), type: 'log' } },
+    layout: { height: 290, hovermode: 'closest', xaxis: { title: 'evaluations of each start', rangemode: 'tozero' }, yaxis: { title: short(criterion), type: 'log' } },
   };
 }

@@ -1,37 +1,52 @@
 // The result of a design.
 import { download, getJson, postJson } from './api.js';
 import { compareWith } from './compare.js';
+import { CellView, shapeOf } from './cell-view.js';
 import { CRITERIA, title } from './criteria.js';
 import { courses } from './design-live.js';
 import { fourierSeries } from './expression.js';
-import { fill, figure, h, number, perSecond, seconds, table, unit, words } from './dom.js';
+import { fill, figure, h, number, odds, perSecond, seconds, sentence, table, unit, words } from './dom.js';
+import { on } from './known-form.js';
 import { motionPlots } from './motion-plots.js';
 import { player } from './player.js';
 import { colour, plotLater, variable } from './plot.js';
 
 const STATUS = {
   Converged: ['good', 'The search found nothing better for a while: this is as good as it gets, or nearly.'],
-  BudgetExhausted: ['', 'The time was over while it was still getting better: more time gives a lower number.'],
+  BudgetExhausted: ['', 'The time was over while it was still getting better: more time gives a better one.'],
   Stalled: ['warn', 'The search got stuck early.'],
   Cancelled: ['warn', 'Stopped early; this is the best that was found. It keeps every limit.'],
   Infeasible: ['bad', 'No motion of this kind is possible.'],
 };
+
+/** Evidence from which on the wrong cause counts as excluded. */
+const DECISIVE = 6;
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
 const place = (label, flat) => h('div', { class: `plot${flat ? ' flat' : ''}`, 'data-label': label });
 
 export async function showDesign(target, result) {
   if (!result.coefficients) {
-    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, words(result.status)), h('p', {}, result.reason))), notes(result));
+    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, words(result.status)), h('p', {}, sentence(result.reason))), startPosture(result)), notes(result));
     return;
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };
   const drawn = await postJson('/motion', { robot: result.request.robot, trajectory, samples: 1001 });
-  const names = { summary: 'Summary', rivals: 'Rivals', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
-  const parts = [summary(result), evidence(result, drawn), criteria(result), motionPlots(drawn), player(drawn, result.request.constraints?.space), margins(result), clearances(result), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
-  parts.splice(1, 0, notes(result));
-  const present = parts.filter(Boolean);
+  const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
+  const space = result.request.constraints?.space;
+  const shape = space ? await shapeOf(result.request.robot, drawn.joints) : [];
+  // What was asked for comes first.
+  const present = [evidence(result), summary(result), notes(result), criteria(result), motionPlots(drawn), player(drawn, space, shape), margins(result), clearances(result), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, present.filter((p) => names[p.id]).map((p) => h('a', { href: `#${p.id}` }, names[p.id]))), present);
+}
+
+/** Where the motion would start, among what the arm shall keep off. */
+function startPosture(result) {
+  const { space, start_position: start } = result.request.constraints ?? {};
+  if (!space) return null;
+  const cell = new CellView();
+  cell.show(result.request.robot, space, start);
+  return cell.element;
 }
 
 function notes(result) {
@@ -71,33 +86,64 @@ function downloads(result) {
   };
   [rate, periods, slow, share, which].filter(Boolean).forEach((f) => f.addEventListener('input', build));
   build();
-  const robot = typeof result.request.robot === 'string' ? `&robot=${encodeURIComponent(result.request.robot)}` : '';
   return h('div', { id: 'downloads' }, h('h3', {}, 'Download for the controller'), h('div', { class: 'row' }, which, rate, 'samples per second,', periods, 'periods'), h('div', { class: 'row', style: 'margin:.5rem 0' }, share, '% of the amplitude,', slow, 'times slower', links),
     h('p', { class: 'help' }, 'Columns time, q, qd, qdd (s; rad or m). For a first run take less of the amplitude and more time; then run it as designed, several periods in a row: their repetition is what measures the noise later.'),
-    h('p', {}, h('a', { class: 'button', href: `/identification?excitation=${result.id}${robot}` }, 'I have run it: identify')));
+    h('p', {}, identifyLink(result)));
 }
 
-/** How well the two causes will be told apart: before, by the new trajectory, and by both. */
-function evidence(result, drawn) {
+/** The causes between which evidence counts: a special case of the other leaves nothing over on any motion. */
+function counting(r) {
+  const all = [['if_finding', r.finding, r.rival, 'finding'], ['if_rival', r.rival, r.finding, 'rival']];
+  return all.filter(([, , , which]) => which !== r.nested);
+}
+
+/** How well the two causes will be told apart: before, by the new trajectory, and by both; and how to go on. */
+function evidence(result) {
   const r = result.rivals;
   if (!r) return null;
-  const at = (e) => e.joints.join(', ') || 'the whole robot';
-  const name = (e) => `${words(e.effect).toLowerCase()} on ${at(e)}`;
   const told = [['recorded', 'recorded so far'], ['designed', 'this trajectory'], ['together', 'both together']].filter(([k]) => r.expected_evidence[k]);
   const of = (k) => r.expected_evidence[k];
-  const odds = (e) => (e > 40 ? 'beyond doubt' : `odds of ${number(Math.exp(e / 2), 2)} to 1`);
+  const cases = counting(r);
   const chart = place('Expected evidence between the two causes, before and after', true);
+  const shown_ = (v) => Math.max(v, 0.1);
+  const most = Math.max(...told.flatMap(([k]) => cases.map(([c]) => of(k)[c])));
   plotLater(chart, () => ({
-    traces: [['if_finding', name(r.finding), 0], ['if_rival', name(r.rival), 1]].map(([key, label, i]) => ({ type: 'bar', orientation: 'h', name: `if it is ${label}`, y: told.map((t) => t[1]), x: told.map(([k]) => of(k)[key]), marker: { color: colour(i), pattern: { shape: i ? '/' : '' } }, hovertemplate: '%{x:.3g}<extra></extra>' })),
-    layout: { height: 250, barmode: 'group', hovermode: 'closest', xaxis: { title: 'expected evidence (2 · ln odds)', rangemode: 'tozero' }, yaxis: { type: 'category', autorange: 'reversed', title: 'data of the criterion' }, shapes: [{ type: 'line', yref: 'paper', y0: 0, y1: 1, x0: 6, x1: 6, line: { dash: 'dash', width: 1.5, color: variable('--bad') } }] },
+    traces: cases.map(([key, cause], i) => ({ type: 'scatter', mode: 'lines+markers', name: `if it is ${on(cause)}`, y: told.map((t) => t[1]), x: told.map(([k]) => shown_(of(k)[key])), marker: { color: colour(i), size: 13, symbol: i ? 'diamond' : 'circle' }, line: { color: colour(i), width: 1, dash: 'dot' }, showlegend: true, hovertemplate: '%{x:.3g}<extra></extra>' })),
+    layout: { height: 240, hovermode: 'closest', xaxis: { title: 'expected evidence (2 · ln odds)', type: 'log', range: [-1.1, Math.max(Math.log10(most), 1.2) + 0.4], dtick: 1 }, yaxis: { type: 'category', autorange: 'reversed', title: 'data', range: [told.length - 0.4, -0.6] },
+      shapes: [{ type: 'line', yref: 'paper', y0: 0, y1: 1, x0: DECISIVE, x1: DECISIVE, line: { dash: 'dash', width: 1.5, color: variable('--bad') } }],
+      annotations: [{ xref: 'x', x: Math.log10(DECISIVE), yref: 'paper', y: 0.99, yanchor: 'top', xanchor: 'left', text: '20 to 1', showarrow: false, font: { color: variable('--bad') } }] },
   }));
   const before = of('recorded');
-  const sentence = `${words(r.finding.effect)} on ${at(r.finding)}, or ${name(r.rival)}? ${before ? `So far the expected evidence is ${number(before.least, 2)} (${odds(before.least)}); with ` : 'With '}this trajectory run${result.request.periods > 1 ? ` for ${result.request.periods} periods` : ''} it is ${number(of('together').least, 3)} (${odds(of('together').least)}).`;
-  return section('rivals', 'What this trajectory decides',
-    h('p', {}, h('span', { class: `tag ${r.decides ? 'good' : 'warn'}` }, r.decides ? 'Decides' : 'Does not decide'), ' ', h('strong', { class: 'sentence' }, sentence)),
-    h('p', { class: 'soft' }, 'Evidence is expected for either being the true one; the smaller of the two counts. Right of the dashed line (20 to 1) the wrong one is excluded.'), chart,
-    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, { head: `If ${name(r.finding)}`, number: true, cell: ([k]) => number(of(k).if_finding, 3) }, { head: `If ${name(r.rival)}`, number: true, cell: ([k]) => number(of(k).if_rival, 3) }, { head: 'The smaller', number: true, cell: ([k]) => number(of(k).least, 3) }], told, { caption: 'Expected evidence, twice the log of the odds' })),
-    drawn ? h('p', {}, 'Run it, then identify from the new log and the old one together: the finding that is wrong will be gone.') : null);
+  const run = result.request.periods > 1 ? ` run for ${result.request.periods} periods` : ' run';
+  const open = cases.length === 1 ? `If it is ${on(cases[0][1])}, ` : '';
+  const sentence_ = `${words(on(r.finding))}, or ${on(r.rival)}? ${open}${before ? `${open ? 'the' : 'The'} log so far is expected to tell with ${odds(before.least)}; with` : `${open ? 'with' : 'With'}`} this trajectory${run} ${before ? 'too, ' : ''}it is ${of('together').least > 40 ? 'beyond doubt' : odds(of('together').least)}.`;
+  const [special, general] = r.nested === 'finding' ? [r.finding, r.rival] : [r.rival, r.finding];
+  return section('decides', 'What this trajectory decides',
+    h('p', {}, h('span', { class: `tag ${r.decides ? 'good' : 'warn'}` }, r.decides ? 'Decides' : 'Does not decide'), ' ', h('strong', { class: 'sentence' }, sentence_)),
+    h('p', { class: 'soft' }, r.nested ? `${words(on(special))} is a special case of ${on(general)}: if it is the true one both fit on any motion, what the other has beyond it comes out as zero within the deviations told under “Accuracy”, and the odds for the simpler one grow slowly. Evidence is told for the other case. ` : 'Evidence is expected for either being the true one; the smaller of the two counts. ', 'Right of the dashed line (20 to 1) the wrong one is excluded.'),
+    r.decides ? null : h('div', { class: 'notice' }, h('p', {}, 'Even this motion leaves it open. More periods recorded, a longer search or a start at rest anywhere give more evidence; else the two differ by less than the noise hides.')),
+    chart,
+    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], told, { caption: 'Expected evidence, twice the log of the odds' })),
+    goingOn(result));
+}
+
+/** From a trajectory that was designed after an identification to the next one. */
+function goingOn(result) {
+  const after = earlier(result);
+  const steps = [h('li', {}, h('a', { href: '#downloads' }, 'Download it'), ` and run it, ${result.request.periods > 1 ? `${result.request.periods} periods` : 'several periods'} in a row.`),
+    h('li', {}, `Identify from the new log and the earlier one together${after ? ': the page names the file that it needs again' : ''}.`),
+    h('li', {}, 'See in “The loop” which of the two is left, and with what odds.')];
+  return h('div', {}, h('h3', {}, 'How to go on'), h('ol', {}, steps), h('div', { class: 'actions' }, identifyLink(result, true)));
+}
+
+/** The identification whose data this design adds to. */
+const earlier = (result) => result.request.model?.identification ?? (result.request.given ?? []).map((g) => g.identification).find(Boolean);
+
+function identifyLink(result, primary = false) {
+  const query = new URLSearchParams({ excitation: result.id });
+  if (typeof result.request.robot === 'string') query.set('robot', result.request.robot);
+  if (earlier(result)) query.set('after', earlier(result));
+  return h('a', { class: primary ? 'button primary' : 'button', href: `/identification?${query}` }, 'I have run it: identify');
 }
 
 /** Every criterion, whichever was made small. */
@@ -108,7 +154,7 @@ function criteria(result) {
   const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'made large' : 'made small') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
   return section('criteria', 'All criteria', h('p', { class: 'soft' }, 'What one criterion gains another loses. To see the trade, design once more for another criterion and compare the two at the end of this page.'),
     table([{ head: 'Criterion', cell: (r) => h('strong', {}, r.name) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'What it says', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
-    advice ? h('p', { class: 'soft' }, `Recommended: ${title(advice.criterion).toLowerCase()}. ${advice.reason}`) : null);
+    advice ? h('p', { class: 'soft' }, `Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`) : null);
 }
 
 function clearances(result) {
@@ -167,11 +213,11 @@ function accuracy(result, known) {
 
 /** Of the effects in the model that the design was made for. */
 function effectAccuracy(result) {
-  const rows = (result.effects ?? []).flatMap((e) => e.parameters.map((p) => ({ effect: `${words(e.effect)} on ${e.joints.join(', ') || 'the whole robot'}`, ...p })));
+  const rows = (result.effects ?? []).flatMap((e) => e.parameters.map((p) => ({ effect: words(on(e)), ...p })));
   return rows.length ? table([
     { head: 'Effect', cell: (r) => r.effect }, { head: 'Parameter', cell: (r) => words(r.name) }, { head: 'Value so far', number: true, cell: (r) => `${number(r.value)} ${unit(r.unit === '1' ? '' : r.unit)}` },
     { head: 'Standard deviation', number: true, cell: (r) => number(r.std_dev, 2) },
-  ], rows, { caption: 'Effects of the model, and how well the next log will know them' }) : null;
+  ], rows, { caption: result.rivals ? 'Effects of the model, and the rival in the place of the finding' : 'Effects of the model, and how well the next log will know them' }) : null;
 }
 
 function spectrum(result, drawn) {

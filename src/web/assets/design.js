@@ -1,6 +1,8 @@
 // Design: the form, the search as it goes, the result.
-import { explain, follow, getJson, postJson, send, unmark } from './api.js';
+import { explain, follow, getJson, postJson, send, unmark, unmarkAround } from './api.js';
+import { CellView } from './cell-view.js';
 import { CRITERIA } from './criteria.js';
+import { askedFor } from './decide.js';
 import { fill, find, h, number } from './dom.js';
 import { Live } from './design-live.js';
 import { showDesign } from './design-result.js';
@@ -15,6 +17,7 @@ const some = (object) => (Object.values(object).some((v) => v !== undefined) ? o
 
 const known = new Known(() => explainForm());
 const obstacles = new Obstacles(find('#obstacles'), () => explainForm());
+const cell = new CellView();
 
 /** `1-5; 1-3, 7` → one list per joint. */
 function harmonics(text) {
@@ -76,7 +79,20 @@ function explainForm() {
     ? `Fastest harmonic ${Number((order / period).toPrecision(3))} Hz. Longer periods are slower and smoother; more harmonics reach lower numbers. Five in ten seconds suit seven joints.` : '';
   if (value('criterion') === 'rival_evidence') find('#known-part').open = true;
   sayWhatIsSet(asked);
+  showCell(asked);
   find('#as-request').textContent = JSON.stringify(asked, null, 1);
+}
+
+/** The arm among what is placed around it, while that part of the form is open. */
+function showCell({ robot, constraints: { space: placed, start_position: start } }) {
+  const wanted = find('#space-part').open && placed;
+  fill(find('#cell'), wanted ? cell.element : null);
+  if (wanted) cell.show(robot, placed, start);
+}
+
+async function addObstacle(what) {
+  const { robot, constraints: { start_position: start } } = request();
+  obstacles.add(what, what === 'floor' ? await cell.floor(robot, numeric(value('clearance')) || 0, start).catch(() => ({})) : {});
 }
 
 async function fillRobots(chosen) {
@@ -128,7 +144,9 @@ async function watch(id) {
     const job = await getJson(`/jobs/${id}`);
     if (['queued', 'running'].includes(job.state)) {
       fill(find('#result'));
-      live.begin(job);
+      const asked = askedFor(id);
+      live.begin(job, asked);
+      if (asked) await refill(asked);
       live.show(job);
       find('#live').scrollIntoView({ block: 'start' });
       await follow(id, (now) => live.show(now), signal);
@@ -144,9 +162,13 @@ async function watch(id) {
   }
 }
 
-find('#form').addEventListener('input', explainForm);
+find('#form').addEventListener('input', (event) => {
+  unmarkAround(event.target);
+  explainForm();
+});
 find('#robot').addEventListener('change', () => known.load(value('robot')).then(explainForm).catch((e) => explain(find('#form-trouble'), e)));
-document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => obstacles.add(button.dataset.add)));
+document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => addObstacle(button.dataset.add)));
+find('#space-part').addEventListener('toggle', explainForm);
 find('#form').addEventListener('submit', async (event) => {
   event.preventDefault();
   unmark(event.target);

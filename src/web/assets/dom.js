@@ -24,7 +24,7 @@ export function number(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
   if (value === 0) return '0';
   const size = Math.abs(value);
-  if (size >= 1e6 || size < 1e-4) return value.toExponential(Math.max(digits - 1, 0)).replace('e', ' · 10^').replace(/\^\+?(-?)(\d+)/, (_, s, d) => superscript(s + d));
+  if (size >= 1e6 || size < 1e-4) return value.toExponential(Math.max(digits - 1, 0)).replace(/^-/, '−').replace('e', ' · 10^').replace(/\^\+?(-?)(\d+)/, (_, s, d) => superscript(s + d));
   return String(Number(value.toPrecision(digits))).replace('-', '−');
 }
 
@@ -60,6 +60,12 @@ export function words(code) {
   const text = (code ?? '').replaceAll('_', ' ').replace(/([a-z])([A-Z])/g, (_, a, b) => `${a} ${b.toLowerCase()}`);
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
+
+/** What the interface says in half a sentence, as one. */
+export const sentence = (text) => (text ? `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? '' : '.'}` : '');
+
+/** Twice the log of odds, as odds. */
+export const odds = (evidence) => (evidence > 40 ? 'beyond doubt' : `odds of ${number(Math.exp(evidence / 2), 2)} to 1`);
 
 /** A key figure: name over value. */
 export const figure = (name, value, note) =>

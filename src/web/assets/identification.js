@@ -1,5 +1,6 @@
 // Identification: logs in, what was understood of them, the result.
 import { Refused, explain, follow, getJson, send, unmark } from './api.js';
+import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
 import { showPreview } from './log-preview.js';
 import { showIdentification, showValidation } from './identify-result.js';
@@ -42,6 +43,17 @@ function take(kind, list) {
   preview();
 }
 
+/** A design that was made after an identification adds to its data: says which log is needed again. */
+async function sayWhatJoins(id) {
+  const { provenance } = await getJson(`/identify/${id}?predictions=false`);
+  const again = (provenance?.logs ?? []).filter((l) => l.role === 'identification').map((l) => l.file);
+  if (!again.length) return;
+  const place = find('#joins');
+  place.hidden = false;
+  fill(place, h('p', {}, h('strong', {}, 'Two logs together.'), ' This motion was designed for what ', again.length > 1 ? 'earlier logs leave' : 'an earlier log leaves', ' open. Give the new log and ',
+    again.map((name, i) => [i ? ', ' : null, h('span', { class: 'mono' }, name)]), ` once more (of the `, h('a', { href: `/identification?id=${id}` }, 'earlier identification'), ').'));
+}
+
 let looking = null;
 /** Asks what is understood of the logs; anew whenever the form changes. */
 async function preview() {
@@ -76,15 +88,18 @@ async function watch(id) {
   find('#work').classList.add('with-result');
   fill(find('#trouble'));
   try {
-    const job = await getJson(`/jobs/${id}`);
+    // Most often the job has ended, and its result is megabytes: it is on its way while the state is asked for.
+    let [job, answer] = await Promise.all([getJson(`/jobs/${id}`), send(`/identify/${id}`).catch(() => null)]);
     if (['queued', 'running'].includes(job.state)) {
+      answer = null;
       fill(find('#result'));
       live.hidden = false;
       live.scrollIntoView({ block: 'center' });
       await follow(id, (now) => showStep(live, now));
     }
     live.hidden = true;
-    const answer = await send(`/identify/${id}`);
+    if (answer?.status !== 200) answer = await send(`/identify/${id}`);
+    performance.mark('answered');
     await showIdentification(find('#result'), await answer.json());
     if (scrollY > 0) find('#result').scrollIntoView({ block: 'start' });
   } catch (error) {
@@ -93,12 +108,18 @@ async function watch(id) {
   }
 }
 
+/** The identification whose model was checked, where this browser asked for the check. */
+const modelOf = async (id) => {
+  const from = sessionStorage.getItem(`dynident.checked.${id}`);
+  return from ? getJson(`/identify/${from}?predictions=false`).catch(() => null) : null;
+};
+
 async function validation(id) {
   find('#work').classList.add('with-result');
   const job = await getJson(`/jobs/${id}`);
   if (['queued', 'running'].includes(job.state)) await follow(id, (now) => showStep(find('#live'), now));
   find('#live').hidden = true;
-  showValidation(find('#result'), await getJson(`/validate/${id}`));
+  showValidation(find('#result'), await getJson(`/validate/${id}`), await modelOf(id));
 }
 
 function showStep(live, job) {
@@ -114,7 +135,7 @@ async function prepare(query) {
   const chosen = query.get('robot') ?? 'iiwa14';
   fill(find('#robot'), robots.map((r) => h('option', { value: r.id, selected: r.id === chosen }, `${r.name} (${r.joints.length} joints)`)));
   const designs = jobs.filter((j) => j.kind === 'excitation' && ['finished', 'cancelled'].includes(j.state) && j.outcome !== 'Infeasible');
-  find('#excitation').append(...designs.map((j) => h('option', { value: j.id, selected: j.id === query.get('excitation') }, `${time(j.finished_at)}, best ${number(j.progress?.best)}`)));
+  find('#excitation').append(...designs.map((j) => h('option', { value: j.id, selected: j.id === query.get('excitation') }, [time(j.finished_at), reached(j.progress)].filter(Boolean).join(', '))));
 }
 
 for (const kind of ['log', 'validation']) {
@@ -150,5 +171,8 @@ const query = new URLSearchParams(location.search);
 if (query.get('id')) plotly();
 
 prepare(query)
-  .then(() => (query.get('id') ? watch(query.get('id')) : query.get('validation') && validation(query.get('validation'))))
+  .then(() => query.get('after') && sayWhatJoins(query.get('after')))
   .catch((e) => explain(find('#trouble'), e));
+// The form is filled in meanwhile.
+if (query.get('id')) watch(query.get('id'));
+else if (query.get('validation')) validation(query.get('validation')).catch((e) => explain(find('#trouble'), e));

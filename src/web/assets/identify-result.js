@@ -1,10 +1,11 @@
 // The result of an identification.
 import { changes, checkModel } from './check-model.js';
 import { download, postJson, save, send, token } from './api.js';
-import { fill, figure, h, number, table, unit, words } from './dom.js';
+import { fill, figure, h, number, sentence, table, unit, words } from './dom.js';
+import { periodsAveraged } from './finding.js';
 import { parameters } from './parameters.js';
 import { physical } from './physical.js';
-import { torquePlots } from './torque-plots.js';
+import { MODELS, torquePlots } from './torque-plots.js';
 
 export const VERDICTS = {
   good: ['good', 'Good data'], poor_excitation: ['warn', 'Poor excitation'], unidentifiable: ['bad', 'Not identifiable'],
@@ -28,13 +29,16 @@ export async function showIdentification(target, result) {
     summary(result), notes(result), torquePlots(result, effort), parameters(result), physical(result, drawn), errors(result, effort), logs(result), checkModel(result));
 }
 
-/** The result of a validation: a model held against logs. */
-export function showValidation(target, result) {
+/** The result of a validation: a model held against logs; `made` is the identification that made the model, if it is known. */
+export function showValidation(target, result, made) {
+  const effort = result.joints.map((_, j) => (made?.provenance ? { prismatic: 'N' }[made.provenance.robot.joints[j].kind] ?? 'N·m' : 'N·m or N'));
   const rows = result.logs.map((log) => ({ log: log.name, ...log }));
   const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
-  fill(target, section('errors', `${result.robot}: a model against logs`, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints); below it the share of the torque’s own.'),
+  const worst = result.logs[0]?.percent ?? [];
+  const origin = made ? h('p', {}, 'The model is that of ', h('a', { href: `/identification?id=${made.id}` }, `an identification from ${made.provenance.logs.filter((l) => l.role === 'identification').map((l) => l.file).join(', ')}`), '.') : null;
+  fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints), of the model as it is; below it the share of the torque’s own. What has changed is looked for after the model’s parameters were let move within their deviations, and told in errors of single measurements.'),
     table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' })),
-  changes(result.residual), torquePlots(result, result.joints.map(() => 'N·m or N')), logs(result));
+  torquePlots(result, effort, { models: { ...MODELS, base: 'the model as it is' }, first: worst.indexOf(Math.max(...worst)) }), logs(result));
 }
 
 function notes(result) {
@@ -45,7 +49,7 @@ function summary(result) {
   const q = result.quality;
   const [kind, name] = VERDICTS[q.verdict] ?? ['', words(q.verdict)];
   const residual = result.residual;
-  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, name), ' ', q.reason),
+  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, name), ' ', sentence(q.reason)),
     h('dl', { class: 'figures' }, figure('Base parameters', result.base_parameters.length), figure('Determined', `${q.rank} of ${q.columns}`), figure('Condition number', number(q.condition_number, 3)),
       result.feasibility ? figure('Physical fit', number(result.feasibility.rms_ratio, 4), '× that of the base parameters') : null),
     residual ? foundIn(result) : null, files(result));
@@ -75,12 +79,19 @@ export function reportLink(result) {
   return link;
 }
 
+/** Why these errors are not those of the loop page. */
+function ofRows(result) {
+  const periods = periodsAveraged(result.log_report);
+  const loop = result.residual ? [' ', h('a', { href: `/loop?id=${result.id}#bars` }, 'The loop'), ' tells those of single measurements, with all their noise, of models fitted anew: they are greater.'] : null;
+  return [periods > 1 ? `Of the rows as they were fitted: the mean over ${periods} periods, in which the noise has fallen by √${periods}.` : 'Of the rows as they were fitted, after their preparation.', loop];
+}
+
 function errors(result, effort) {
   const rows = [...result.rms.identification.map((l) => ['identification', l]), ...result.rms.validation.map((l) => ['held out', l])].flatMap(([role, log]) =>
     [['base', log.base], ['physical', log.physical]].filter(([, e]) => e).map(([model, e]) => ({ role, log: log.name, model, ...e })));
   const joint = (name, j) => ({ head: `${name} (${effort[j]})`, number: true, cell: (r) => h('span', { title: `${number(r.percent[j], 3)} % of its own RMS` }, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   const none = result.rms.validation.length ? null : h('div', { class: 'notice' }, h('p', {}, 'There was no log to validate with: these errors are those on the data that made the model.'));
-  return section('errors', 'Errors per joint', none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'),
+  return section('errors', 'Errors per joint', none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'), h('p', { class: 'soft', id: 'which-errors' }, ofRows(result)),
     table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, { head: 'Model', cell: (r) => r.model, sort: (r) => r.model }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' }),
     h('h3', {}, 'Noise'), table([
       { head: 'Joint', cell: (n) => n.joint, sort: (n) => n.joint }, { head: 'Residual RMS', number: true, cell: (n) => number(n.residual_rms, 3), sort: (n) => n.residual_rms },

@@ -1,11 +1,13 @@
 // What is known already: earlier designs to go on from, models with effects, data that the next log joins.
 import { getJson } from './api.js';
-import { fill, find, h, number, time, words } from './dom.js';
+import { reached } from './criteria.js';
+import { fill, find, h, time, words } from './dom.js';
 
 const MOST = 12;
 const ended = (job) => ['finished', 'cancelled'].includes(job.state) && job.outcome !== 'Infeasible';
 const called = (code) => words(code).toLowerCase();
-const on = (effect) => `${called(effect.effect)} on ${effect.joints.join(', ')}`;
+/** `torque offset on J2`. */
+export const on = (effect) => `${called(effect.effect)} on ${effect.joints.join(', ') || 'the whole robot'}`;
 
 export class Known {
   constructor(changed) {
@@ -22,7 +24,7 @@ export class Known {
     const identified = own.filter((j) => j.kind === 'identification' && j.state === 'finished').slice(0, MOST);
     const model = wanted.model?.identification;
     fill(find('#warm-start'), h('option', { value: '' }, 'none: random starts'), wanted.warm_start ? h('option', { value: 'as-asked', selected: true }, 'as in this request') : null,
-      designs.map((j) => h('option', { value: j.id }, `${time(j.finished_at)}${j.progress?.best ? `, best ${number(j.progress.best)}` : ''}`)));
+      designs.map((j) => h('option', { value: j.id }, `${time(j.finished_at)}${j.progress?.best ? `, ${reached(j.progress)}` : ''}`)));
     this.warmStart = wanted.warm_start;
     const listed = (list, id) => (id && !list.some((j) => j.id === id) ? [{ id, finished_at: null }, ...list] : list);
     const name = (j) => `${j.finished_at ? time(j.finished_at) : 'identification'} · ${j.id.slice(0, 8)}`;

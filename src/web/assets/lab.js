@@ -1,6 +1,8 @@
 // Lab: what runs now, what came out lately, which robots there are.
 import { explain, follow, getJson, send, summaryOf, unmark } from './api.js';
-import { fill, find, h, number, seconds, table, time } from './dom.js';
+import { reached } from './criteria.js';
+import { fill, find, h, number, seconds, table, time, words } from './dom.js';
+import { on } from './known-form.js';
 
 const LIVE = ['queued', 'running'];
 const followed = new Set();
@@ -24,7 +26,7 @@ function progress(job) {
   if (job.step) return h('span', {}, `${job.step.what} `, h('progress', { value: job.step.done, max: job.step.of, 'aria-label': job.step.what }));
   const p = job.progress;
   if (!p) return 'begins';
-  return `best ${number(p.best)} after ${seconds(p.elapsed_s)}, ${p.starts_finished} starts`;
+  return `${reached(p)} after ${seconds(p.elapsed_s)}, ${p.starts_finished} starts`;
 }
 
 function running(job) {
@@ -67,7 +69,7 @@ function remember(id, name, text) {
 
 function outcome(job) {
   if (job.error) return h('span', { class: 'soft' }, job.error.detail);
-  return outcomes.get(job.id) ?? h('span', { class: 'soft' }, job.progress?.best ? `best ${number(job.progress.best)}` : '–');
+  return outcomes.get(job.id) ?? h('span', { class: 'soft' }, reached(job.progress) || '–');
 }
 
 /** Learns of results not seen yet, one after the other: some are megabytes. */
@@ -82,16 +84,20 @@ async function learn(jobs) {
   sessionStorage.setItem(KEPT, JSON.stringify([...names].slice(-200).map(([id, name]) => [id, name, outcomes.get(id)])));
 }
 
+const count = (n, what) => (n ? `${n} ${what}${n > 1 ? 's' : ''}` : 'nothing found');
+
 function told(job, result) {
+  if (job.kind === 'excitation' && job.outcome === 'Infeasible') return 'no such motion is possible';
+  if (job.kind === 'excitation' && result?.rivals) return `${words(on(result.rivals.finding))} or ${on(result.rivals.rival)}: ${result.rivals.decides ? 'decides' : 'does not decide'}`;
   if (job.kind === 'excitation' && result?.condition_number) return `condition number ${number(result.condition_number)}`;
-  if (job.kind === 'validation' && result?.logs) return `${result.logs.length} log${result.logs.length > 1 ? 's' : ''}`;
+  if (job.kind === 'validation' && result?.logs) return `${result.logs.length} log${result.logs.length > 1 ? 's' : ''}${result.residual ? `, ${count(result.residual.findings.length, 'change')}` : ''}`;
   return result?.quality ? identified(result) : null;
 }
 
 function identified(result) {
   const findings = result.residual?.findings?.length;
   const quality = { good: 'good data', poor_excitation: 'poor excitation', unidentifiable: 'not identifiable' }[result.quality.verdict] ?? result.quality.verdict;
-  return `${quality}${result.residual ? `, ${findings ? `${findings} finding${findings > 1 ? 's' : ''}` : 'nothing found'}` : ''}`;
+  return `${quality}${result.residual ? `, ${count(findings, 'finding')}` : ''}`;
 }
 
 async function keepUp(job) {

@@ -1,7 +1,8 @@
 // The loop: noise floor, what is left, findings, before and after, rivals and what would decide.
 import { explain, getJson, postJson } from './api.js';
 import { designButton } from './decide.js';
-import { fill, figure, find, h, measured, number, table, time, unit, words } from './dom.js';
+import { fill, figure, find, h, number, odds, table, time, unit, words } from './dom.js';
+import { findingParameters, periodsAveraged } from './finding.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
 import { colour, plotLater, plotly, variable } from './plot.js';
 import { residualPlot } from './residual-plot.js';
@@ -23,13 +24,14 @@ async function show(id) {
     summary(context), findings(context), bars(context), residualPlot(context), floor(context), next(context));
 }
 
-function summary({ result, report }) {
+function summary({ result, report, effort: units }) {
+  const effort = [...new Set(units)].join(' or ');
   const [kind, text] = RESIDUAL[report.verdict] ?? ['', words(report.verdict)];
   const heldOut = report.rms_before.held_out.length > 0;
   const sum = (list) => list.reduce((a, b) => a + b, 0);
   const of = (pair) => (heldOut ? pair.held_out : pair.identification);
   return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, words(report.verdict)), ' ', h('strong', { id: 'verdict' }, report.summary ?? text)),
-    h('dl', { class: 'figures' }, figure('Findings', report.findings.length), figure('Error before', number(sum(of(report.rms_before)), 3), `summed over joints, ${heldOut ? 'held-out' : 'identification'} data`),
+    h('dl', { class: 'figures' }, figure('Findings', report.findings.length), figure('Error before', number(sum(of(report.rms_before)), 3), `${effort}, summed over joints; single measurements of ${heldOut ? 'held-out' : 'identification'} data`),
       figure('After', number(sum(of(report.rms_after)), 3)), figure('Noise alone', number(sum(report.noise_floor), 3))),
     heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no held-out log: before and after are told on the data that chose the effects. Give a validation log to know.')),
     h('div', { class: 'row' }, h('a', { class: 'button', href: `/identification?id=${result.id}` }, 'The identification'), reportLink(result)));
@@ -51,9 +53,6 @@ const called = (effect, all) => `${words(effect.effect).toLowerCase()} on ${wher
 function finding(context, f, index) {
   const e = f.evidence;
   const fault = f.parameters.length === 0;
-  const values = fault ? null : table([
-    { head: 'Parameter', cell: (p) => words(p.name) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
-  ], f.parameters, { caption: 'With one standard deviation' });
   const chance = (p) => (p < 1e-12 ? 'below 10⁻¹²' : number(p, 2));
   const figures = [
     ['Twice the log of the evidence ratio against leaving it out', number(e.log_evidence_ratio, 3)], ['Chance of such a gain without it', chance(e.p_value)],
@@ -62,13 +61,13 @@ function finding(context, f, index) {
   ].filter(Boolean);
   const evidence = fault ? null : h('details', {}, h('summary', {}, 'Why it is believed'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence' }));
   return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, `${words(f.effect)} on ${where(f.joints, context.result.joints)}`, fault ? [' ', h('span', { class: 'tag bad' }, 'fault of the data')] : null),
-    h('p', { class: 'sentence' }, f.sentence), f.note && !fault ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, values, evidence, rivals(context, f, index));
+    h('p', { class: 'sentence' }, f.sentence), f.note && !fault ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, findingParameters(f), evidence, rivals(context, f, index));
 }
 
 function rivals(context, f, index) {
   if (!f.rivals.length) return null;
   const all = context.result.joints;
-  const one = (r, k) => h('li', {}, h('p', {}, h('strong', {}, called(r, all)), r.evidence > 0 ? `: less likely by ${number(r.evidence, 3)} (twice the log of the odds), but not excluded.` : `: fits better by ${number(-r.evidence, 3)}, but is the rarer cause.`),
+  const one = (r, k) => h('li', {}, h('p', {}, h('strong', {}, words(called(r, all))), r.evidence > 0 ? `: ${odds(r.evidence)} against it, which does not exclude it (evidence ${number(r.evidence, 3)}, twice the log of the odds; 20 to 1 is 6).` : `: fits better (evidence ${number(-r.evidence, 3)}, twice the log of the odds), but is the rarer cause.`),
     context.result.provenance ? designButton(context, `Design the trajectory that decides: ${words(f.effect).toLowerCase()} or ${words(r.effect).toLowerCase()}`, { finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } }, `decide-${index}-${k}`) : null);
   return h('div', { class: 'rivals' }, h('h4', {}, 'It could also be'), h('ul', { class: 'list' }, f.rivals.map(one)));
 }
@@ -93,7 +92,14 @@ function bars({ result, report, effort }) {
     return h('div', {}, h('h3', {}, title), chart);
   });
   return section('bars', 'Before and after', h('p', { class: 'soft' }, 'Both models are fitted anew, every joint weighted by its noise. Without the effect the fit bends its parameters to hide a part of it, and spreads the rest over the joints that share them.'),
+    h('p', { class: 'soft', id: 'which-errors' }, singles(result)),
     h('div', { class: 'columns' }, charts));
+}
+
+/** Why these errors are not those of the identification page. */
+function singles(result) {
+  const periods = periodsAveraged(result.log_report);
+  return `These are errors of single measurements, with all their noise. ${periods > 1 ? `The identification page tells smaller ones: of the mean over ${periods} periods, which has less noise, and of its own fit of the base parameters.` : 'The identification page tells those of the rows that it fitted, as they were prepared, and of its own fit of the base parameters.'}`;
 }
 
 function floor({ result, report, effort }) {

@@ -8,7 +8,7 @@ const NEW = {
 };
 const PLACES = { half_space: 'half_spaces', box: 'boxes' };
 const FIELDS = {
-  half_space: [['normal', 'Normal, towards the arm', 3], ['offset', 'Where along it (m)', 1]],
+  half_space: [['normal', 'Normal, towards the arm', 3], ['offset', 'Distance along it (m)', 1]],
   box: [['center', 'Centre (m)', 3], ['size', 'Edges (m)', 3]],
 };
 
@@ -17,8 +17,9 @@ export class Obstacles {
     Object.assign(this, { place, changed, rows: [] });
   }
 
-  add(what) {
-    this.rows.push(typeof what === 'string' ? structuredClone(NEW[what]) : what);
+  /** A new row; `placed` is what is known of where it stands. */
+  add(what, placed = {}) {
+    this.rows.push({ ...structuredClone(NEW[what]), ...placed });
     this.show();
   }
 
@@ -49,7 +50,7 @@ export class Obstacles {
       this.changed();
     } });
     const field = ([key, label, count]) => h('div', { class: 'field' }, h('label', { for: `obstacle-${i}-${key}` }, label), input(key, count));
-    return h('fieldset', { class: 'obstacle' }, h('legend', {}, row.kind === 'box' ? 'Box' : 'Floor or wall'),
+    return h('fieldset', { class: 'obstacle' }, h('legend', {}, row.kind === 'box' ? 'Box' : 'Plane: floor or wall'),
       h('div', { class: 'pair' }, field(['name', 'Name', 0]), h('div', { class: 'end' }, h('button', { type: 'button', 'aria-label': `Remove ${row.name}`, onclick: () => { this.rows.splice(i, 1); this.show(); } }, 'Remove'))),
       h('div', { class: 'pair' }, FIELDS[row.kind].map(field)));
   }

@@ -2,8 +2,8 @@
 import { ArmView } from './arm.js';
 import { h, number } from './dom.js';
 
-/** `space`: what the arm keeps off, as in the request. */
-export function player({ joints, gravity, motion }, space) {
+/** `space`: what the arm keeps off, as in the request; `shape`: the capsules that it does so with. */
+export function player({ joints, gravity, motion }, space, shape = []) {
   const canvas = h('canvas', { class: 'arm', 'aria-label': 'The arm in its motion, with the path of its last frame. Arrow keys turn the view.' });
   const last = motion.time.length - 1;
   const slider = h('input', { type: 'range', min: 0, max: last, value: 0, 'aria-label': 'Time in the period' });
@@ -12,7 +12,9 @@ export function player({ joints, gravity, motion }, space) {
   const view = new ArmView(canvas, joints, gravity);
   view.path = motion.end;
   view.space = space;
+  view.shape = shape;
   view.frameArm(motion.time.flatMap((_, s) => (s % 20 ? [] : [motion.q.map((q) => q[s])])));
+  if (space) view.span *= 1.25;
   const show = (sample) => {
     slider.value = sample;
     clock.textContent = `${motion.time[sample].toFixed(2)} s of ${number(motion.time[last])} s`;
@@ -38,10 +40,11 @@ export function player({ joints, gravity, motion }, space) {
   });
   show(0);
   const box = ['x', 'y', 'z'].map((name, i) => {
-    const values = motion.end.map((p) => p[i]);
+    // What is zero but for rounding is zero.
+    const values = motion.end.map((p) => (Math.abs(p[i]) < 1e-9 ? 0 : p[i]));
     return `${name} ${number(Math.min(...values), 3)} … ${number(Math.max(...values), 3)} m`;
   });
   return h('section', { class: 'card', id: 'path', 'aria-labelledby': 'path-title' }, h('h2', { id: 'path-title' }, 'Path of the last frame'), canvas,
     h('div', { class: 'row', style: 'margin-top:.6rem' }, button, h('span', { style: 'flex:1;min-width:8rem' }, slider), clock),
-    h('p', { class: 'help' }, `In real time. Drag to turn. The grid is 0.25 m; the path keeps within ${box.join(', ')} in the base frame. ${space ? 'Floor, walls and boxes of the request are drawn; the arm keeps off them.' : 'Check it against your cell: the request named no floor and no obstacles.'}`));
+    h('p', { class: 'help' }, `In real time. Drag to turn. The grid is 0.25 m; the path keeps within ${box.join(', ')} in the base frame. ${space ? 'Floor, walls and boxes of the request are drawn, and the shape of the arm that keeps off them.' : 'Check it against your cell: the request named no floor and no obstacles.'}`));
 }

@@ -60,17 +60,20 @@ function dressed(layout, place) {
   const [ink, soft, grid] = ['--ink', '--soft', '--grid'].map(variable);
   const narrow = place.clientWidth < 520;
   const axis = { gridcolor: grid, linecolor: soft, zerolinecolor: grid, ticks: 'outside', ticklen: 4, exponentformat: 'power', tickcolor: grid, automargin: true, title: { standoff: 8 } };
+  // On a phone the top belongs to the buttons that zoom, the legend goes below.
+  const legend = narrow ? { orientation: 'h', y: 0, yref: 'container', yanchor: 'bottom', x: 0 } : { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 };
   const full = {
     paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)', font: { family: 'system-ui, sans-serif', size: narrow ? 11 : 12.5, color: ink },
     margin: { l: narrow ? 48 : 64, r: narrow ? 8 : 18, t: narrow ? 34 : 12, b: 44 }, hovermode: 'x unified', hoverlabel: { bgcolor: variable('--card'), font: { color: ink } },
-    // On a phone the top belongs to the buttons that zoom, the legend goes below.
-    legend: narrow ? { orientation: 'h', y: 0, yref: 'container', yanchor: 'bottom', x: 0 } : { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 }, modebar: { bgcolor: 'rgba(0,0,0,0)', color: soft }, dragmode: narrow ? false : 'zoom',
+    modebar: { bgcolor: 'rgba(0,0,0,0)', color: soft }, dragmode: narrow ? false : 'zoom',
     ...layout,
   };
+  full.legend = { ...legend, ...layout.legend };
   if (narrow) Object.assign(full, { height: (layout.height ?? 300) + 60, margin: { ...full.margin, b: 96 } });
   for (const name of Object.keys(full).concat(['xaxis', 'yaxis']).filter((k) => /^[xy]axis/.test(k))) {
     const own = full[name] ?? {};
-    full[name] = { ...axis, ...own, title: { ...axis.title, ...(typeof own.title === 'string' ? { text: own.title } : own.title) } };
+    // Few figures on logarithmic axes: 1, 2, 5 at most.
+    full[name] = { ...axis, ...(own.type === 'log' ? { nticks: 3 } : {}), ...own, title: { ...axis.title, ...(typeof own.title === 'string' ? { text: own.title } : own.title) } };
   }
   return full;
 }
@@ -117,7 +120,8 @@ export async function plotLong(place, series, layout) {
       return { type: 'scatter', mode: 'lines', ...trace(), x: picked.map((i) => x[i]), y: picked.map((i) => y[i]) };
     });
     const made = layout();
-    if (range) made.xaxis = { ...made.xaxis, range };
+    // A copy: plotly.js writes the next range into what it was given, which would then look like no change.
+    if (range) made.xaxis = { ...made.xaxis, range: [...range] };
     return { traces, layout: made };
   };
   await plot(place, make);

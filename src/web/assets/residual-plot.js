@@ -92,7 +92,7 @@ function scatter(context, { joint, across, x, before, after }) {
   const layout = narrow
     ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `left of ${joint} (${unit})` }, height: 480 }
     : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
-  return { traces: [dots('base parameters, without the effects', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, hovermode: 'closest' } };
+  return { traces: [dots('base parameters, without the effects', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
 }
 
 /** Over two variables: the residual as colour. Blue and brown, told apart by all, white for nothing left. */

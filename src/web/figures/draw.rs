@@ -101,6 +101,8 @@ impl Figure {
         let mut builder = ChartBuilder::on(area);
         builder.margin(6).margin_right(14).y_label_area_size(72);
         builder.x_label_area_size(below.unwrap_or(6));
+        // Above the curves: it covers none of them.
+        builder.margin_top(if panel.has_legend() { LEGEND } else { 6 });
         let mut chart = builder.build_cartesian_2d(across, along.clone()).map_err(|e| said(&e))?;
         let mut mesh = chart.configure_mesh();
         mesh.y_desc(&panel.y)
@@ -120,15 +122,7 @@ impl Figure {
         if below.is_some() {
             self.name_places(&chart, area, along.start)?;
         }
-        if panel.series.iter().any(|s| !s.name.is_empty()) {
-            let mut labels = chart.configure_series_labels();
-            labels
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(200, 205, 210));
-            labels.label_font(("sans-serif", 13)).draw().map_err(|e| said(&e))?;
-        }
-        Ok(())
+        panel.legend(area)
     }
 
     /// Names under the axis: upright where many, and the axis' own name below them.
@@ -163,7 +157,32 @@ impl Figure {
     }
 }
 
+/// Height of the line that names the series.
+const LEGEND: i32 = 22;
+
 impl Panel {
+    fn has_legend(&self) -> bool {
+        self.series.iter().any(|s| !s.name.is_empty())
+    }
+
+    /// Names of the series with their colours, from the right end of a line above the plot.
+    fn legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), FigureError> {
+        let style = ("sans-serif", 13)
+            .into_text_style(area)
+            .pos(Pos::new(HPos::Right, VPos::Center));
+        let mut right = area.dim_in_pixel().0 as i32 - 16;
+        for series in self.series.iter().rev().filter(|s| !s.name.is_empty()) {
+            let colour = PALETTE[series.colour % PALETTE.len()];
+            area.draw_text(&series.name, &style, (right, LEGEND / 2))
+                .map_err(|e| said(&e))?;
+            right -= area.estimate_text_size(&series.name, &style).map_err(|e| said(&e))?.0 as i32 + 6;
+            let stroke = PathElement::new([(right - 20, LEGEND / 2), (right, LEGEND / 2)], colour.stroke_width(4));
+            area.draw(&stroke).map_err(|e| said(&e))?;
+            right -= 36;
+        }
+        Ok(())
+    }
+
     /// The values with a twentieth of their span to spare; from zero where there are bars.
     fn range(&self) -> Range<f64> {
         let values = self.series.iter().flat_map(|s| {
@@ -216,7 +235,7 @@ fn draw_series<DB: DrawingBackend>(chart: &mut Chart<DB>, series: &Series) -> Re
         .collect();
     let plain = || points.iter().map(|p| p.1);
 
-    let annotation = match &series.mark {
+    match &series.mark {
         Mark::Line => chart.draw_series(LineSeries::new(plain(), colour.stroke_width(1))),
         Mark::Bar { at, of } => {
             let width = 0.8 / *of as f64;
@@ -234,14 +253,9 @@ fn draw_series<DB: DrawingBackend>(chart: &mut Chart<DB>, series: &Series) -> Re
             chart.draw_series(points.iter().map(whisker)).map_err(|e| said(&e))?;
             chart.draw_series(plain().map(|p| Circle::new(p, 3, colour.filled())))
         }
-    };
-    let annotation = annotation.map_err(|e| said(&e))?;
-    if !series.name.is_empty() {
-        annotation
-            .label(&series.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3)));
     }
-    Ok(())
+    .map(drop)
+    .map_err(|e| said(&e))
 }
 
 fn said(e: &impl Display) -> FigureError {

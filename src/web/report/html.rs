@@ -67,6 +67,14 @@ pub(super) fn words(value: &Value) -> String {
     text(value).replace('_', " ")
 }
 
+/// With a capital in front, as a heading has it.
+pub(super) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters
+        .next()
+        .map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Names as people list them.
 pub(super) fn listed(value: &Value) -> String {
     items(value).map(text).collect::<Vec<_>>().join(", ")
@@ -98,9 +106,19 @@ impl Html {
             .iter()
             .map(|h| Cell::from(h.trim_start_matches('#').to_string()))
             .collect();
+        // On a narrow screen a wide table scrolls: it has a name, and the keyboard reaches it.
+        let label = match caption {
+            "" => heads.iter().map(|h| h.trim_start_matches('#')).collect::<Vec<_>>().join(", "),
+            said => said.to_string(),
+        };
+        let shown = if caption.is_empty() {
+            String::new()
+        } else {
+            format!("<caption>{}</caption>", escaped(caption))
+        };
         self.0.push_str(&format!(
-            "<div class=\"wide\"><table><caption>{}</caption><thead><tr>{}</tr></thead><tbody>\n",
-            escaped(caption),
+            "<div class=\"wide\" role=\"group\" tabindex=\"0\" aria-label=\"{}\"><table>{shown}<thead><tr>{}</tr></thead><tbody>\n",
+            escaped(&label),
             cells("th", names)
         ));
         for row in rows {
@@ -117,7 +135,7 @@ impl Html {
                 let scaled = with_view_box(&svg, figure.size);
                 let label = escaped(caption);
                 self.0.push_str(&format!(
-                    "<figure role=\"img\" aria-label=\"{label}\">{scaled}<figcaption>{label}</figcaption></figure>\n"
+                    "<figure role=\"img\" tabindex=\"0\" aria-label=\"{label}\">{scaled}<figcaption>{label}</figcaption></figure>\n"
                 ));
             }
             Err(FigureError(reason)) => self.paragraph("soft", &format!("{caption}: not drawn, {reason}")),
@@ -129,12 +147,19 @@ impl Html {
     }
 }
 
-/// JSON with lists of numbers and words on one line each: matrices look like matrices.
+/// Characters of a printed line.
+const LINE: usize = 96;
+
+/// JSON with what fits on a line, and every list of numbers, on one line: matrices look like matrices, and a robot takes a page and not five.
 fn laid_out(value: &Value, depth: usize) -> String {
+    let line = on_one_line(value);
+    if depth + line.len() <= LINE {
+        return line;
+    }
     let (inner, outer) = (" ".repeat(depth + 1), " ".repeat(depth));
     let nested = |v: &Value| v.is_object() || v.is_array();
     match value {
-        Value::Object(fields) if !fields.is_empty() => {
+        Value::Object(fields) => {
             let line =
                 |(name, v): (&String, &Value)| format!("{inner}{}: {}", Value::from(name.as_str()), laid_out(v, depth + 1));
             format!("{{\n{}\n{outer}}}", fields.iter().map(line).collect::<Vec<_>>().join(",\n"))
@@ -143,6 +168,17 @@ fn laid_out(value: &Value, depth: usize) -> String {
             let line = |v: &Value| format!("{inner}{}", laid_out(v, depth + 1));
             format!("[\n{}\n{outer}]", list.iter().map(line).collect::<Vec<_>>().join(",\n"))
         }
+        _ => line,
+    }
+}
+
+fn on_one_line(value: &Value) -> String {
+    match value {
+        Value::Object(fields) => {
+            let field = |(name, v): (&String, &Value)| format!("{}: {}", Value::from(name.as_str()), on_one_line(v));
+            format!("{{{}}}", fields.iter().map(field).collect::<Vec<_>>().join(", "))
+        }
+        Value::Array(list) => format!("[{}]", list.iter().map(on_one_line).collect::<Vec<_>>().join(", ")),
         other => other.to_string(),
     }
 }
@@ -160,10 +196,19 @@ mod tests {
 
     #[test]
     fn documents_are_laid_out_without_a_change() {
-        let value = json!({"a": [[1.5, -2e-7], [3, 4]], "b": {"c": [], "d": {}, "e": "x\"y"}, "f": [{"g": null}]});
+        let row = json!([1.5, -2e-7, 0.123_456_789, 0.123_456_789]);
+        let value = json!({"a": [row, row, row, [3, 4]], "b": {"c": [], "d": {}, "e": "x\"y", "g": null}, "f": [vec![0.123_456_789; 20]]});
         let text = laid_out(&value, 0);
         assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
-        assert!(text.contains("  [1.5,-2e-7],\n  [3,4]"), "{text}");
+        assert!(
+            text.contains("\n  [1.5, -2e-7, 0.123456789, 0.123456789],\n  [3, 4]"),
+            "{text}"
+        );
+        assert!(
+            text.contains("\n \"b\": {\"c\": [], \"d\": {}, \"e\": \"x\\\"y\", \"g\": null}"),
+            "{text}"
+        );
+        assert_eq!(text.lines().filter(|line| line.len() > LINE + 10).count(), 1, "{text}");
     }
 
     #[test]

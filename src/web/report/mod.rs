@@ -36,7 +36,7 @@ pub fn report(result: &Value, circumstances: &Circumstances) -> String {
     parts::again(&mut page, result, circumstances);
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
         escaped(&format!("Identification of {}", html::text(&result["robot"]))),
         page.0
     )
@@ -85,7 +85,7 @@ mod tests {
             "<mi mathvariant=\"normal\">ZZR</mi><mn>1</mn>",
             "<mi mathvariant=\"normal\">ZZ</mi><mn>2</mn>",
             "not determined",
-            "fine &amp; well",
+            "Fine &amp; well.",
             "<svg",
         ] {
             assert!(page.contains(needed), "{needed}");

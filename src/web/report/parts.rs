@@ -2,7 +2,7 @@
 
 use super::Circumstances;
 use super::formula;
-use super::html::{Cell, Html, items, listed, text, words};
+use super::html::{Cell, Html, capital, escaped, items, listed, text, words};
 use crate::web::figures::{before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
 
@@ -21,7 +21,14 @@ pub(super) fn heading(page: &mut Html, result: &Value, circumstances: &Circumsta
 pub(super) fn summary(page: &mut Html, result: &Value) {
     let q = &result["quality"];
     let class = if q["verdict"] == "good" { "verdict" } else { "verdict bad" };
-    page.paragraph(class, &format!("Data: {}; {}", words(&q["verdict"]), text(&q["reason"])));
+    page.paragraph(
+        class,
+        &format!(
+            "Data: {}. {}.",
+            words(&q["verdict"]),
+            capital(text(&q["reason"]).trim_end_matches('.'))
+        ),
+    );
     let residual = &result["residual"];
     if residual.is_object() {
         page.paragraph("verdict", &text(&residual["summary"]));
@@ -42,7 +49,7 @@ pub(super) fn summary(page: &mut Html, result: &Value) {
             text(&result["feasibility"]["rms_ratio"]),
         ),
     ];
-    page.table("", &["", "#"], rows.into_iter());
+    page.table("", &["What", "#Figure"], rows.into_iter());
     items(&result["notes"]).for_each(|note| page.paragraph("soft", &text(note)));
 }
 
@@ -101,7 +108,7 @@ pub(super) fn parameters(page: &mut Html, result: &Value) {
             Cell::from(value),
             Cell::from(text(&p["std_dev"])),
             Cell::from(text(&p["relative_std_dev_percent"])),
-            Cell::from(unit(&text(&p["unit"]))),
+            Cell(format!("<span class=\"whole\">{}</span>", escaped(&unit(&text(&p["unit"]))))),
             formula::expression(&text(&p["expression"])),
         ]
     };
@@ -114,8 +121,8 @@ pub(super) fn parameters(page: &mut Html, result: &Value) {
     items(&result["undetermined"]).for_each(|d| page.paragraph("", &format!("Not determined: {}", text(&d["text"]))));
     for figure in parameter_figures(result) {
         let caption = format!(
-            "Base parameters, {}, with two standard deviations to both sides.",
-            figure.panels[0].y.replace("value ± 2σ ", "")
+            "Base parameters in {}, with two standard deviations to both sides.",
+            figure.panels[0].y.trim_start_matches("value ± 2σ (").trim_end_matches(')')
         );
         page.figure(&figure, &caption);
     }
@@ -145,7 +152,7 @@ pub(super) fn errors(page: &mut Html, result: &Value) {
         }
     }
     page.table(
-        "Root mean square of measured less predicted torque (N m, or N for sliding joints)",
+        "Root mean square of measured less predicted torque (N m, or N for sliding joints), of the rows as they were fitted",
         &heads,
         rows.into_iter(),
     );
@@ -194,7 +201,7 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
     if let Some(figure) = before_after_figure(result) {
         page.figure(
             &figure,
-            "Error per joint before and after the effects found, beside the noise floor.",
+            "Error per joint before and after the effects found, beside the noise floor: of single measurements with all their noise, and of models fitted anew. The errors above are of rows as they were prepared, in which a mean over periods has less noise.",
         );
     }
 }
@@ -208,7 +215,10 @@ fn chance(p: &Value) -> String {
 }
 
 fn describe(page: &mut Html, result: &Value, finding: &Value) {
-    page.heading(3, &format!("{} on {}", words(&finding["effect"]), listed(&finding["joints"])));
+    page.heading(
+        3,
+        &capital(&format!("{} on {}", words(&finding["effect"]), listed(&finding["joints"]))),
+    );
     page.paragraph("finding", &text(&finding["sentence"]));
     if items(&finding["parameters"]).next().is_none() {
         return;
@@ -301,11 +311,35 @@ pub(super) fn physical(page: &mut Html, result: &Value) {
         &["Link", "#Ixx", "#Iyy", "#Izz", "#Ixy", "#Ixz", "#Iyz"],
         items(&result["physical_parameters"]).map(inertia),
     );
-    let margin = |m: &Value| vec![text(&m["link"]), words(&m["constraint"]), text(&m["margin"])];
+    margins(page, &result["feasibility"]["margins"]);
+}
+
+/// A row per link and a column per constraint.
+fn margins(page: &mut Html, margins: &Value) {
+    let (mut links, mut constraints): (Vec<&Value>, Vec<String>) = (Vec::new(), Vec::new());
+    for m in items(margins) {
+        if !links.contains(&&m["link"]) {
+            links.push(&m["link"]);
+        }
+        if !constraints.contains(&words(&m["constraint"])) {
+            constraints.push(words(&m["constraint"]));
+        }
+    }
+    let of = |link: &Value, constraint: &String| {
+        let found = items(margins).find(|m| m["link"] == *link && words(&m["constraint"]) == *constraint);
+        found.map_or("–".into(), |m| text(&m["margin"]))
+    };
+    let heads: Vec<String> = constraints.iter().map(|c| format!("#{}", capital(c))).collect();
+    let heads: Vec<&str> = std::iter::once("Link").chain(heads.iter().map(String::as_str)).collect();
+    let row = |link: &&Value| {
+        std::iter::once(text(link))
+            .chain(constraints.iter().map(|c| of(link, c)))
+            .collect::<Vec<_>>()
+    };
     page.table(
         "Margins to what is physically possible: above zero where it is",
-        &["#Link", "Constraint", "#Margin"],
-        items(&result["feasibility"]["margins"]).map(margin),
+        &heads,
+        links.iter().map(row),
     );
 }
 
