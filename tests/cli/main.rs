@@ -338,7 +338,7 @@ fn an_identification_is_a_table_pictures_and_a_report() {
         assert!(picture.starts_with(b"\x89PNG") && picture.len() > 2000, "{name}");
     }
     let page = folder.read("report.html");
-    assert!(page.contains("joint spring on J2") && page.contains("SHA-256") && page.ends_with("</html>\n"));
+    assert!(page.contains("Joint spring on J2") && page.contains("SHA-256") && page.ends_with("</html>\n"));
 }
 
 #[test]
