@@ -281,7 +281,8 @@ pub(super) fn certified_torques(problem: &Problem, series: &FourierSeries) -> Ve
             } else {
                 f64::INFINITY
             };
-            side.enough = side.best.0 + fine;
+            // Where less than that is left, the proof goes on until the limit itself holds, as it did for the design.
+            side.enough = (side.best.0 + fine).min(allowed[joint].max(side.best.0));
             let pairs = proof.grid.windows(2);
             let certified = pairs.fold(f64::NEG_INFINITY, |most, p| most.max(side.refined(&p[0], &p[1], HALVINGS)));
             (sign * side.best.0, side.best.1, sign * certified.max(side.best.0))
