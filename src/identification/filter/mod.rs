@@ -43,7 +43,7 @@ pub fn fourth_order_difference_periodic(x: &[f64], step: f64) -> Vec<f64> {
     let n = x.len();
     let at = |i: usize, by: usize| x[(i + by) % n];
     (0..n)
-        .map(|i| fourth_order([at(i, 2 * n - 2), at(i, n.max(1) - 1), at(i, 1), at(i, 2)], step))
+        .map(|i| fourth_order([at(i, 2 * n - 2), at(i, n - 1), at(i, 1), at(i, 2)], step))
         .collect()
 }
 

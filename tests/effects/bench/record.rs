@@ -36,23 +36,42 @@ pub fn stretch(log: &RecordedLog, name: &str) -> Stretch {
     Stretch::new(&prepare(&log, joints, &PreprocessOptions::default()).unwrap(), &log)
 }
 
-/// Six periods of excitation, and three of the validation motion, of a robot with these effects.
-pub fn logs(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -> [RecordedLog; 2] {
-    let n = robot.joint_count();
-    let (phi, excitation, validation) = (bodies(robot, seed), excitation(n, seed), validation(n, seed));
-    let run = |trajectory: &dyn Trajectory, periods: f64, seed: u64| {
+/// Six periods of the first motion with the first effects, and three of the second with the second.
+fn recorded(
+    robot: &Robot,
+    parameters: &[f64],
+    motions: [&dyn Trajectory; 2],
+    effects: [&[HiddenEffect]; 2],
+    noise: &Noise,
+    seed: u64,
+) -> [RecordedLog; 2] {
+    let run = |which: usize, periods: f64, seed: u64| {
         simulate(&Experiment {
             robot,
-            parameters: &phi,
-            trajectory,
+            parameters,
+            trajectory: motions[which],
             periods,
             rate_hz: RATE,
-            effects,
+            effects: effects[which],
             noise,
             seed,
         })
     };
-    [run(&excitation, 6.0, seed), run(&validation, 3.0, seed + 1_000_000)]
+    [run(0, 6.0, seed), run(1, 3.0, seed + 1_000_000)]
+}
+
+/// Excitation and validation motion of a robot with these effects.
+pub fn logs(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -> [RecordedLog; 2] {
+    let n = robot.joint_count();
+    let (excitation, validation) = (excitation(n, seed), validation(n, seed));
+    recorded(
+        robot,
+        &bodies(robot, seed),
+        [&excitation, &validation],
+        [effects, effects],
+        noise,
+        seed,
+    )
 }
 
 /// The tracing of an identification log.
@@ -66,23 +85,8 @@ pub fn traced(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64)
     )
 }
 
-/// The published arm on a motion as wide as its limits allow: six periods with the first `effects`, and three of the validation motion with the second.
+/// The published arm on motions as wide as its limits allow, each with its own effects.
 pub fn published_logs(robot: &Robot, phi: &[f64], effects: [&[HiddenEffect]; 2], noise: &Noise, seed: u64) -> [RecordedLog; 2] {
     let (excitation, validation) = (wide_excitation(robot, seed), wide_validation(robot, seed));
-    let run = |trajectory: &dyn Trajectory, periods: f64, effects: &[HiddenEffect], seed: u64| {
-        simulate(&Experiment {
-            robot,
-            parameters: phi,
-            trajectory,
-            periods,
-            rate_hz: RATE,
-            effects,
-            noise,
-            seed,
-        })
-    };
-    [
-        run(&excitation, 6.0, effects[0], seed),
-        run(&validation, 3.0, effects[1], seed + 1_000_000),
-    ]
+    recorded(robot, phi, [&excitation, &validation], effects, noise, seed)
 }
