@@ -239,6 +239,16 @@ fn entries<R: Real>(twist: &JointTwist<R>, link: &LinkMotion<R>) -> [R; 10] {
     ]
 }
 
+/// `W x` with the symmetric matrix of the inertia weights. No closure: those may stay out of line, compiled without the vector units of their caller.
+#[inline(always)]
+fn inertia_weights<R: Real>(weights: &[R; 10], x: Vec3<R>) -> Vec3<R> {
+    Vec3::new(
+        weights[4] * x.x + weights[5] * x.y + weights[6] * x.z,
+        weights[5] * x.x + weights[7] * x.y + weights[8] * x.z,
+        weights[6] * x.x + weights[8] * x.y + weights[9] * x.z,
+    )
+}
+
 /// Adjoint of [`entries`]: given `weights = ∂F/∂entries`, adds `∂F/∂(z, u)` to `to_twist` and `∂F/∂(ω, ω̇, a)` to `to_link`.
 #[inline(always)]
 pub(super) fn entries_adjoint<R: Real>(
@@ -252,20 +262,13 @@ pub(super) fn entries_adjoint<R: Real>(
     let (w, dw, a) = (link.angular_velocity, link.angular_acceleration, link.acceleration);
     let mass = weights[0];
     let c = Vec3::new(weights[1], weights[2], weights[3]);
-    // x ↦ W x with the symmetric matrix of the inertia weights.
-    let inertia = |x: Vec3<R>| {
-        Vec3::new(
-            weights[4] * x.x + weights[5] * x.y + weights[6] * x.z,
-            weights[5] * x.x + weights[7] * x.y + weights[8] * x.z,
-            weights[6] * x.x + weights[8] * x.y + weights[9] * x.z,
-        )
-    };
     let s = z.cross(w);
-    let to_s = inertia(w);
+    let to_s = inertia_weights(weights, w);
     let two = R::splat(2.0);
     to_twist.lever += a * mass + dw.cross(c) + w * w.dot(c) + -(c * w.dot(w));
-    to_twist.axis += c.cross(a) + inertia(dw) + w.cross(to_s);
+    to_twist.axis += c.cross(a) + inertia_weights(weights, dw) + w.cross(to_s);
     to_link.acceleration += u * mass + z.cross(c);
-    to_link.angular_acceleration += c.cross(u) + inertia(z);
-    to_link.angular_velocity += c * w.dot(u) + u * w.dot(c) + -(w * (two * u.dot(c))) + inertia(s) + to_s.cross(z);
+    to_link.angular_acceleration += c.cross(u) + inertia_weights(weights, z);
+    to_link.angular_velocity +=
+        c * w.dot(u) + u * w.dot(c) + -(w * (two * u.dot(c))) + inertia_weights(weights, s) + to_s.cross(z);
 }

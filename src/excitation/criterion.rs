@@ -1,8 +1,9 @@
 //! Criteria as functions of the Gram matrix `M = Y_bᵀ Y_b`, with derivatives.
 
+use super::eigen::symmetric_eigen;
 use super::problem::Criterion;
 use super::rivals::Rivals;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
 /// A criterion made differentiable, as the logarithm of what is reported.
 #[derive(Debug, Clone)]
@@ -31,27 +32,27 @@ impl SmoothCriterion<'_> {
         if let Self::RivalEvidence { rivals, base, power } = *self {
             return rivals.smooth(&gram, base, power);
         }
-        let eigen = SymmetricEigen::new(gram);
-        let size = eigen.eigenvalues.len() as f64;
+        let (eigenvalues, eigenvectors) = symmetric_eigen(gram);
+        let size = eigenvalues.len() as f64;
         // Rounding can push the eigenvalues of a singular M below zero; the floor keeps logarithms finite and the search moving.
-        let floor = eigen.eigenvalues.max() * f64::EPSILON;
-        let lambda = eigen.eigenvalues.map(|v| v.max(floor));
+        let floor = eigenvalues.max() * f64::EPSILON;
+        let lambda = eigenvalues.map(|v| v.max(floor));
         match self {
             Self::ConditionNumber { power } | Self::ScaledConditionNumber { power } => {
                 let (value, slopes) = smoothed_log_condition(&lambda, *power);
-                (value, scaled_gram(&eigen.eigenvectors, &slopes))
+                (value, scaled_gram(&eigenvectors, &slopes))
             }
             Self::DOptimality => {
                 let value = -lambda.map(f64::ln).sum() / (2.0 * size);
-                (value, scaled_gram(&eigen.eigenvectors, &lambda.map(|v| -0.5 / (size * v))))
+                (value, scaled_gram(&eigenvectors, &lambda.map(|v| -0.5 / (size * v))))
             }
             Self::AOptimality => {
                 let trace: f64 = lambda.map(|v| 1.0 / v).sum();
                 let slopes = lambda.map(|v| -0.5 / (trace * v * v));
-                (0.5 * (trace / size).ln(), scaled_gram(&eigen.eigenvectors, &slopes))
+                (0.5 * (trace / size).ln(), scaled_gram(&eigenvectors, &slopes))
             }
             Self::IOptimality { workspace, joints } => {
-                let inverse = scaled_gram(&eigen.eigenvectors, &lambda.map(|v| 1.0 / v));
+                let inverse = scaled_gram(&eigenvectors, &lambda.map(|v| 1.0 / v));
                 let product = &inverse * *workspace;
                 let trace = product.trace();
                 let gradient = (&product * &inverse) * (-0.5 / trace);
@@ -118,13 +119,16 @@ fn through_scaling(gram: DMatrix<f64>, f: impl FnOnce(DMatrix<f64>) -> (f64, DMa
     (value, back)
 }
 
-/// `V diag(d) Vᵀ`.
+/// `V diag(d) Vᵀ`, without the d that are lost beside the largest in rounding: of the sharp condition number all but a few.
 fn scaled_gram(v: &DMatrix<f64>, d: &DVector<f64>) -> DMatrix<f64> {
-    let mut scaled = v.clone();
-    for (mut column, d) in scaled.column_iter_mut().zip(d.iter()) {
-        column *= *d;
+    let least = d.amax() * f64::EPSILON / d.len() as f64;
+    let seen: Vec<usize> = (0..d.len()).filter(|&i| d[i].abs() > least).collect();
+    let kept = v.select_columns(&seen);
+    let mut scaled = kept.clone();
+    for (mut column, &i) in scaled.column_iter_mut().zip(&seen) {
+        column *= d[i];
     }
-    scaled * v.transpose()
+    scaled * kept.transpose()
 }
 
 /// Every criterion of one design, none smoothed. The optimality criteria are in units of torque noise: with the noise given per

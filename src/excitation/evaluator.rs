@@ -233,11 +233,10 @@ impl<'a> Evaluator<'a> {
             let width = outputs.len();
             let weight = 2.0 * self.row_weights[j];
             part.clear();
-            part.extend(
-                outputs
-                    .iter()
-                    .flat_map(|&c| outputs.iter().map(move |&r| weight * slope[(r, c)])),
-            );
+            for &c in outputs {
+                let column = slope.column(c);
+                part.extend(outputs.iter().map(|&r| weight * column[r]));
+            }
             let to = self.weights.block_mut(j);
             let Some(beside) = &mut self.beside else {
                 let sizes = [stride, width, width];

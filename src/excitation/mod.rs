@@ -7,6 +7,7 @@ mod backoff;
 mod course;
 mod criterion;
 mod descent;
+mod eigen;
 mod epoch;
 mod evaluator;
 mod gauge;
