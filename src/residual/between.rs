@@ -20,6 +20,8 @@ pub(crate) struct BetweenFinding {
     parameters: Vec<ReportedParameter>,
     gain: f64,
     p_value: f64,
+    /// First row of an interval, counted over all periods.
+    first_row: Option<usize>,
     pub rms: Option<(RmsPair, RmsPair)>,
 }
 
@@ -71,9 +73,13 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec
             let Some((finding, periods)) = best.filter(|(f, _)| f.p_value < limit) else {
                 break;
             };
+            let start = start_rows(stretch) + shortest(stretch);
             stretch.periods = periods;
             leave_out_start(stretch);
-            found.push(finding);
+            // What goes on from the start is still the start: it is left out, and is nothing that somebody did to the arm.
+            if finding.first_row.is_none_or(|first| first > start) {
+                found.push(finding);
+            }
         }
         (whole.periods, whole.torque) = (rows.periods, rows.torque);
     }
@@ -289,6 +295,7 @@ fn drift_finding(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], drift: 
         parameters,
         gain: drift.gain,
         p_value,
+        first_row: None,
         rms: None,
     }
 }
@@ -328,7 +335,7 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
             .sum()
     };
     let (mut best, mut windows) = ((0.0, 0, 0), 0.0);
-    let shortest = (SHORTEST / stretch.interval).round().max(4.0) as usize;
+    let shortest = shortest(stretch);
     let mut width = shortest;
     while width <= rows {
         for from in (start_rows(stretch)..length.saturating_sub(width)).step_by((width / 4).max(1)) {
@@ -364,6 +371,11 @@ fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Optio
 
 /// The shortest touch looked for (s).
 const SHORTEST: f64 = 0.05;
+
+/// The same in rows.
+fn shortest(stretch: &Stretch) -> usize {
+    (SHORTEST / stretch.interval).round().max(4.0) as usize
+}
 
 fn median_period(stretch: &Stretch, j: usize) -> Vec<f64> {
     (0..stretch.rows())
@@ -439,6 +451,7 @@ fn contact_finding(
         parameters,
         gain,
         p_value,
+        first_row: Some(from),
         rms: None,
     }
 }

@@ -2,6 +2,7 @@
 
 use super::cutoff::{ABOVE_SIGNAL, signal_cutoff};
 use super::fourier_fit::fourier_fit;
+use super::spectrum::forward;
 use super::{
     Choice, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, RowFilter, Scatter,
     detect_period,
@@ -77,18 +78,45 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
     })
 }
 
-/// Whether periods scatter by noise alone, and not by torques of their own: below a tenth of the band, where the motion is, the
-/// scatter is less than 5 % of the torque, or its density no more than ten times that of the noise above.
+/// Whether periods scatter by noise alone, and not by torques of their own ([`is_noise`]): about their mean or, where they do not, from one period to the
+/// next at the median. A touch in one period, or friction that changes as the arm warms up, is something that the loop has to find and is no reason to
+/// give the periods up.
 fn torques_repeat(record: &Record) -> bool {
     let Some(scatter) = &record.scatter else { return true };
-    let mean = |lines: &[f64]| lines.iter().sum::<f64>() / lines.len().max(1) as f64;
-    scatter.spectrum.iter().zip(record.tau.iter()).all(|(spectrum, tau)| {
-        let (low, high) = spectrum.split_at(spectrum.len() / 10);
-        let torque = tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
-        // Two lines of the whole spectrum per line of this half; spectra are of the mean, periods scatter K times as much.
-        let scattered = 2.0 * low.iter().sum::<f64>() / tau.len() as f64 * scatter.periods as f64;
-        scattered < 0.05 * 0.05 * torque || mean(low) < 10.0 * mean(high)
+    let power = |tau: &Vec<f64>| tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
+    (0..record.tau.len()).all(|j| {
+        let torque = power(&record.tau[j]);
+        // Spectra are of the mean: periods scatter K times as much.
+        let single: Vec<f64> = scatter.spectrum[j].iter().map(|s| s * scatter.periods as f64).collect();
+        is_noise(&single, torque) || is_noise(&between_neighbours(scatter, j, record.tau[j].len()), torque)
     })
+}
+
+/// Half the power `|X_l|²/N` of the difference of two neighbouring periods, of the pair that has the median of all pairs.
+fn between_neighbours(scatter: &Scatter, joint: usize, samples: usize) -> Vec<f64> {
+    let (torque, usable) = (&scatter.torque[joint], &scatter.usable);
+    let power = |period: usize| {
+        let pairs = (period * samples..(period + 1) * samples).map(|s| (s, s + samples));
+        let difference: Vec<f64> = pairs
+            .map(|(a, b)| if usable[a] && usable[b] { torque[b] - torque[a] } else { 0.0 })
+            .collect();
+        let lines = forward(&difference);
+        lines.iter().map(|x| x.norm_sqr() / (2 * samples) as f64).collect()
+    };
+    let mut pairs: Vec<Vec<f64>> = (0..scatter.periods - 1).map(power).collect();
+    pairs.sort_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum()));
+    pairs.swap_remove((pairs.len() - 1) / 2)
+}
+
+/// Below a tenth of the band, where the motion is, the scatter of one period is less than 5 % of the torque, or its density no more than ten times that
+/// of the noise above.
+fn is_noise(spectrum: &[f64], torque_power: f64) -> bool {
+    let mean = |lines: &[f64]| lines.iter().sum::<f64>() / lines.len().max(1) as f64;
+    let (low, high) = spectrum.split_at(spectrum.len() / 10);
+    // Two lines of the whole spectrum per line of this half.
+    let samples = 2 * (spectrum.len() - 1);
+    let scattered = 2.0 * low.iter().sum::<f64>() / samples.max(1) as f64;
+    scattered < 0.05 * 0.05 * torque_power || mean(low) < 10.0 * mean(high)
 }
 
 /// Joints whose velocity is noise and nothing else are taken to stand still: their friction must not be fitted to noise.
