@@ -250,3 +250,24 @@ fn prop_an_effect_is_found_beside_a_fault() {
         );
     }
 }
+
+/// Strong effects bend torques more than a wrong column would leave; none of them is one. A spring pulls like gravity turned round.
+#[test]
+fn prop_no_effect_is_taken_for_a_wrong_column() {
+    let (robot, phi) = published();
+    let spring = |joint, stiffness, rest| HiddenEffect::JointSpring { joint, stiffness, rest };
+    let springs =
+        (0..robot.joint_count()).flat_map(|j| [(0.5, 0.2), (2.0, 0.2), (5.0, -0.4)].map(|(k, rest)| spring(j, k, rest)));
+    let others = CODES
+        .iter()
+        .flat_map(|code| [1, 3, 5].map(|j| Hidden::plain(code, j, &robot)))
+        .map(|h| h.at(h.largest().min(6.0)));
+    for hidden in springs.chain(others) {
+        let effects = std::slice::from_ref(&hidden);
+        let noise = sensor_noise(robot.joint_count());
+        let [log, _] = published_logs(&robot, &phi, [effects, effects], &noise, 5);
+        let column = [FaultKind::TorqueSign, FaultKind::JointOrder, FaultKind::UnitMismatch];
+        let faults = examined(&robot, &log).faults;
+        assert!(faults.iter().all(|f| !column.contains(&f.fault)), "{hidden:?}: {faults:?}");
+    }
+}

@@ -258,7 +258,8 @@ impl Projection {
     }
 
     /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such a joint is turned
-    /// where friction says so against the other joints' and the fit hardly gets worse.
+    /// where friction says so against the other joints' and the fit hardly gets worse. What would call the joint's own sign wrong is not believed against
+    /// friction, however well it fits: a spring that the model lacks pulls like gravity turned round.
     fn dissipating(&self, robot: &Robot, motion: &Motion, order: &[usize], signs: &[f64]) -> Vec<f64> {
         let mut signs = signs.to_vec();
         let power = |signs: &[f64]| friction_power(robot, motion, &self.values(order, signs));
@@ -268,7 +269,8 @@ impl Projection {
             let mut turned = signs.clone();
             turned[j] = -turned[j];
             let against = power(&signs)[j] * majority < 0.0 && power(&turned)[j] * majority > 0.0;
-            if against && self.rest(order, &turned) < TURN * self.rest(order, &signs) {
+            let claimed = signs[j] * majority < 0.0;
+            if against && (claimed || self.rest(order, &turned) < TURN * self.rest(order, &signs)) {
                 signs = turned;
             }
         }

@@ -1,0 +1,180 @@
+//! Every effect that the virtual robot can have, through `simulate` and `identify`: what was hidden is named, and nothing else.
+
+use crate::{Folder, run, stderr, stdout};
+use serde_json::{Value, json};
+
+/// Five harmonics on seven joints, within the iiwa's range.
+fn trajectory(phase: f64) -> Value {
+    let travel = [0.6, 0.45, 0.6, 0.5, 0.6, 0.6, 0.7];
+    let row = |j: usize, p: f64| -> Vec<f64> {
+        let wave = |l: usize| (p + 1.3 * j as f64 + 2.1 * l as f64).sin() / (l as f64 + 1.0).sqrt();
+        (0..5).map(|l| travel[j] * wave(l)).collect()
+    };
+    let rows = |p: f64| (0..7).map(|j| row(j, p)).collect::<Vec<_>>();
+    json!({"fourier": {"fundamental_hz": 0.1, "a": rows(phase), "b": rows(phase + 1.1)}})
+}
+
+/// A log of the virtual iiwa.
+fn record(folder: &Folder, name: &str, phase: f64, seed: u64, periods: u32, effects: &Value) -> String {
+    let request = json!({
+        "trajectory": trajectory(phase), "periods": periods, "sample_rate_hz": 200, "seed": seed, "effects": effects,
+        "noise": {"torque": [0.3, 0.3, 0.2, 0.2, 0.12, 0.12, 0.06]},
+    });
+    let request = folder.write(&format!("{name}.request.json"), &request.to_string());
+    let out = folder.file(&format!("{name}.csv"));
+    let output = run(&["simulate", "--robot", "iiwa14", "--request", &request, "--out", &out]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    out
+}
+
+/// `residual` of an identification with the effect in it, and the model.
+fn identified(folder: &Folder, effects: &Value) -> (Value, String) {
+    let log = record(folder, "log", 0.3, 1, 6, effects);
+    let request = folder.write("request.json", &json!({"feasible": {"method": "none"}}).to_string());
+    let [out, model] = ["result.json", "model.json"].map(|n| folder.file(n));
+    let output = run(&[
+        "identify",
+        "--robot",
+        "iiwa14",
+        "--request",
+        &request,
+        "--log",
+        &log,
+        "--out",
+        &out,
+        "--model",
+        &model,
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let result: Value = serde_json::from_str(&folder.read("result.json")).unwrap();
+    (result["residual"].clone(), model)
+}
+
+/// The value of a parameter of the only finding lies within four of its standard deviations: one in 16,000, and there are some forty.
+fn assert_told(residual: &Value, effect: &str, joints: &[&str], values: &[(&str, f64)]) {
+    let findings = residual["findings"].as_array().unwrap();
+    assert_eq!(findings.len(), 1, "{effect}: {findings:?}");
+    let finding = &findings[0];
+    assert_eq!(finding["effect"], effect);
+    if !joints.is_empty() {
+        assert_eq!(finding["joints"], json!(joints), "{effect}");
+    }
+    for (name, truth) in values {
+        let parameters = finding["parameters"].as_array().unwrap();
+        let parameter = parameters
+            .iter()
+            .find(|p| p["name"] == *name)
+            .unwrap_or_else(|| panic!("{effect}: no {name} in {parameters:?}"));
+        let [value, std_dev] = ["value", "std_dev"].map(|f| parameter[f].as_f64().unwrap());
+        assert!(
+            (value - truth).abs() < 4.0 * std_dev,
+            "{effect}: {name} {value} ± {std_dev}, {truth} was hidden"
+        );
+    }
+    assert_eq!(residual["verdict"], "explained", "{effect}");
+}
+
+fn assert_traced(effect: &str, hidden: Value, joints: &[&str], values: &[(&str, f64)]) {
+    let folder = Folder::new(&format!("effect-{effect}"));
+    let mut hidden = hidden;
+    hidden["effect"] = effect.into();
+    let (residual, _) = identified(&folder, &json!([hidden]));
+    assert_told(&residual, effect, joints, values);
+}
+
+#[test]
+fn prop_friction_is_traced_from_simulated_logs() {
+    let stribeck = json!({"joint": "A2", "amplitude": 1.5, "velocity": 0.1, "exponent": 2});
+    assert_traced(
+        "stribeck_friction",
+        stribeck,
+        &["A2"],
+        &[("amplitude", 1.5), ("velocity", 0.1)],
+    );
+    let nonlinear = json!({"joint": "A3", "coefficient": 1.2, "exponent": 2});
+    assert_traced("nonlinear_viscous_friction", nonlinear, &["A3"], &[("coefficient", 1.2)]);
+    let asymmetric = json!({"joint": "A5", "coefficient": 0.4});
+    assert_traced("asymmetric_viscous_friction", asymmetric, &["A5"], &[("coefficient", 0.4)]);
+    let loaded = json!({"joint": "A2", "coefficient": 0.06});
+    assert_traced("load_dependent_friction", loaded, &["A2"], &[("coefficient", 0.06)]);
+    let hysteresis = json!({"joint": "A4", "amplitude": 1.0, "width": 0.03});
+    assert_traced(
+        "presliding_hysteresis",
+        hysteresis,
+        &["A4"],
+        &[("amplitude", 1.0), ("width", 0.03)],
+    );
+    let drift = json!({"joint": "A2", "viscous": 1.0, "coulomb": 1.5, "time_constant": 25});
+    assert_traced("friction_drift", drift, &["A2"], &[("time_constant", 25.0)]);
+}
+
+#[test]
+fn prop_what_hangs_on_a_joint_is_traced_from_simulated_logs() {
+    assert_traced(
+        "torque_offset",
+        json!({"joint": "A4", "offset": 0.4}),
+        &["A4"],
+        &[("offset", 0.4)],
+    );
+    assert_traced(
+        "rotor_inertia",
+        json!({"joint": "A4", "inertia": 0.3}),
+        &["A4"],
+        &[("inertia", 0.3)],
+    );
+    let coupling = json!({"joints": ["A5", "A6"], "ratio": 1, "viscous": 0.4, "coulomb": 0.4, "inertia": 0.1});
+    let truth = [("viscous", 0.4), ("coulomb", 0.4), ("inertia", 0.1)];
+    assert_traced("transmission_coupling", coupling, &["A5", "A6"], &truth);
+    // As strong as gravity on that joint, and against it.
+    let spring = json!({"joint": "A6", "stiffness": 1.0, "rest": 0.2});
+    assert_traced("joint_spring", spring, &["A6"], &[("stiffness", 1.0), ("rest_position", 0.2)]);
+    let ripple = json!({"joint": "A5", "amplitude": 0.3, "cycles": 12, "phase": 0.5});
+    assert_traced("position_ripple", ripple, &["A5"], &[("amplitude", 0.3), ("cycles", 12.0)]);
+    let soft = json!({"joint": "A2", "stiffness": 3000});
+    assert_traced("joint_elasticity", soft, &["A2"], &[("stiffness", 3000.0)]);
+}
+
+#[test]
+fn prop_geometry_and_sensors_are_traced_from_simulated_logs() {
+    assert_traced(
+        "encoder_offset",
+        json!({"joint": "A4", "offset": 0.03}),
+        &["A4"],
+        &[("offset", 0.03)],
+    );
+    let tilt = json!({"roll": 0.02, "pitch": -0.015});
+    assert_traced("base_tilt", tilt, &[], &[("roll", 0.02), ("pitch", -0.015)]);
+    assert_traced("torque_delay", json!({"seconds": 0.008}), &[], &[("delay", 0.008)]);
+    assert_traced("torque_gain", json!({"joint": "A4", "gain": 1.1}), &["A4"], &[("gain", 1.1)]);
+    let crosstalk = json!({"joint": "A3", "from": "A1", "coefficient": 0.05});
+    assert_traced("torque_crosstalk", crosstalk, &["A3", "A1"], &[("coefficient", 0.05)]);
+    let touch = json!({"start": 23.0, "end": 24.0, "torque": [0, 0, 0, 2.0, 0, 0, 0]});
+    // Edges are told to a sample, 5 ms.
+    assert_traced("external_contact", touch, &["A4"], &[("start", 23.0), ("end", 24.0)]);
+}
+
+#[test]
+fn prop_what_has_no_name_is_left_unexplained() {
+    let folder = Folder::new("effect-unmodelled");
+    let (residual, _) = identified(
+        &folder,
+        &json!([{"effect": "unmodelled", "joints": ["A2", "A4"], "amplitude": 1.5}]),
+    );
+    assert_eq!(residual["verdict"], "unexplained", "{residual}");
+    assert_eq!(residual["findings"], json!([]));
+    assert_eq!(residual["remainder"]["joints"], json!(["A2"]));
+}
+
+#[test]
+fn prop_a_payload_is_traced_against_the_model_without_it() {
+    let folder = Folder::new("effect-payload");
+    let (nothing, model) = identified(&folder, &json!([]));
+    assert_eq!(nothing["verdict"], "nothing_missing", "{nothing}");
+    let body = json!({"effect": "payload", "mass": 1.2, "center_of_mass": [0.01, 0.02, 0.08],
+        "inertia": [[0.002, 0, 0], [0, 0.002, 0], [0, 0, 0.002]]});
+    let loaded = record(&folder, "loaded", 2.0, 2, 3, &json!([body]));
+    let output = run(&["--json", "validate", "--model", &model, "--log", &loaded]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_told(&result["residual"], "payload", &["A7"], &[("mass", 1.2), ("center_z", 0.08)]);
+}
