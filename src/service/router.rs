@@ -1,6 +1,6 @@
 //! All routes. A route and its documentation are registered together.
 
-use super::access::authenticate;
+use super::access::{authenticate, turn_away};
 use super::api;
 use super::config::Config;
 use super::problem::{Failure, internal_error};
@@ -11,7 +11,7 @@ use crate::app::{Code, Error};
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::Uri;
-use axum::middleware::from_fn_with_state;
+use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
@@ -123,11 +123,13 @@ pub fn openapi_json() -> String {
 pub fn router(service: Service) -> Router {
     let (routes, open, document) = documented(service.config().largest_upload);
     let largest = service.config().largest_document;
-    let routes = routes.layer(from_fn_with_state(service.clone(), authenticate));
+    // From the inside out: who asks is found first, counted next, and turned away last, so that refused requests count as well.
+    let routes = routes.layer(from_fn(turn_away));
     let routes = match rate::limit(service.config()) {
         Some(layer) => routes.layer(layer),
         None => routes,
     };
+    let routes = routes.layer(from_fn_with_state(service.clone(), authenticate));
     routes
         .merge(open)
         .merge(crate::web::pages())
