@@ -86,6 +86,7 @@ pub struct NewJob {
 pub struct Key {
     pub name: String,
     pub body: String,
+    pub kind: Kind,
 }
 
 /// How many of a class may wait: long searches that fill their queue do not keep short jobs out.
@@ -144,7 +145,7 @@ impl Store {
     /// Puts a job into the queue. When this returns, the job is on the disk: it will be done whatever happens to this process.
     ///
     /// # Errors
-    /// Too many wait already; the key came with another body before.
+    /// Too many wait already; the key came with another body, or for other work, before.
     pub async fn submit(&self, job: &NewJob, key: Option<&Key>, most: Waiting, entry: &AuditEntry) -> Result<Submission, Error> {
         let mut transaction = self.begin().await?;
         if let Some(key) = key
@@ -181,14 +182,10 @@ impl Store {
     /// The job that a key began.
     ///
     /// # Errors
-    /// The key came with another body.
-    pub async fn begun_with(&self, scope: &str, name: &str, body: &str) -> Result<Option<JobRow>, Error> {
-        let key = Key {
-            name: name.to_string(),
-            body: body.to_string(),
-        };
+    /// The key came with another body, or for other work.
+    pub async fn begun_with(&self, scope: &str, key: &Key) -> Result<Option<JobRow>, Error> {
         let mut transaction = self.pool.begin().await.map_err(unavailable)?;
-        let id = known(&mut transaction, scope, &key).await?;
+        let id = known(&mut transaction, scope, key).await?;
         drop(transaction);
         match id {
             Some(id) => self.job(&id).await,
@@ -319,24 +316,30 @@ impl Store {
 
 /// The job that a key began.
 async fn known(transaction: &mut Transaction, scope: &str, key: &Key) -> Result<Option<String>, Error> {
-    let row = sqlx::query("SELECT body, job FROM idempotency_keys WHERE scope = $1 AND name = $2")
-        .bind(scope)
-        .bind(&key.name)
-        .fetch_optional(&mut **transaction)
-        .await
-        .map_err(unavailable)?;
+    // The kind stands with the job, which is forgotten together with its key.
+    let row = sqlx::query(
+        "SELECT k.body, k.job, j.kind FROM idempotency_keys k JOIN jobs j ON j.id = k.job WHERE k.scope = $1 AND k.name = $2",
+    )
+    .bind(scope)
+    .bind(&key.name)
+    .fetch_optional(&mut **transaction)
+    .await
+    .map_err(unavailable)?;
     let Some(row) = row else { return Ok(None) };
-    let (body, job): (String, String) = (
-        row.try_get("body").map_err(unavailable)?,
-        row.try_get("job").map_err(unavailable)?,
-    );
-    if body != key.body {
-        return Err(Error::new(
-            Code::IdempotencyKeyReused,
-            format!("the key `{}` came with another document before", key.name),
-        ));
+    let text = |name: &str| row.try_get::<String, _>(name).map_err(unavailable);
+    let (body, job, kind) = (text("body")?, text("job")?, text("kind")?);
+    let reused = |before: &str| {
+        let detail = format!("the key `{}` came {before} before", key.name);
+        Error::new(Code::IdempotencyKeyReused, detail)
+            .with_hint("send a new key with every new request; only a retry has that of the first try")
+    };
+    if kind != key.kind.name() {
+        return Err(reused(&format!("with a request for another kind of work ({kind})")));
     }
-    Ok(Some(job))
+    match body == key.body {
+        true => Ok(Some(job)),
+        false => Err(reused("with another document")),
+    }
 }
 
 async fn insert(transaction: &mut Transaction, job: &NewJob) -> Result<(), Error> {
