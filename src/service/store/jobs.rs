@@ -81,7 +81,8 @@ pub struct NewJob {
     pub files: Vec<String>,
 }
 
-/// An `Idempotency-Key` and the hash of the body it came with.
+/// An `Idempotency-Key`, the hash of the body it came with, and the kind of work that was asked for: the same body means another thing
+/// at another address.
 #[derive(Debug, Clone)]
 pub struct Key {
     pub name: String,
@@ -95,6 +96,47 @@ pub struct Waiting {
     pub in_all: usize,
     pub per_robot: usize,
     pub per_token: usize,
+}
+
+/// A place in the list of jobs, the newest first: behind the job of this time and id. Jobs of the same microsecond stand in the order of their ids.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JobPlace {
+    pub created_us: i64,
+    pub id: String,
+}
+
+impl JobPlace {
+    /// Before all jobs.
+    pub fn first() -> Self {
+        Self {
+            created_us: i64::MAX,
+            id: String::new(),
+        }
+    }
+
+    pub fn behind(job: &JobRow) -> Self {
+        Self {
+            created_us: job.created_us,
+            id: job.id.clone(),
+        }
+    }
+
+    /// `TIME.ID`, or `TIME` alone for what is older than that microsecond.
+    pub fn read(text: &str) -> Option<Self> {
+        let (time, id) = text.split_once('.').unwrap_or((text, ""));
+        let is_id = id.len() <= 64 && id.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
+        let created_us = time.parse().ok().filter(|t: &i64| *t >= 0)?;
+        is_id.then(|| Self {
+            created_us,
+            id: id.to_string(),
+        })
+    }
+}
+
+impl std::fmt::Display for JobPlace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}.{}", self.created_us, self.id)
+    }
 }
 
 /// What became of a request for work.
@@ -248,19 +290,20 @@ impl Store {
         row.as_ref().map(JobRow::read).transpose()
     }
 
-    /// The newest `most` jobs older than `before` that `robots` names (all if it is `None`).
-    pub async fn jobs(&self, robots: Option<&[String]>, before: Option<i64>, most: usize) -> Result<Vec<JobRow>, Error> {
+    /// The newest `most` jobs behind `place` that `robots` names (all if it is `None`).
+    pub async fn jobs(&self, robots: Option<&[String]>, place: &JobPlace, most: usize) -> Result<Vec<JobRow>, Error> {
         let names = robots.unwrap_or_default();
-        let places: Vec<String> = (0..names.len()).map(|i| format!("${}", i + 3)).collect();
+        let places: Vec<String> = (0..names.len()).map(|i| format!("${}", i + 4)).collect();
         let of_robots = match robots {
             None => String::new(),
             Some([]) => "AND 1 = 0".to_string(),
             Some(_) => format!("AND robot IN ({})", places.join(", ")),
         };
         let sql = self.sql(&format!(
-            "SELECT {COLUMNS} FROM jobs WHERE created_us < $1 {of_robots} ORDER BY created_us DESC, id DESC LIMIT $2"
+            "SELECT {COLUMNS} FROM jobs WHERE (created_us < $1 OR (created_us = $1 AND id < $2)) {of_robots} \
+             ORDER BY created_us DESC, id DESC LIMIT $3"
         ));
-        let mut query = sqlx::query(sql).bind(before.unwrap_or(i64::MAX)).bind(most as i64);
+        let mut query = sqlx::query(sql).bind(place.created_us).bind(&place.id).bind(most as i64);
         for name in names {
             query = query.bind(name);
         }

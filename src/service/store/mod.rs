@@ -17,7 +17,7 @@ pub use audit::AuditEntry;
 pub use dump::{Amount, backup, restore};
 pub use files::{Files, NewFile, hex, sha256};
 pub use found::{FoundRow, Spent};
-pub use jobs::{JobRow, Key, NewJob, State, Submission, Waiting};
+pub use jobs::{JobPlace, JobRow, Key, NewJob, State, Submission, Waiting};
 pub use queue::{Claimed, Ended, Renewed};
 pub use shares::{Share, ShareResult};
 pub use tokens::{Role, TokenRow};
