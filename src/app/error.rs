@@ -9,6 +9,7 @@ pub enum Code {
     MalformedDocument,
     InvalidDocument,
     InvalidQuery,
+    MalformedAddress,
     NotFound,
     UnknownRobot,
     UnknownJob,
@@ -42,12 +43,13 @@ pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 
 impl Code {
-    pub const ALL: [Code; 29] = {
+    pub const ALL: [Code; 30] = {
         use Code::*;
         [
             MalformedDocument,
             InvalidDocument,
             InvalidQuery,
+            MalformedAddress,
             NotFound,
             UnknownRobot,
             UnknownJob,
@@ -55,7 +57,7 @@ impl Code {
             MethodNotAllowed,
             RobotExists,
             RobotReadOnly,
-            UnknownIdentification,
+                    UnknownIdentification,
             InvalidLog,
             NoModel,
             NoResult,
@@ -88,6 +90,7 @@ impl Code {
                 "The document says something that cannot be",
             ),
             Code::InvalidQuery => ("invalid_query", 400, EXIT_BAD_INPUT, "The query string is wrong"),
+            Code::MalformedAddress => ("malformed_address", 400, EXIT_BAD_INPUT, "The address cannot be read"),
             Code::NotFound => ("not_found", 404, EXIT_BAD_INPUT, "There is nothing at this address"),
             Code::UnknownRobot => ("unknown_robot", 404, EXIT_BAD_INPUT, "There is no such robot"),
             Code::UnknownJob => ("unknown_job", 404, EXIT_BAD_INPUT, "There is no such job"),

@@ -1,6 +1,7 @@
 //! All routes. A route and its documentation are registered together.
 
 use super::access::{authenticate, turn_away};
+use super::address::refuse_unreadable;
 use super::api;
 use super::config::Config;
 use super::problem::{Failure, internal_error};
@@ -96,10 +97,11 @@ fn say_what_any_may_answer(document: &mut Document) {
         ("429", "Too many requests, or too many waiting jobs; see `Retry-After`"),
         ("503", "Database or disk fail, or too many jobs wait; see `Retry-After`"),
     ];
-    for item in document.paths.paths.values_mut() {
+    for (path, item) in document.paths.paths.iter_mut() {
+        let names = path.contains('{').then_some(("400", "The address is not UTF-8 text"));
         let operations = [&mut item.get, &mut item.put, &mut item.post, &mut item.delete];
         for operation in operations.into_iter().flatten() {
-            for (status, text) in all {
+            for (status, text) in names.into_iter().chain(all) {
                 let answers = &mut operation.responses.responses;
                 answers.entry(status.to_string()).or_insert_with(|| problem(text).into());
             }
@@ -137,6 +139,7 @@ pub fn router(service: Service) -> Router {
         .fallback(nothing_here)
         .method_not_allowed_fallback(method_not_allowed)
         .layer(DefaultBodyLimit::max(largest))
+        .layer(from_fn(refuse_unreadable))
         // Events must go out as they happen: the compressor leaves text/event-stream alone.
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(panicked))
