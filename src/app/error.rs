@@ -17,6 +17,7 @@ pub enum Code {
     MethodNotAllowed,
     RobotExists,
     RobotReadOnly,
+    RobotUnreadable,
     UnknownIdentification,
     InvalidLog,
     NoModel,
@@ -43,7 +44,7 @@ pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 
 impl Code {
-    pub const ALL: [Code; 30] = {
+    pub const ALL: [Code; 31] = {
         use Code::*;
         [
             MalformedDocument,
@@ -57,7 +58,8 @@ impl Code {
             MethodNotAllowed,
             RobotExists,
             RobotReadOnly,
-                    UnknownIdentification,
+            RobotUnreadable,
+            UnknownIdentification,
             InvalidLog,
             NoModel,
             NoResult,
@@ -116,6 +118,7 @@ impl Code {
                 EXIT_BAD_INPUT,
                 "Robots that come with the program cannot be changed",
             ),
+            Code::RobotUnreadable => ("robot_unreadable", 500, EXIT_INTERNAL, "A stored robot cannot be read"),
             Code::NoResult => ("no_result", 409, EXIT_BAD_INPUT, "The job ended without a result"),
             Code::NoTrajectory => ("no_trajectory", 409, EXIT_BAD_INPUT, "There is no trajectory"),
             Code::IdempotencyKeyReused => (

@@ -71,7 +71,7 @@ impl Known {
                     known.robots.insert(name.to_string(), document);
                 }
                 // The reader of the request says so, with the place.
-                Err(e) if e.code == Code::UnknownRobot => {}
+                Err(e) if matches!(e.code, Code::UnknownRobot | Code::RobotUnreadable) => {}
                 Err(e) => return Err(e),
             }
         }
