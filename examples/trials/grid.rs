@@ -126,7 +126,8 @@ fn on_joint(finding: &str, robot: &Robot, hidden: &HiddenEffect) -> bool {
         | EncoderOffset { joint, .. }
         | TorqueGain { joint, .. }
         | TorqueCrosstalk { joint, .. }
-        | FrictionDrift { joint, .. } => *joint,
+        | FrictionDrift { joint, .. }
+        | TorqueDrift { joint, .. } => *joint,
         TransmissionCoupling { joints, .. } | Unmodelled { joints, .. } => joints[0],
         ExternalContact { torque, .. } => torque.iter().position(|t| *t != 0.0).unwrap_or(0),
     };

@@ -108,6 +108,7 @@ pub fn truth(hidden: &HiddenEffect) -> Truth {
             torque.iter().enumerate().filter(|t| *t.1 != 0.0).map(|t| t.0).collect(),
             vec![("start", *start), ("end", *end)],
         ),
+        TorqueDrift { joint, .. } => ("unexplained", vec![*joint], vec![]),
         Unmodelled { joints, .. } => ("unexplained", joints.to_vec(), vec![]),
     };
     Truth { code, joints, values }
@@ -198,7 +199,11 @@ fn remainder(outcome: &Outcome, truth: &Truth) -> (Mark, Option<String>) {
     let Some(rest) = &outcome.report.remainder else {
         return (Mark::Wrong, Some("unexplained missed".into()));
     };
-    let mut wanted: Vec<String> = truth.joints.iter().map(|j| format!("q{}", j + 1)).collect();
+    // What goes with the motion goes with the positions of two joints, what does not with time.
+    let mut wanted: Vec<String> = match truth.joints.len() {
+        1 => vec!["time".into()],
+        _ => truth.joints.iter().map(|j| format!("q{}", j + 1)).collect(),
+    };
     let mut have = rest.depends_on.clone();
     wanted.sort();
     have.sort();
@@ -214,7 +219,10 @@ fn held_out(outcome: &Outcome, hidden: &[HiddenEffect]) -> Option<String> {
     let stays = |h: &HiddenEffect| {
         matches!(
             h,
-            HiddenEffect::Unmodelled { .. } | HiddenEffect::FrictionDrift { .. } | HiddenEffect::ExternalContact { .. }
+            HiddenEffect::Unmodelled { .. }
+                | HiddenEffect::TorqueDrift { .. }
+                | HiddenEffect::FrictionDrift { .. }
+                | HiddenEffect::ExternalContact { .. }
         )
     };
     let after = &outcome.report.rms_after.held_out;

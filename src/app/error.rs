@@ -9,6 +9,7 @@ pub enum Code {
     MalformedDocument,
     InvalidDocument,
     InvalidQuery,
+    MalformedAddress,
     NotFound,
     UnknownRobot,
     UnknownJob,
@@ -16,6 +17,7 @@ pub enum Code {
     MethodNotAllowed,
     RobotExists,
     RobotReadOnly,
+    RobotUnreadable,
     UnknownIdentification,
     InvalidLog,
     NoModel,
@@ -42,12 +44,13 @@ pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 
 impl Code {
-    pub const ALL: [Code; 29] = {
+    pub const ALL: [Code; 31] = {
         use Code::*;
         [
             MalformedDocument,
             InvalidDocument,
             InvalidQuery,
+            MalformedAddress,
             NotFound,
             UnknownRobot,
             UnknownJob,
@@ -55,6 +58,7 @@ impl Code {
             MethodNotAllowed,
             RobotExists,
             RobotReadOnly,
+            RobotUnreadable,
             UnknownIdentification,
             InvalidLog,
             NoModel,
@@ -88,6 +92,7 @@ impl Code {
                 "The document says something that cannot be",
             ),
             Code::InvalidQuery => ("invalid_query", 400, EXIT_BAD_INPUT, "The query string is wrong"),
+            Code::MalformedAddress => ("malformed_address", 400, EXIT_BAD_INPUT, "The address cannot be read"),
             Code::NotFound => ("not_found", 404, EXIT_BAD_INPUT, "There is nothing at this address"),
             Code::UnknownRobot => ("unknown_robot", 404, EXIT_BAD_INPUT, "There is no such robot"),
             Code::UnknownJob => ("unknown_job", 404, EXIT_BAD_INPUT, "There is no such job"),
@@ -113,6 +118,7 @@ impl Code {
                 EXIT_BAD_INPUT,
                 "Robots that come with the program cannot be changed",
             ),
+            Code::RobotUnreadable => ("robot_unreadable", 500, EXIT_INTERNAL, "A stored robot cannot be read"),
             Code::NoResult => ("no_result", 409, EXIT_BAD_INPUT, "The job ended without a result"),
             Code::NoTrajectory => ("no_trajectory", 409, EXIT_BAD_INPUT, "There is no trajectory"),
             Code::IdempotencyKeyReused => (

@@ -272,16 +272,22 @@ impl Teller<'_> {
             let at = joints.iter().position(|&k| k == j).unwrap_or(0);
             significant(r.rms.get(at).copied().unwrap_or(f64::NAN), 3)
         });
+        let unsteady = |name: &String| ["time", "period"].contains(&name.as_str());
+        let predicting = match (r.depends_on.iter().all(unsteady), r.depends_on.len()) {
+            (true, _) => "that predicts",
+            (false, 1) => "smooth functions of this predict",
+            (false, _) => "smooth functions of these predict",
+        };
+        let on: Vec<&str> = r.depends_on.iter().map(|name| variable_in_words(name)).collect();
         format!(
-            "{} {values} above the noise that no effect explains. It depends on {}: smooth functions of {} predict {} % of it.",
+            "{} {values} above the noise that no effect explains. It depends on {}: {predicting} {} % of it.",
             sentence(&format!(
                 "{} {}",
                 self.at(&r.joints),
                 if joints.len() > 1 { "keep" } else { "keeps" }
             ))
             .trim_end_matches('.'),
-            listed(&r.depends_on, "and"),
-            if r.depends_on.len() > 1 { "these" } else { "this" },
+            listed(&on, "and"),
             significant(100.0 * r.predicted_share, 2),
         )
     }
@@ -339,6 +345,15 @@ fn sentence(text: &str) -> String {
     let mut letters = text.trim_end_matches('.').chars();
     let first: String = letters.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
     format!("{first}{}.", letters.as_str())
+}
+
+/// A variable of a remainder as it is said: states of joints by their symbols.
+fn variable_in_words(name: &str) -> &str {
+    match name {
+        "time" => "the time of the log, whatever the motion",
+        "period" => "which period of the log it is",
+        symbol => symbol,
+    }
 }
 
 #[cfg(test)]

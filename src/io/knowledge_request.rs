@@ -20,6 +20,10 @@ pub const PLACE_FIELDS: &[&str] = &["effect", "joints"];
 pub const GIVEN_DESIGN_FIELDS: &[&str] = &["excitation", "periods"];
 pub const GIVEN_TRAJECTORY_FIELDS: &[&str] = &["coefficients", "offset", "fundamental_hz", "periods"];
 
+/// Most entries of `given`. Each costs an information matrix over a period of its motion, or the reading of a model, before the search
+/// begins; whoever has recorded more than this has them in fewer identifications.
+pub const MOST_GIVEN: usize = 100;
+
 /// An identified model with its robot.
 #[derive(Debug, Clone)]
 pub struct DesignModel {
@@ -184,7 +188,7 @@ pub(super) fn read_knowledge(
             });
         }
     }
-    let given = fields.nullable("given").and_then(|c| c.items()).unwrap_or_default();
+    let given = fields.nullable("given").and_then(|c| given_items(&c)).unwrap_or_default();
     let read = given.iter().filter_map(|c| read_given(c, known, robot, &base, &terms.terms));
     knowledge.given = read.collect();
     let most = 1_000_000;
@@ -230,6 +234,20 @@ fn known_of(model: &DesignModel, base: &BaseParameters, wanted: &[Term]) -> DMat
         terms.push(rival.term.clone());
     }
     information_over(&read.model.base, &terms, &information, base, wanted)
+}
+
+/// The entries of `given`, none of them read where there are too many.
+fn given_items<'a>(cursor: &Cursor<'a>) -> Option<Vec<Cursor<'a>>> {
+    let items = cursor.items()?;
+    if items.len() > MOST_GIVEN {
+        cursor.complain_with(
+            format!("has {} entries, at most {MOST_GIVEN} are taken", items.len()),
+            "identify several logs together and give that identification, which holds what all of them say; \
+             or give one entry with its `periods` where the same motion was recorded again",
+        );
+        return None;
+    }
+    Some(items)
 }
 
 fn read_given(cursor: &Cursor, known: &dyn NamedRobots, robot: &Robot, base: &BaseParameters, wanted: &[Term]) -> Option<Given> {
@@ -279,4 +297,35 @@ fn read_given_design(cursor: &Cursor, known: &dyn NamedRobots, robot: &Robot) ->
         id.complain("is a design for another robot, or one that ended without a trajectory");
     }
     read.map(|series| (series, periods))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::MOST_GIVEN;
+    use crate::io::shipped::Shipped;
+    use crate::io::{parse, read_excitation_request};
+    use serde_json::json;
+
+    fn findings(entries: usize) -> Vec<String> {
+        let request = json!({"robot": "planar_two_link", "fourier": {"order": 3, "fundamental_hz": 0.2}, "sample_rate_hz": 50,
+            "given": vec![json!({"excitation": "nothing"}); entries]});
+        let parsed = parse(request.to_string().as_bytes()).unwrap();
+        let errors = read_excitation_request(&parsed, &Shipped).unwrap_err();
+        errors.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn regress_what_is_given_is_bounded() {
+        // Every entry is looked at up to the bound, and none beyond it.
+        assert!(
+            findings(MOST_GIVEN)
+                .iter()
+                .all(|f| f.contains("is no design with a trajectory"))
+        );
+        assert_eq!(findings(MOST_GIVEN).len(), MOST_GIVEN);
+        let beyond = findings(MOST_GIVEN + 1);
+        assert_eq!(beyond.len(), 1, "{beyond:?}");
+        let expected = "/given: has 101 entries, at most 100 are taken (identify several logs together";
+        assert!(beyond[0].starts_with(expected), "{beyond:?}");
+    }
 }

@@ -39,7 +39,7 @@ pub use identify_document::*;
 pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
 pub use inspect_document::{InspectDocument, InspectedJoint, InspectedLog};
 pub use json::{Malformed, Parsed, parse};
-pub use knowledge_request::{DesignModel, DesignTerms};
+pub use knowledge_request::{DesignModel, DesignTerms, MOST_GIVEN};
 pub use model_document::{robot_value, urdf};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};

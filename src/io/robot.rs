@@ -376,8 +376,13 @@ pub(super) fn read_robot_or_name(cursor: &Cursor, known: &dyn NamedRobots) -> Op
         return read_robot(cursor);
     };
     let found = known.named(name);
-    if found.is_none() {
-        let names = known.names();
+    let names = known.names();
+    if found.is_none() && names.contains(name) {
+        cursor.complain_with(
+            format!("is `{name}`, a robot whose stored document cannot be read"),
+            "keep it anew under its name, or give another robot",
+        );
+    } else if found.is_none() {
         let names: Vec<(&str, ())> = names.iter().map(|n| (n.as_str(), ())).collect();
         cursor.choice(&names);
     }

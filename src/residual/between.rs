@@ -2,11 +2,15 @@
 //!
 //! Deviations of every period from the average need no model of the robot. Drift on a joint is friction columns times the course of
 //! warming up; a contact is a level on all joints in an interval of time. Whichever explains more is taken out of the data, and the search
-//! goes on until neither is beyond chance.
+//! goes on until neither is beyond chance. Where a level of one joint that goes with time or period, which no cause is known of, explains clearly more,
+//! it is taken out as well, and told as a remainder.
 
 use super::candidate::chance;
+use super::levels::{best_level, without_slow};
+use super::remainder::PREFERENCE;
 use super::system::reduce;
 use super::trace::joint_names;
+use super::unsteady::{TakenOut, Unsteady};
 use super::{Evidence, Finding, NoiseModel, ReportedParameter, RmsPair, Stretch};
 use crate::effects::by_code;
 use crate::model::Robot;
@@ -26,6 +30,11 @@ pub(crate) struct BetweenFinding {
 }
 
 impl BetweenFinding {
+    /// Two log evidence ratios, at the log of about ten thousand rows for every parameter.
+    fn evidence(&self) -> f64 {
+        self.gain - self.parameters.len() as f64 * 9.0
+    }
+
     pub fn finding(&self, robot: &Robot, otherwise: &RmsPair) -> Finding {
         let (rms_before, rms_after) = self.rms.clone().unwrap_or((otherwise.clone(), otherwise.clone()));
         let note = match self.effect {
@@ -40,7 +49,7 @@ impl BetweenFinding {
             rms_after,
             evidence: Evidence {
                 gain: self.gain,
-                log_evidence_ratio: self.gain - self.parameters.len() as f64 * 9.0,
+                log_evidence_ratio: self.evidence(),
                 p_value: self.p_value,
                 held_out_blocks: self.gain,
                 held_out_periods: None,
@@ -53,37 +62,80 @@ impl BetweenFinding {
 
 const MOST_FINDINGS: usize = 6;
 
-/// The stretches without drift and contacts, and what they were.
-pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> (Vec<Stretch>, Vec<BetweenFinding>) {
-    let mut cleaned = stretches.to_vec();
-    let mut found: Vec<BetweenFinding> = Vec::new();
-    for whole in cleaned.iter_mut().filter(|s| s.periods.len() >= 3) {
-        // One sample of the motion to every row.
-        let mut rows = whole.as_coarse();
-        let stretch = &mut rows;
-        leave_out_start(stretch);
-        for _ in 0..MOST_FINDINGS {
-            let Some(noise) = robust_noise(stretch) else { break };
-            let drift = best_drift(robot, stretch, &noise);
-            let contact = best_contact(robot, stretch, &noise);
-            let best = match (drift, contact) {
-                (Some(d), Some(c)) => Some(if d.0.gain > c.0.gain { d } else { c }),
-                (d, c) => d.or(c),
-            };
-            let Some((finding, periods)) = best.filter(|(f, _)| f.p_value < limit) else {
-                break;
-            };
-            let start = start_rows(stretch) + shortest(stretch);
-            stretch.periods = periods;
-            leave_out_start(stretch);
-            // What goes on from the start is still the start: it is left out, and is nothing that somebody did to the arm.
-            if finding.first_row.is_none_or(|first| first > start) {
-                found.push(finding);
+/// What changes between the periods, and the stretches without it.
+pub(crate) struct Separated {
+    /// Without drift, contacts and levels: what the model is fitted to.
+    pub steady: Vec<Stretch>,
+    /// Without drift and contacts, which are explained: what errors are told of.
+    pub explained: Vec<Stretch>,
+    pub found: Vec<BetweenFinding>,
+    /// Levels that nothing explains.
+    pub unsteady: Vec<Unsteady>,
+}
+
+pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> Separated {
+    let mut all = Separated {
+        steady: Vec::new(),
+        explained: Vec::new(),
+        found: Vec::new(),
+        unsteady: Vec::new(),
+    };
+    for stretch in stretches {
+        let mut steady = stretch.clone();
+        let mut explained = stretch.clone();
+        if stretch.periods.len() >= 3 {
+            // One sample of the motion to every row.
+            let mut rows = stretch.as_coarse();
+            let taken = separated(robot, &mut rows, limit, &mut all.found);
+            if let Some(noise) = robust_noise(&rows).filter(|_| taken.count() > 0) {
+                all.unsteady.extend(taken.told(&rows, &noise));
             }
+            let whole = taken.put_back(&rows);
+            (explained.periods, explained.torque) = (whole.periods, whole.torque);
+            (steady.periods, steady.torque) = (rows.periods, rows.torque);
         }
-        (whole.periods, whole.torque) = (rows.periods, rows.torque);
+        all.steady.push(steady);
+        all.explained.push(explained);
     }
-    (cleaned, found)
+    all
+}
+
+/// Takes out of a stretch what changes between its periods, the strongest first; levels are handed back.
+fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<BetweenFinding>) -> TakenOut {
+    let mut taken = TakenOut::default();
+    let (mut named, most_levels) = (0, 2 * stretch.joints());
+    leave_out_start(stretch);
+    while named < MOST_FINDINGS && taken.count() < most_levels {
+        let Some(noise) = robust_noise(stretch) else { break };
+        let best = best_named(robot, stretch, &noise).filter(|(f, _)| f.p_value < limit);
+        let least = best.as_ref().map_or(f64::NEG_INFINITY, |(f, _)| f.evidence() + PREFERENCE);
+        let level = best_level(stretch, &noise, start_rows(stretch), limit).filter(|l| l.evidence > least);
+        match (level, best) {
+            (Some(level), _) => taken.take(level, stretch),
+            (None, Some((finding, periods))) => {
+                stretch.periods = periods;
+                named += 1;
+                // What goes on from the start is still the start: it is left out, and is nothing that somebody did to the arm.
+                let start = start_rows(stretch) + shortest(stretch);
+                if finding.first_row.is_none_or(|first| first > start) {
+                    found.push(finding);
+                }
+            }
+            (None, None) => break,
+        }
+        leave_out_start(stretch);
+    }
+    taken
+}
+
+/// Drift or contact, whichever explains more.
+fn best_named(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
+    let drift = best_drift(robot, stretch, noise);
+    let contact = best_contact(robot, stretch, noise);
+    match (drift, contact) {
+        (Some(d), Some(c)) => Some(if d.0.gain > c.0.gain { d } else { c }),
+        (d, c) => d.or(c),
+    }
 }
 
 /// Share of the first period in which friction still remembers where the robot stood before the log: no contact, and not the periodic state.
@@ -106,8 +158,10 @@ fn leave_out_start(stretch: &mut Stretch) {
     stretch.torque = stretch.mean_over(&all);
 }
 
-/// Noise from the quieter half of the periods of every joint, so that one disturbed period raises neither its level nor its correlation.
+/// Noise from the quieter half of the periods of every joint, so that one disturbed period raises neither its level nor its correlation, and levels that
+/// differ between the periods do not either.
 fn robust_noise(stretch: &Stretch) -> Option<Vec<NoiseModel>> {
+    let stretch = &without_slow(stretch);
     (0..stretch.joints())
         .map(|j| {
             let median = median_period(stretch, j);

@@ -12,6 +12,7 @@ mod crossval;
 mod dependence;
 mod design;
 mod faults;
+mod levels;
 mod model;
 mod noise;
 mod product;
@@ -23,6 +24,8 @@ mod store;
 mod stretch;
 mod system;
 mod trace;
+mod trend;
+mod unsteady;
 
 pub use border::RivalTerm;
 pub use design::{EffectColumns, information_over};

@@ -24,7 +24,9 @@ struct Smooth {
 /// Products of functions in one smooth dependence: matching pursuit stops earlier when the next does not pay.
 const MOST_PRODUCTS: usize = 10;
 /// Effects that name a cause are preferred to a function that does not, unless the odds are 20 000 to 1 (2 ln of that).
-const PREFERENCE: f64 = 20.0;
+pub(super) const PREFERENCE: f64 = 20.0;
+/// Share of the noise of a single measurement below which a remainder is nothing to act on, and may come from the positions.
+pub(super) const LEAST_SIZE: f64 = 0.2;
 const MOST_FUNCTIONS: usize = 3;
 
 /// The selection with imitations taken back, and the remainder if there is one.
@@ -115,10 +117,11 @@ fn with_functions(data: &Data, system: &System) -> Option<System> {
 fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     let n = system.model.robot.joint_count();
     let excess = |j: usize| system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j);
-    // Five standard deviations of χ², because the noise's own correlation is an estimate; and a fifth of the noise of a single measurement,
-    // below which a remainder is nothing to act on and may come from the positions.
+    // Five standard deviations of χ², because the noise's own correlation is an estimate.
     let repetitions = data.stretches.iter().map(Stretch::repetitions).max().unwrap_or(1) as f64;
-    let least = |j: usize| (5.0 * (2.0 * system.rows(j) as f64).sqrt()).max(0.04 * repetitions * system.rows(j) as f64);
+    let least = |j: usize| {
+        (5.0 * (2.0 * system.rows(j) as f64).sqrt()).max(LEAST_SIZE * LEAST_SIZE * repetitions * system.rows(j) as f64)
+    };
     let mut rows: Vec<usize> = (0..n).filter(|&j| excess(j) > least(j)).collect();
     rows.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)));
     rows.truncate(3);

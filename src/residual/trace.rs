@@ -1,6 +1,6 @@
 //! The whole course: from stretches of data to a report and an augmented model.
 
-use super::between::{self, BetweenFinding};
+use super::between::{self, BetweenFinding, Separated};
 use super::border::{RivalTerm, border};
 use super::candidate::candidates;
 use super::model::reported;
@@ -10,6 +10,8 @@ use super::rivals::{Contest, rivals, settled};
 use super::select::{Accepted, Threshold, select};
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
+use super::trend::trends;
+use super::unsteady::{joined, remainder_of};
 use super::{
     AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, Rival, RmsPair,
     Stretch, Term, Verdict,
@@ -50,9 +52,14 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         .as_ref()
         .map_or_else(|| AugmentedModel::declared(robot), |(model, _)| model.clone());
     let prior = options.existing.as_ref().map(|(_, prior)| prior);
-    let (cleaned, between) = between::separate(robot, stretches, options.chance);
+    let Separated {
+        steady,
+        explained,
+        found: between,
+        mut unsteady,
+    } = between::separate(robot, stretches, options.chance);
     let measured = stretches;
-    let stretches = &cleaned[..];
+    let stretches = &steady[..];
     // What to add is found on the coarse forms, which have the same rows; values and errors are those of all samples.
     let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
     let mut data = Data::new(&coarse, Vec::new(), prior);
@@ -76,12 +83,23 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     if rest.is_some() || selected.accepted.len() != before_examination {
         contests = rivals(&data, &selected, fixed, &list, &threshold);
     }
+    unsteady.extend(trends(&data, &selected.system, options.chance));
+    let rest = joined(rest, remainder_of(robot, &unsteady));
     let data = fine.with_noise(data.noise);
     selected.system = data.fit(selected.system.model);
     let after = fits(&data, &selected.system);
     let verdict = verdict(selected.accepted.len() + between.len(), rest.is_some());
+    // What nothing explains was kept from the fits, and stays in the errors.
+    let stretches = &explained[..];
     let before_rms = rms(&first.model, stretches, held_out);
-    let findings = findings(&data, held_out, &start, &selected.system, &selected.accepted, &contests);
+    let findings = findings(
+        &data,
+        [stretches, held_out],
+        &start,
+        &selected.system,
+        &selected.accepted,
+        &contests,
+    );
     let mut all: Vec<Finding> = between_findings(robot, between, &first.model, measured, stretches, held_out);
     all.extend(findings);
     let report = ResidualReport {
@@ -276,22 +294,23 @@ fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
         .collect()
 }
 
-/// One finding per accepted effect; before and after by fitting the model with the effects up to it.
+/// One finding per accepted effect; before and after by fitting the model with the effects up to it. Errors are those on the stretches told.
 fn findings(
     data: &Data,
-    held_out: &[Stretch],
+    told: [&[Stretch]; 2],
     start: &AugmentedModel,
     last: &System,
     accepted: &[Accepted],
     contests: &[Contest],
 ) -> Vec<Finding> {
     let fixed = start.terms.len();
-    let mut before = rms(&data.fit(start.clone()).model, data.stretches, held_out);
+    let errors = |model: AugmentedModel| rms(&data.fit(model).model, told[0], told[1]);
+    let mut before = errors(start.clone());
     let mut list = Vec::new();
     for (i, a) in accepted.iter().enumerate() {
         let mut model = start.clone();
         model.terms.extend(last.model.terms[fixed..=fixed + i].iter().cloned());
-        let after = rms(&data.fit(model).model, data.stretches, held_out);
+        let after = errors(model);
         list.push(finding(last, fixed + i, a, &contests[i], before, after.clone()));
         before = after;
     }

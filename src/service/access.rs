@@ -134,7 +134,11 @@ impl<S: Send + Sync> FromRequestParts<S> for Access {
     }
 }
 
-/// Finds out who asks, and turns away who may not.
+/// Why a request is turned away, among its extensions until it has been counted.
+#[derive(Debug, Clone)]
+struct Refusal(Error);
+
+/// Finds out who asks. Who may not is turned away by [`turn_away`] only: between the two, requests are counted by who was found to ask.
 pub async fn authenticate(State(service): State<Service>, mut request: Request, next: Next) -> Response {
     let extensions = request.extensions();
     let peer = extensions.get::<ConnectInfo<SocketAddr>>().map(|c| c.0);
@@ -145,32 +149,33 @@ pub async fn authenticate(State(service): State<Service>, mut request: Request, 
         request: id,
     };
     match identify(&service, request.headers(), asked).await {
-        Ok(access) => {
-            request.extensions_mut().insert(access);
-            next.run(request).await
-        }
-        Err(failure) => failure.into_response(),
+        Ok(access) => drop(request.extensions_mut().insert(access)),
+        Err(error) => drop(request.extensions_mut().insert(Refusal(error))),
+    }
+    next.run(request).await
+}
+
+/// Answers requests that [`authenticate`] found no leave for.
+pub async fn turn_away(mut request: Request, next: Next) -> Response {
+    match request.extensions_mut().remove::<Refusal>() {
+        Some(Refusal(error)) => Failure(error).into_response(),
+        None => next.run(request).await,
     }
 }
 
-async fn identify(service: &Service, headers: &HeaderMap, mut access: Access) -> Result<Access, Failure> {
+async fn identify(service: &Service, headers: &HeaderMap, mut access: Access) -> Result<Access, Error> {
     if !service.config().tokens_required {
         return match forwarded(headers) && service.config().refuse_forwarded {
-            true => Err(Failure(
-                Error::new(
-                    Code::Forbidden,
-                    "the request came through a proxy, and this server is open only to its own machine",
-                )
-                .with_hint("start it with --auth on and give out tokens"),
-            )),
+            true => Err(Error::new(
+                Code::Forbidden,
+                "the request came through a proxy, and this server is open only to its own machine",
+            )
+            .with_hint("start it with --auth on and give out tokens")),
             false => Ok(access),
         };
     }
     let unauthorized = |detail: &str| {
-        Failure(
-            Error::new(Code::Unauthorized, detail)
-                .with_hint("send `Authorization: Bearer TOKEN`; dynident token create makes tokens"),
-        )
+        Error::new(Code::Unauthorized, detail).with_hint("send `Authorization: Bearer TOKEN`; dynident token create makes tokens")
     };
     let secret = bearer(headers).ok_or_else(|| unauthorized("the request has no bearer token"))?;
     let token = service.store().token(&sha256(secret.as_bytes())).await?;
@@ -186,7 +191,7 @@ fn forwarded(headers: &HeaderMap) -> bool {
         .any(|name| headers.contains_key(*name))
 }
 
-pub(super) fn bearer(headers: &HeaderMap) -> Option<&str> {
+fn bearer(headers: &HeaderMap) -> Option<&str> {
     let value = headers.get(header::AUTHORIZATION)?.to_str().ok()?;
     let (scheme, token) = value.split_once(' ')?;
     scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
@@ -210,15 +215,23 @@ pub fn new_token(name: &str, role: Role, robots: Vec<String>) -> (TokenRow, Stri
 }
 
 #[cfg(test)]
+impl Access {
+    /// That of a token that may run jobs of these robots.
+    pub(super) fn of_test(robots: &[&str]) -> Self {
+        let (row, ..) = new_token("t", Role::Run, robots.iter().map(|r| r.to_string()).collect());
+        Self {
+            token: Some(Arc::new(row)),
+            ..Self::default()
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
     fn access(robots: &[&str]) -> Access {
-        let (row, ..) = new_token("t", Role::Run, robots.iter().map(|r| r.to_string()).collect());
-        Access {
-            token: Some(Arc::new(row)),
-            ..Access::default()
-        }
+        Access::of_test(robots)
     }
 
     #[test]

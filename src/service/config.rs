@@ -42,7 +42,7 @@ pub struct Config {
     pub largest_document: usize,
     /// Largest multipart body accepted, all its logs together (bytes). Two hours of seven joints at 1 kHz are 1.3 GB of text.
     pub largest_upload: usize,
-    /// Requests that one client (a token, or an address) may make per second over a longer time; `None` for no bound.
+    /// Requests that one client (a known token, else the address that the connection comes from) may make per second over a longer time; `None` for no bound.
     pub requests_per_second: Option<u64>,
     /// Requests that it may make at once.
     pub request_burst: u32,

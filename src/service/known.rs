@@ -5,7 +5,7 @@ use super::access::Access;
 use super::state::Service;
 use crate::app::{Code, Error};
 use crate::io::shipped::{ROBOTS, Shipped};
-use crate::io::{NamedExcitations, NamedRobots, Parsed, RobotDocument, robot_document};
+use crate::io::{MOST_GIVEN, NamedExcitations, NamedRobots, Parsed, RobotDocument, robot_document};
 use crate::service::store::State;
 use crate::service::work::Kind;
 use serde::{Deserialize, Serialize};
@@ -41,9 +41,14 @@ pub fn robot_named(request: &Value) -> Option<&str> {
 
 /// Every robot that a request names: that of a model, and of data that are given, beside its own.
 fn robots_named(request: &Value) -> impl Iterator<Item = &str> {
-    let given = request["given"].as_array().into_iter().flatten();
+    let given = given(request);
     let places = [&request["robot"], &request["model"]["robot"], &request["model"]];
     places.into_iter().chain(given.map(|g| &g["robot"])).filter_map(Value::as_str)
+}
+
+/// Data that are given, as many as are read: a list that is longer is refused, whatever stands in it.
+fn given(request: &Value) -> impl Iterator<Item = &Value> {
+    request["given"].as_array().into_iter().flatten().take(MOST_GIVEN)
 }
 
 /// The robot that stands in a request, by its own name.
@@ -66,7 +71,7 @@ impl Known {
                     known.robots.insert(name.to_string(), document);
                 }
                 // The reader of the request says so, with the place.
-                Err(e) if e.code == Code::UnknownRobot => {}
+                Err(e) if matches!(e.code, Code::UnknownRobot | Code::RobotUnreadable) => {}
                 Err(e) => return Err(e),
             }
         }
@@ -86,9 +91,8 @@ impl Known {
 
     /// Identifications and designs that a design goes on from.
     async fn look_up_data(&mut self, request: &Value, service: &Service, access: &Access) -> Result<(), Error> {
-        let none = Vec::new();
-        let given = request["given"].as_array().unwrap_or(&none);
-        for (of_request, value) in std::iter::once((true, &request["model"])).chain(given.iter().map(|g| (false, g))) {
+        let own = std::iter::once((true, &request["model"]));
+        for (of_request, value) in own.chain(given(request).map(|g| (false, g))) {
             if let Some(id) = value["identification"].as_str()
                 && let Some(job) = service.find_job(id, access).await?
                 && let Some(hash) = job.model.as_ref().filter(|_| job.kind == Kind::Identification)

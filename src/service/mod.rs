@@ -1,6 +1,7 @@
 //! The HTTP service: routes with their documentation, jobs, and errors as problem documents.
 
 mod access;
+mod address;
 pub mod api;
 mod config;
 mod design;

@@ -1,6 +1,7 @@
 //! All routes. A route and its documentation are registered together.
 
-use super::access::authenticate;
+use super::access::{authenticate, turn_away};
+use super::address::refuse_unreadable;
 use super::api;
 use super::config::Config;
 use super::problem::{Failure, internal_error};
@@ -11,7 +12,7 @@ use crate::app::{Code, Error};
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::Uri;
-use axum::middleware::from_fn_with_state;
+use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
@@ -96,10 +97,11 @@ fn say_what_any_may_answer(document: &mut Document) {
         ("429", "Too many requests, or too many waiting jobs; see `Retry-After`"),
         ("503", "Database or disk fail, or too many jobs wait; see `Retry-After`"),
     ];
-    for item in document.paths.paths.values_mut() {
+    for (path, item) in document.paths.paths.iter_mut() {
+        let names = path.contains('{').then_some(("400", "The address is not UTF-8 text"));
         let operations = [&mut item.get, &mut item.put, &mut item.post, &mut item.delete];
         for operation in operations.into_iter().flatten() {
-            for (status, text) in all {
+            for (status, text) in names.into_iter().chain(all) {
                 let answers = &mut operation.responses.responses;
                 answers.entry(status.to_string()).or_insert_with(|| problem(text).into());
             }
@@ -123,11 +125,13 @@ pub fn openapi_json() -> String {
 pub fn router(service: Service) -> Router {
     let (routes, open, document) = documented(service.config().largest_upload);
     let largest = service.config().largest_document;
-    let routes = routes.layer(from_fn_with_state(service.clone(), authenticate));
+    // From the inside out: who asks is found first, counted next, and turned away last, so that refused requests count as well.
+    let routes = routes.layer(from_fn(turn_away));
     let routes = match rate::limit(service.config()) {
         Some(layer) => routes.layer(layer),
         None => routes,
     };
+    let routes = routes.layer(from_fn_with_state(service.clone(), authenticate));
     routes
         .merge(open)
         .merge(crate::web::pages())
@@ -135,6 +139,7 @@ pub fn router(service: Service) -> Router {
         .fallback(nothing_here)
         .method_not_allowed_fallback(method_not_allowed)
         .layer(DefaultBodyLimit::max(largest))
+        .layer(from_fn(refuse_unreadable))
         // Events must go out as they happen: the compressor leaves text/event-stream alone.
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(panicked))

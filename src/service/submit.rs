@@ -65,8 +65,10 @@ impl Service {
                 "the server is shutting down and takes no new jobs",
             ));
         }
-        if let Some(name) = &wishes.key
-            && let Some(job) = self.store().begun_with(access.token(), name, &asked.body).await?
+        let (body, kind) = (asked.body, asked.kind);
+        let key = wishes.key.map(|name| Key { name, body, kind });
+        if let Some(key) = &key
+            && let Some(job) = self.store().begun_with(access.token(), key).await?
         {
             return Ok(job);
         }
@@ -78,7 +80,7 @@ impl Service {
             logs: asked.logs,
             validation: asked.validation,
         };
-        let (kind, parsed, names) = (asked.kind, asked.parsed, input.known.clone());
+        let (parsed, names) = (asked.parsed, input.known.clone());
         // Base parameters of a long arm take a while: not on the threads that serve.
         let read = tokio::task::spawn_blocking(move || Request::read(kind, &parsed, &names)).await;
         let request = read.map_err(|_| internal_error())??;
@@ -86,7 +88,7 @@ impl Service {
         let robot = access.owner(robot_named(&input.request).or(owner.as_deref()), robot_inside(&input.request))?;
         let content = serde_json::to_vec(&input).expect("plain data");
         let fingerprint = sha256(&[kind.name().as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), &content].concat());
-        if wishes.key.is_none()
+        if key.is_none()
             && !wishes.afresh
             && let Some(job) = self.store().finished_before(&robot, &fingerprint).await?
         {
@@ -105,7 +107,6 @@ impl Service {
             input: file,
             robot,
         };
-        let key = wishes.key.map(|name| Key { name, body: asked.body });
         self.enqueue(&job, key.as_ref(), access).await
     }
 

@@ -312,6 +312,11 @@ fn add_torque(
                 });
             }
         }
+        TorqueDrift {
+            joint,
+            torque,
+            time_constant,
+        } => add(*joint, &|s, _| torque * (-times[s] / time_constant).exp()),
         Unmodelled { joints, amplitude } => {
             let other = joints[1];
             add(joints[0], &|s, [q, _, _]| {

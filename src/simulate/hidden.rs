@@ -69,6 +69,8 @@ pub enum HiddenEffect {
     },
     /// Constant torques on all joints between two times.
     ExternalContact { start: f64, end: f64, torque: Vec<f64> },
+    /// A torque that dies out whatever the robot does, `torque · exp(−t/time_constant)`, as a sensor's zero that drifts while it warms up [N·m or N].
+    TorqueDrift { joint: usize, torque: f64, time_constant: f64 },
     /// Something nobody has a model of: `amplitude · sin(2 q_a) cos(3 q_b)` on joint a.
     Unmodelled { joints: [usize; 2], amplitude: f64 },
 }

@@ -166,6 +166,35 @@ fn unknown_addresses_methods_and_ids_are_problems_too() {
     }
 }
 
+/// Bytes that are no text, in the place of every name that an address may hold: refused as anything else is.
+#[test]
+fn regress_addresses_that_are_no_text_are_problems_too() {
+    let server = Server::start();
+    let document: serde_json::Value = serde_json::from_str(&dynident::service::openapi_json()).unwrap();
+    let mut checked = 0;
+    for (path, operations) in document["paths"].as_object().unwrap() {
+        if !path.contains('{') {
+            continue;
+        }
+        for method in operations.as_object().unwrap().keys() {
+            let answer = server.send(&method.to_uppercase(), &path.replace("{id}", "%FF"), &[], "");
+            assert_eq!(
+                (answer.status, answer.problem()["code"].as_str()),
+                (400, Some("malformed_address")),
+                "{method} {path}"
+            );
+            assert!(operations[method]["responses"]["400"].is_object(), "{method} {path}");
+            checked += 1;
+        }
+    }
+    assert!(checked >= 12, "{checked} addresses with a name");
+    for path in ["/assets/%FF", "/nothing/%C3"] {
+        assert_eq!(server.get(path).problem()["code"], "malformed_address", "{path}");
+    }
+    // Text of whatever language is an address of nothing.
+    assert_eq!(server.get("/jobs/%C3%A4").problem()["code"], "unknown_job");
+}
+
 #[test]
 fn a_joint_without_any_limit_is_refused_with_the_remedy() {
     let server = Server::start();

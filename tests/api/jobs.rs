@@ -195,6 +195,37 @@ fn a_key_makes_a_retry_the_same_job() {
     );
 }
 
+/// The same bytes at another address ask for other work: a key does not hand out the job of the first.
+#[test]
+fn regress_a_key_belongs_to_one_kind_of_work() {
+    // Nobody does the work: the first job is still there as it was when its key comes again.
+    let server = Server::with(Config {
+        concurrent_jobs: 0,
+        short_jobs: 0,
+        ..Config::default()
+    });
+    let body = "--b\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{\"robot\": \"planar_two_link\"}\r\n\
+        --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\nx\r\n--b--\r\n";
+    let post = |path: &str| {
+        let kind = ("content-type", "multipart/form-data; boundary=b");
+        server.send("POST", path, &[kind, ("idempotency-key", "abc")], body)
+    };
+    let first = post("/identify");
+    assert_eq!(first.status, 202, "{}", first.text);
+    assert_eq!(post("/identify").json()["id"], first.json()["id"]);
+    // The key is looked at before the document, with which this address could do nothing.
+    let other = post("/validate");
+    assert_eq!(
+        (other.status, other.problem()["code"].as_str()),
+        (422, Some("idempotency_key_reused"))
+    );
+    assert!(
+        other.text.contains("for another kind of work (identification)"),
+        "{}",
+        other.text
+    );
+}
+
 /// `(event, id, data)` of every event until the server ends the stream.
 fn events(server: &Server, path: &str, last: Option<&str>) -> Vec<(String, u64, Value)> {
     let mut stream = TcpStream::connect(server.address).unwrap();

@@ -1,6 +1,6 @@
 //! Whose turn it is: fairness between robots, urgency, limits; and what is answered from the store.
 
-use crate::server::{Server, long_request, quick_request};
+use crate::server::{Server, in_database, long_request, quick_request};
 use dynident::service::Config;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -197,6 +197,52 @@ fn jobs_are_listed_page_by_page() {
     let next = server.get(page["next"].as_str().unwrap()).json();
     assert_eq!((&next["jobs"][0]["id"], &next["next"]), (&ids[0], &Value::Null));
     assert_eq!(server.get("/jobs?limit=0&befor=1").errors().len(), 2);
+}
+
+/// Jobs of one microsecond, with the border of a page anywhere among them: every one is listed, and once.
+#[test]
+fn prop_pages_hold_every_job_once_also_of_the_same_microsecond() {
+    let folder = std::env::temp_dir().join(format!("dynident-pages-{}", std::process::id()));
+    let server = Server::with(Config {
+        data: Some(folder.clone()),
+        concurrent_jobs: 0,
+        short_jobs: 0,
+        ..Config::default()
+    });
+    let begin = |seed: u64| {
+        let mut request = quick_request();
+        request["search"]["seed"] = json!(seed);
+        let job = server.post_json("/excitation", &request.to_string());
+        job.json()["id"].as_str().unwrap().to_string()
+    };
+    let mut ids: Vec<String> = (0..7).map(begin).collect();
+    ids.sort();
+    // Two times: four jobs of one microsecond, three of another.
+    let early = format!(
+        "UPDATE jobs SET created_us = CASE WHEN id <= '{}' THEN 1000 ELSE 2000 END",
+        ids[3]
+    );
+    in_database(&folder, &early);
+    let late_first: Vec<String> = ids.iter().rev().cloned().collect();
+    for limit in 1..=8 {
+        let (mut listed, mut next) = (Vec::new(), Some(format!("/jobs?limit={limit}")));
+        while let Some(address) = next {
+            let page = server.get(&address).json();
+            let jobs = page["jobs"].as_array().unwrap();
+            listed.extend(jobs.iter().map(|j| j["id"].as_str().unwrap().to_string()));
+            next = page["next"].as_str().map(str::to_string);
+        }
+        assert_eq!(listed, late_first, "pages of {limit}");
+    }
+    // A time alone is what it was: all that is older.
+    let older = server.get("/jobs?before=2000").json();
+    assert_eq!(older["jobs"].as_array().unwrap().len(), 4);
+    for wrong in ["-1", "x", "1000.a%20b", "1000.a.b"] {
+        let errors = server.get(&format!("/jobs?before={wrong}")).errors();
+        assert!(errors[0].starts_with("/query/before: is `"), "{errors:?}");
+    }
+    drop(server);
+    let _ = std::fs::remove_dir_all(&folder);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The robots of the program and of the lab.
 
-use crate::server::{Server, quick_request};
+use crate::server::{Server, in_database, quick_request};
+use dynident::service::Config;
 use serde_json::json;
 
 const URDF: &str = include_str!("../../examples/robots/iiwa14.urdf");
@@ -79,6 +80,61 @@ fn a_posted_robot_gets_an_id_from_its_name_once() {
         (409, Some("robot_read_only"))
     );
     assert_eq!(server.delete("/robots/ur10").status, 409);
+}
+
+/// A document that no version has written, and one that this version does not take: the others are listed all the same.
+#[test]
+fn regress_one_unreadable_robot_does_not_hide_the_others() {
+    let folder = std::env::temp_dir().join(format!("dynident-unreadable-{}", std::process::id()));
+    let server = Server::with(Config {
+        data: Some(folder.clone()),
+        ..Config::default()
+    });
+    let robot = json!({"name": "arm", "joints": [
+        {"name": "J1", "kind": "revolute", "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0}, "limits": {"velocity": 1}}]});
+    for id in ["lab-a", "lab-b", "lab-c"] {
+        let put = server.send(
+            "PUT",
+            &format!("/robots/{id}"),
+            &[("content-type", "application/json")],
+            &robot.to_string(),
+        );
+        assert_eq!(put.status, 201, "{}", put.text);
+    }
+    in_database(&folder, "UPDATE robots SET document = '{' WHERE id = 'lab-a'");
+    in_database(&folder, "UPDATE robots SET document = '{\"joints\": 3}' WHERE id = 'lab-b'");
+    let list = server.get("/robots");
+    assert_eq!(list.status, 200, "{}", list.text);
+    let robots = list.json()["robots"].as_array().unwrap().clone();
+    let ids: Vec<_> = robots
+        .iter()
+        .filter(|r| r["shipped"] == false)
+        .map(|r| r["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(ids, ["lab-c"]);
+    for path in [
+        "/robots/lab-a",
+        "/robots/lab-a/base-parameters",
+        "/robots/lab-b/base-parameters",
+    ] {
+        let problem = server.get(path).problem();
+        assert_eq!(
+            (problem["status"].as_u64(), problem["code"].as_str()),
+            (Some(500), Some("robot_unreadable")),
+            "{path}"
+        );
+        assert!(problem["hint"].as_str().unwrap().contains("PUT /robots/lab-"), "{problem}");
+    }
+    for id in ["lab-a", "lab-b"] {
+        let mut request = quick_request();
+        request["robot"] = json!(id);
+        let errors = server.post_json("/excitation", &request.to_string()).errors();
+        let expected = format!("/robot: is `{id}`, a robot whose stored document cannot be read (keep it anew");
+        assert!(errors.len() == 1 && errors[0].starts_with(&expected), "{errors:?}");
+        assert_eq!(server.delete(&format!("/robots/{id}")).status, 204);
+    }
+    drop(server);
+    let _ = std::fs::remove_dir_all(&folder);
 }
 
 #[test]

@@ -444,9 +444,27 @@ fn too_many_requests_are_told_when_to_come_back() {
         (429, Some("rate_limited"))
     );
     assert!(refused.header("retry-after").unwrap().parse::<u64>().unwrap() >= 1);
-    // Others are not meant.
-    assert_eq!(
-        server.send("GET", "/jobs", &[("authorization", "Bearer other")], "").status,
-        200
-    );
+}
+
+/// A word that nobody has verified makes no other client of the same one: neither where tokens are not asked for, nor where they are.
+#[test]
+fn regress_invented_tokens_have_no_budget_of_their_own() {
+    let config = Config {
+        requests_per_second: Some(1),
+        request_burst: 3,
+        ..Config::default()
+    };
+    let open = Server::with(config.clone());
+    let guarded = Guarded::with("budget", config);
+    let (_, known) = guarded.token(Role::Run, &["*"]);
+    for server in [&open, &guarded.server] {
+        let ask = |i: usize| server.send("GET", "/jobs", &[("authorization", &format!("Bearer invented{i}"))], "");
+        let answers: Vec<Answer> = (0..6).map(ask).collect();
+        // The bucket gains one a second: six requests within a few seconds find three to six places, and six of them only if nothing is limited.
+        let limited = answers.iter().filter(|a| a.status == 429).count();
+        assert!(limited >= 1, "{:?}", answers.iter().map(|a| a.status).collect::<Vec<_>>());
+        assert!(answers[..3].iter().all(|a| a.status != 429));
+    }
+    // Whoever has a token that is known is not meant, from the same address.
+    assert_eq!(guarded.get(&known, "/jobs").status, 200);
 }

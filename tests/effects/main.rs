@@ -7,3 +7,4 @@ mod faults;
 mod findings;
 mod measured;
 mod rivals;
+mod unsteady;

@@ -178,6 +178,20 @@ impl Drop for Server {
     }
 }
 
+/// Changes the database of a data folder behind the back of its server.
+pub fn in_database(folder: &std::path::Path, sql: &str) {
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    runtime.block_on(async {
+        let address = format!("sqlite://{}", folder.join("dynident.sqlite").display());
+        let pool = sqlx::SqlitePool::connect(&address).await.unwrap();
+        sqlx::query(sqlx::AssertSqlSafe(sql.to_string()))
+            .execute(&pool)
+            .await
+            .unwrap();
+        pool.close().await;
+    });
+}
+
 /// A problem small enough to be solved in well under a second.
 pub fn quick_request() -> Value {
     serde_json::json!({

@@ -7,7 +7,7 @@ use crate::service::access::Access;
 use crate::service::problem::Failure;
 use crate::service::progress::{ProgressDocument, StepDocument};
 use crate::service::state::Service;
-use crate::service::store::{JobRow, Role};
+use crate::service::store::{JobPlace, JobRow, Role};
 use crate::service::submit::error_of;
 use crate::service::work::Kind;
 use axum::Json;
@@ -136,7 +136,8 @@ const LISTED: usize = 200;
     get, path = "/jobs", tag = "jobs", operation_id = "list_jobs",
     params(
         ("limit" = Option<u32>, Query, description = "At most so many, 200 if left out", minimum = 1, maximum = 1000),
-        ("before" = Option<i64>, Query, description = "As in `next` of the answer before", minimum = 0),
+        ("before" = Option<String>, Query, description = "As in `next` of the answer before: microseconds since 1970 and the id of a job, behind \
+            which the list goes on; without an id, only what is older", pattern = "^[0-9]{1,18}([.][0-9A-Za-z-]{0,64})?$"),
     ),
     responses(
         (status = 200, body = JobList),
@@ -147,14 +148,13 @@ pub async fn list(State(service): State<Service>, access: Access, mut query: Que
     let most = query.take("limit", LISTED, "a whole number from 1 to 1000", |t| {
         t.parse().ok().filter(|n| (1..=1000).contains(n))
     });
-    let before = query.take("before", None, "a whole number not below zero", |t| {
-        t.parse::<i64>().ok().filter(|t| *t >= 0).map(Some)
-    });
+    let expected = "a time in microseconds, or `TIME.ID` as in `next` of the answer before";
+    let before = query.take("before", JobPlace::first(), expected, JobPlace::read);
     query.finish()?;
-    let jobs = service.store().jobs(access.robots(), before, most).await?;
+    let jobs = service.store().jobs(access.robots(), &before, most).await?;
     let last = jobs.last().filter(|_| jobs.len() == most);
     Ok(Json(JobList {
-        next: last.map(|job| format!("/jobs?limit={most}&before={}", job.created_us)),
+        next: last.map(|job| format!("/jobs?limit={most}&before={}", JobPlace::behind(job))),
         jobs: jobs.iter().map(JobDocument::of).collect(),
     }))
 }

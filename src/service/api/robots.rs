@@ -9,7 +9,7 @@ use crate::service::document::RobotBody;
 use crate::service::known::is_shipped;
 use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
-use crate::service::store::Role;
+use crate::service::store::{Role, unreadable_robot};
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
@@ -49,29 +49,39 @@ impl RobotSummary {
 }
 
 /// Reads a document on a thread that may take its time.
-async fn read(parsed: Parsed) -> Result<RobotDocument, Failure> {
+async fn read(parsed: Parsed) -> Result<RobotDocument, Error> {
     let read = tokio::task::spawn_blocking(move || robot_document(&parsed)).await;
     let read = read.map_err(|_| internal_error())?;
-    Ok(read.map_err(|errors| Error::invalid("the robot", errors))?)
+    read.map_err(|errors| Error::invalid("the robot", errors))
 }
 
-async fn read_stored(document: Value) -> Result<RobotDocument, Failure> {
-    read(Parsed {
-        value: document,
+/// A robot that is kept. What is wrong with its document is not the client's, who has only called it by its name.
+async fn read_stored(service: &Service, id: &str, access: &Access) -> Result<RobotDocument, Error> {
+    let parsed = Parsed {
+        value: service.robot(id, access).await?,
         problems: Vec::new(),
+    };
+    read(parsed).await.map_err(|e| match e.code {
+        Code::InvalidDocument => Error {
+            errors: e.errors,
+            ..unreadable_robot(id, &e.detail)
+        },
+        _ => e,
     })
-    .await
 }
 
-/// All robots.
+/// All robots. One that is kept and cannot be read is left out; asked for by its name, it is said why.
 #[utoipa::path(get, path = "/robots", tag = "robots", operation_id = "list_robots", responses((status = 200, body = RobotList)))]
 pub async fn list(State(service): State<Service>, access: Access) -> Result<Json<RobotList>, Failure> {
     let mut robots = Vec::new();
     for id in service.robot_names(&access).await? {
-        match service.robot(&id, &access).await {
-            Ok(document) => robots.push(RobotSummary::of(&id, &read_stored(document).await?)),
+        match read_stored(&service, &id, &access).await {
+            Ok(read) => robots.push(RobotSummary::of(&id, &read)),
             // A robot that was removed meanwhile is not listed.
             Err(e) if e.code == Code::UnknownRobot => {}
+            Err(e) if e.code == Code::RobotUnreadable => {
+                tracing::error!(robot = id, detail = e.detail, errors = ?e.errors, "left out of the list of robots");
+            }
             Err(e) => return Err(Failure(e)),
         }
     }
@@ -85,6 +95,7 @@ pub async fn list(State(service): State<Service>, access: Access) -> Result<Json
     responses(
         (status = 200, body = RobotSchema),
         (status = 404, description = "Unknown robot", body = Problem, content_type = "application/problem+json"),
+        (status = 500, description = "Kept, but its document cannot be read", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Json<Value>, Failure> {
@@ -98,6 +109,7 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
     responses(
         (status = 200, body = BaseParametersDocument),
         (status = 404, description = "Unknown robot", body = Problem, content_type = "application/problem+json"),
+        (status = 500, description = "Kept, but its document cannot be read", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn base_parameters(
@@ -105,7 +117,7 @@ pub async fn base_parameters(
     access: Access,
     Path(id): Path<String>,
 ) -> Result<Json<BaseParametersDocument>, Failure> {
-    let robot = read_stored(service.robot(&id, &access).await?).await?.robot;
+    let robot = read_stored(&service, &id, &access).await?.robot;
     let computed = tokio::task::spawn_blocking(move || BaseParametersDocument::of(&robot)).await;
     Ok(Json(computed.map_err(|_| internal_error())?))
 }

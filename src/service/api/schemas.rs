@@ -35,7 +35,9 @@ pub struct ExcitationRequestSchema {
     model: Option<DesignModelSchema>,
     /// Two explanations of one residual, for `rival_evidence`.
     rivals: Option<RivalsSchema>,
-    /// What is known already: its information is added to that of the new trajectory in every criterion.
+    /// What is known already: its information is added to that of the new trajectory in every criterion. Up to 100: an identification holds
+    /// what all of its logs say.
+    #[schema(max_items = 100)]
     given: Option<Vec<GivenSchema>>,
     /// Periods of the new trajectory that will be recorded.
     #[schema(default = 1, minimum = 1)]

@@ -81,11 +81,13 @@ pub struct NewJob {
     pub files: Vec<String>,
 }
 
-/// An `Idempotency-Key` and the hash of the body it came with.
+/// An `Idempotency-Key`, the hash of the body it came with, and the kind of work that was asked for: the same body means another thing
+/// at another address.
 #[derive(Debug, Clone)]
 pub struct Key {
     pub name: String,
     pub body: String,
+    pub kind: Kind,
 }
 
 /// How many of a class may wait: long searches that fill their queue do not keep short jobs out.
@@ -94,6 +96,47 @@ pub struct Waiting {
     pub in_all: usize,
     pub per_robot: usize,
     pub per_token: usize,
+}
+
+/// A place in the list of jobs, the newest first: behind the job of this time and id. Jobs of the same microsecond stand in the order of their ids.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JobPlace {
+    pub created_us: i64,
+    pub id: String,
+}
+
+impl JobPlace {
+    /// Before all jobs.
+    pub fn first() -> Self {
+        Self {
+            created_us: i64::MAX,
+            id: String::new(),
+        }
+    }
+
+    pub fn behind(job: &JobRow) -> Self {
+        Self {
+            created_us: job.created_us,
+            id: job.id.clone(),
+        }
+    }
+
+    /// `TIME.ID`, or `TIME` alone for what is older than that microsecond.
+    pub fn read(text: &str) -> Option<Self> {
+        let (time, id) = text.split_once('.').unwrap_or((text, ""));
+        let is_id = id.len() <= 64 && id.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
+        let created_us = time.parse().ok().filter(|t: &i64| *t >= 0)?;
+        is_id.then(|| Self {
+            created_us,
+            id: id.to_string(),
+        })
+    }
+}
+
+impl std::fmt::Display for JobPlace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}.{}", self.created_us, self.id)
+    }
 }
 
 /// What became of a request for work.
@@ -144,7 +187,7 @@ impl Store {
     /// Puts a job into the queue. When this returns, the job is on the disk: it will be done whatever happens to this process.
     ///
     /// # Errors
-    /// Too many wait already; the key came with another body before.
+    /// Too many wait already; the key came with another body, or for other work, before.
     pub async fn submit(&self, job: &NewJob, key: Option<&Key>, most: Waiting, entry: &AuditEntry) -> Result<Submission, Error> {
         let mut transaction = self.begin().await?;
         if let Some(key) = key
@@ -181,14 +224,10 @@ impl Store {
     /// The job that a key began.
     ///
     /// # Errors
-    /// The key came with another body.
-    pub async fn begun_with(&self, scope: &str, name: &str, body: &str) -> Result<Option<JobRow>, Error> {
-        let key = Key {
-            name: name.to_string(),
-            body: body.to_string(),
-        };
+    /// The key came with another body, or for other work.
+    pub async fn begun_with(&self, scope: &str, key: &Key) -> Result<Option<JobRow>, Error> {
         let mut transaction = self.pool.begin().await.map_err(unavailable)?;
-        let id = known(&mut transaction, scope, &key).await?;
+        let id = known(&mut transaction, scope, key).await?;
         drop(transaction);
         match id {
             Some(id) => self.job(&id).await,
@@ -251,19 +290,20 @@ impl Store {
         row.as_ref().map(JobRow::read).transpose()
     }
 
-    /// The newest `most` jobs older than `before` that `robots` names (all if it is `None`).
-    pub async fn jobs(&self, robots: Option<&[String]>, before: Option<i64>, most: usize) -> Result<Vec<JobRow>, Error> {
+    /// The newest `most` jobs behind `place` that `robots` names (all if it is `None`).
+    pub async fn jobs(&self, robots: Option<&[String]>, place: &JobPlace, most: usize) -> Result<Vec<JobRow>, Error> {
         let names = robots.unwrap_or_default();
-        let places: Vec<String> = (0..names.len()).map(|i| format!("${}", i + 3)).collect();
+        let places: Vec<String> = (0..names.len()).map(|i| format!("${}", i + 4)).collect();
         let of_robots = match robots {
             None => String::new(),
             Some([]) => "AND 1 = 0".to_string(),
             Some(_) => format!("AND robot IN ({})", places.join(", ")),
         };
         let sql = self.sql(&format!(
-            "SELECT {COLUMNS} FROM jobs WHERE created_us < $1 {of_robots} ORDER BY created_us DESC, id DESC LIMIT $2"
+            "SELECT {COLUMNS} FROM jobs WHERE (created_us < $1 OR (created_us = $1 AND id < $2)) {of_robots} \
+             ORDER BY created_us DESC, id DESC LIMIT $3"
         ));
-        let mut query = sqlx::query(sql).bind(before.unwrap_or(i64::MAX)).bind(most as i64);
+        let mut query = sqlx::query(sql).bind(place.created_us).bind(&place.id).bind(most as i64);
         for name in names {
             query = query.bind(name);
         }
@@ -319,24 +359,30 @@ impl Store {
 
 /// The job that a key began.
 async fn known(transaction: &mut Transaction, scope: &str, key: &Key) -> Result<Option<String>, Error> {
-    let row = sqlx::query("SELECT body, job FROM idempotency_keys WHERE scope = $1 AND name = $2")
-        .bind(scope)
-        .bind(&key.name)
-        .fetch_optional(&mut **transaction)
-        .await
-        .map_err(unavailable)?;
+    // The kind stands with the job, which is forgotten together with its key.
+    let row = sqlx::query(
+        "SELECT k.body, k.job, j.kind FROM idempotency_keys k JOIN jobs j ON j.id = k.job WHERE k.scope = $1 AND k.name = $2",
+    )
+    .bind(scope)
+    .bind(&key.name)
+    .fetch_optional(&mut **transaction)
+    .await
+    .map_err(unavailable)?;
     let Some(row) = row else { return Ok(None) };
-    let (body, job): (String, String) = (
-        row.try_get("body").map_err(unavailable)?,
-        row.try_get("job").map_err(unavailable)?,
-    );
-    if body != key.body {
-        return Err(Error::new(
-            Code::IdempotencyKeyReused,
-            format!("the key `{}` came with another document before", key.name),
-        ));
+    let text = |name: &str| row.try_get::<String, _>(name).map_err(unavailable);
+    let (body, job, kind) = (text("body")?, text("job")?, text("kind")?);
+    let reused = |before: &str| {
+        let detail = format!("the key `{}` came {before} before", key.name);
+        Error::new(Code::IdempotencyKeyReused, detail)
+            .with_hint("send a new key with every new request; only a retry has that of the first try")
+    };
+    if kind != key.kind.name() {
+        return Err(reused(&format!("with a request for another kind of work ({kind})")));
     }
-    Ok(Some(job))
+    match body == key.body {
+        true => Ok(Some(job)),
+        false => Err(reused("with another document")),
+    }
 }
 
 async fn insert(transaction: &mut Transaction, job: &NewJob) -> Result<(), Error> {

@@ -17,8 +17,9 @@ pub use audit::AuditEntry;
 pub use dump::{Amount, backup, restore};
 pub use files::{Files, NewFile, hex, sha256};
 pub use found::{FoundRow, Spent};
-pub use jobs::{JobRow, Key, NewJob, State, Submission, Waiting};
+pub use jobs::{JobPlace, JobRow, Key, NewJob, State, Submission, Waiting};
 pub use queue::{Claimed, Ended, Renewed};
+pub(super) use robots::unreadable as unreadable_robot;
 pub use shares::{Share, ShareResult};
 pub use tokens::{Role, TokenRow};
 

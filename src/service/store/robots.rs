@@ -13,13 +13,15 @@ impl Store {
         rows.iter().map(|row| row.try_get("id").map_err(unavailable)).collect()
     }
 
+    /// # Errors
+    /// `robot_unreadable`, where its document is no JSON: one that came from elsewhere into the database.
     pub async fn robot(&self, id: &str) -> Result<Option<Value>, Error> {
         let row = sqlx::query("SELECT document FROM robots WHERE id = $1")
             .bind(id)
             .fetch_optional(&self.pool)
             .await
             .map_err(unavailable)?;
-        row.map(|row| document(row.try_get("document").map_err(unavailable)?))
+        row.map(|row| document(id, row.try_get("document").map_err(unavailable)?))
             .transpose()
     }
 
@@ -61,6 +63,15 @@ impl Store {
     }
 }
 
-fn document(text: String) -> Result<Value, Error> {
-    serde_json::from_str(&text).map_err(|e| Error::new(Code::Internal, format!("a stored robot cannot be read: {e}")))
+fn document(id: &str, text: String) -> Result<Value, Error> {
+    serde_json::from_str(&text).map_err(|e| unreadable(id, &e.to_string()))
+}
+
+/// A robot whose document cannot be read, or not by this version.
+pub fn unreadable(id: &str, why: &str) -> Error {
+    Error::new(
+        Code::RobotUnreadable,
+        format!("the stored robot `{id}` cannot be read: {why}"),
+    )
+    .with_hint(format!("PUT /robots/{id} replaces it, DELETE /robots/{id} forgets it"))
 }
