@@ -226,6 +226,17 @@ pub trait Effect: Sync + Send {
         true
     }
 
+    /// Directions of the coefficients at the border between real things and the effects that it [contains](Self::contains): those that
+    /// [`is_within_reach`](Self::is_within_reach) parts where the data leave no doubt. None where it contains nothing.
+    fn borders(&self) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// The coefficients of the real thing that is most like one with these. The same where these are those of a real thing.
+    fn brought_within_reach(&self, coefficients: &[f64]) -> Vec<f64> {
+        coefficients.to_vec()
+    }
+
     /// Reported values from coefficients and shape; differentiable, for the standard deviations. The identity unless said otherwise.
     fn reported(&self, _form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
         coefficients.iter().chain(shape).copied().collect()

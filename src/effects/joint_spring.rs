@@ -51,7 +51,37 @@ impl Effect for JointSpring {
         coefficients[1].abs() < REACH * stiffest
     }
 
+    /// At rest a turn away on either side.
+    fn borders(&self) -> Vec<Vec<f64>> {
+        vec![vec![1.0, REACH], vec![1.0, -REACH]]
+    }
+
+    /// The softest spring that holds the constant from within reach.
+    fn brought_within_reach(&self, coefficients: &[f64]) -> Vec<f64> {
+        let softest = coefficients[1].abs() / REACH;
+        vec![coefficients[0].abs().max(softest).copysign(coefficients[0]), coefficients[1]]
+    }
+
     fn reported(&self, _form: usize, coefficients: &[f64], _shape: &[f64]) -> Vec<f64> {
         vec![coefficients[0], -coefficients[1] / coefficients[0]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The border is where the rule changes its mind, and what is brought within reach lies on it.
+    #[test]
+    fn prop_borders_part_springs_that_could_be_there_from_constants() {
+        let (certain, spring) = (DMatrix::zeros(2, 2), JointSpring);
+        for border in spring.borders() {
+            let at = |share: f64| [0.3 * border[0], 0.3 * share * border[1]];
+            assert!(spring.is_within_reach(&at(0.999), &certain) && !spring.is_within_reach(&at(1.001), &certain));
+            let brought = spring.brought_within_reach(&at(5.0));
+            // Multiples of one direction have no area between them; rounding of products of the order of 10.
+            assert!((brought[0] * border[1] - brought[1] * border[0]).abs() < 1e-12, "{brought:?}");
+            assert_eq!(spring.brought_within_reach(&at(0.5)), at(0.5));
+        }
     }
 }

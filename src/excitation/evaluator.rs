@@ -439,6 +439,7 @@ mod tests {
         let side = |at: usize, value: f64| Hypothesis {
             columns: at..at + 1,
             values: vec![value],
+            borders: Vec::new(),
         };
         let rivals = Rivals {
             finding: side(0, 0.4),

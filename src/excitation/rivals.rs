@@ -12,7 +12,9 @@
 //! motion is as good as its worse direction: `min(E_A, E_B)`.
 //!
 //! An effect that is a special case of the other (an offset, of a spring with any rest angle) leaves nothing over if it is true, whatever the motion: only
-//! parsimony then speaks against the other. That direction is left out of the minimum.
+//! parsimony then speaks against the other. Unless the other is a real thing within borders only (a spring with its rest within a turn): then what counts is
+//! what the best of those at the border leaves over, since any nearer to the special case is none. Where there are no borders that direction is left out
+//! of the minimum.
 
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -24,6 +26,8 @@ pub struct Hypothesis {
     pub columns: Range<usize>,
     /// What stands on them if it is true: coefficients as found; zero on derivatives by shapes.
     pub values: Vec<f64>,
+    /// Directions of its coefficients at the border of what is a real thing, where beyond it is the other one; none where the other is no limit of it.
+    pub borders: Vec<Vec<f64>>,
 }
 
 /// Two explanations that exclude each other.
@@ -43,17 +47,32 @@ pub struct ExpectedEvidence {
     pub if_finding: f64,
     pub if_rival: f64,
     nested: [bool; 2],
+    /// In which case something can be left over.
+    counts: [bool; 2],
 }
+
+/// Where a special case is true, tracing excludes what contains it at three standard deviations from the border.
+const BEYOND_THE_BORDER: f64 = 9.0;
 
 impl ExpectedEvidence {
     /// In the worse of the two cases, but for one in which nothing can be left over.
     pub fn least(&self) -> f64 {
-        match self.nested {
-            [true, true] => 0.0,
-            [true, false] => self.if_rival,
-            [false, true] => self.if_finding,
-            [false, false] => self.if_finding.min(self.if_rival),
-        }
+        let least = self.cases().map(|c| c.0).fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { 0.0 }
+    }
+
+    /// Whether tracing will exclude the wrong one of the two, whichever it is: at `decisive`, or at three standard deviations where the true one is
+    /// a special case of the other.
+    pub fn decides(&self, decisive: f64) -> bool {
+        let enough = |(evidence, nested): (f64, bool)| evidence >= if nested { BEYOND_THE_BORDER } else { decisive };
+        self.counts != [false; 2] && self.cases().all(enough)
+    }
+
+    /// Evidence, and whether the true one is a special case of the other, of the cases that count.
+    fn cases(&self) -> impl Iterator<Item = (f64, bool)> {
+        let evidence = [self.if_finding, self.if_rival];
+        let (nested, counts) = (self.nested, self.counts);
+        (0..2).filter(move |&i| counts[i]).map(move |i| (evidence[i], nested[i]))
     }
 }
 
@@ -69,11 +88,32 @@ const NONE: f64 = 1e-30;
 impl Rivals {
     /// From the Gram matrix over all columns, the first `base` of which are those of `Y_b`.
     pub(super) fn expected(&self, gram: &DMatrix<f64>, base: usize) -> ExpectedEvidence {
+        let [if_finding, if_rival] = self.both(gram, base).map(|(evidence, _)| evidence);
+        let alike = self.nested == [true, true];
         ExpectedEvidence {
-            if_finding: left_over(gram, base, &self.finding).0,
-            if_rival: left_over(gram, base, &self.rival).0,
+            if_finding,
+            if_rival,
             nested: self.nested,
+            counts: [0, 1].map(|i| self.counts(i) && !alike),
         }
+    }
+
+    /// Whether anything can be left over if the finding (0) or the rival (1) is true; of two that are alike, whatever rounding leaves.
+    fn counts(&self, i: usize) -> bool {
+        let other = [&self.rival, &self.finding][i];
+        !self.nested[i] || self.nested == [true, true] || !other.borders.is_empty()
+    }
+
+    /// What is left over of either by the other, with the vectors of [`left_over`].
+    fn both(&self, gram: &DMatrix<f64>, base: usize) -> [(f64, DVector<f64>); 2] {
+        let pairs = [(&self.finding, &self.rival), (&self.rival, &self.finding)];
+        [0, 1].map(|i| {
+            let (of, other) = pairs[i];
+            match self.nested[i] && self.nested != [true, true] {
+                true => left_over_at_borders(gram, base, of, other),
+                false => left_over(gram, base, of),
+            }
+        })
     }
 
     /// Which of the two leave nothing over on the motions with these Gram matrices.
@@ -90,8 +130,8 @@ impl Rivals {
 
     /// `−½ ln` of a soft minimum of the two, with its derivative G: `dF = tr(G dM)`.
     pub(super) fn smooth(&self, gram: &DMatrix<f64>, base: usize, power: f64) -> (f64, DMatrix<f64>) {
-        let both = [left_over(gram, base, &self.finding), left_over(gram, base, &self.rival)];
-        let counts = |i: &usize| !self.nested[*i] || self.nested == [true, true];
+        let both = self.both(gram, base);
+        let counts = |i: &usize| self.counts(*i);
         let least = [0, 1]
             .into_iter()
             .filter(counts)
@@ -145,6 +185,25 @@ fn left_over(gram: &DMatrix<f64>, base: usize, of: &Hypothesis) -> (f64, DVector
     ((gram * &v).dot(&v).max(0.0), v)
 }
 
+/// [`left_over`] where the other explanation stands at one of its borders, the one that leaves less; nothing where it has none.
+fn left_over_at_borders(gram: &DMatrix<f64>, base: usize, of: &Hypothesis, other: &Hypothesis) -> (f64, DVector<f64>) {
+    let size = gram.nrows();
+    let at = |border: &Vec<f64>| {
+        // The columns of the other become one: what stands on the border's direction.
+        let mut map = DMatrix::identity(size, size);
+        let first = base + other.columns.start;
+        for i in base + other.columns.start..base + other.columns.end {
+            map[(i, i)] = 0.0;
+        }
+        border.iter().enumerate().for_each(|(i, b)| map[(first + i, first)] = *b);
+        let (left, v) = left_over(&(map.tr_mul(gram) * &map), base, of);
+        (left, map * v)
+    };
+    let all = other.borders.iter().map(at);
+    all.min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or_else(|| (0.0, DVector::zeros(size)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -157,6 +216,7 @@ mod tests {
         let side = |columns: Range<usize>, values: &[f64]| Hypothesis {
             columns,
             values: values.to_vec(),
+            borders: Vec::new(),
         };
         Rivals {
             finding: side(0..2, &[0.7, -0.2]),
@@ -205,5 +265,87 @@ mod tests {
         // Above the true value by at most ln(2)/(2 p).
         let over = value - pair.true_log_value(&gram(0.0), 4);
         assert!((-1e-12..=2f64.ln() / 20.0).contains(&over), "{over}");
+    }
+
+    /// An offset, and a spring with its rest within two units: columns of ones, of positions, and of ones again.
+    fn offset_and_spring(reach: Option<f64>) -> Rivals {
+        Rivals {
+            finding: Hypothesis {
+                columns: 0..1,
+                values: vec![0.8],
+                borders: Vec::new(),
+            },
+            rival: Hypothesis {
+                columns: 1..3,
+                values: vec![0.5, 0.9],
+                borders: reach.map_or(Vec::new(), |r| vec![vec![1.0, r], vec![1.0, -r]]),
+            },
+            recorded: None,
+            nested: [true, false],
+        }
+    }
+
+    fn positions() -> DVector<f64> {
+        DVector::from_fn(40, |r, _| 0.3 + (0.41 * r as f64).sin())
+    }
+
+    fn gram_of(q: &DVector<f64>) -> DMatrix<f64> {
+        let ones = DVector::from_element(40, 1.0);
+        let other = DVector::from_fn(40, |r, _| (0.83 * r as f64).cos());
+        let w = DMatrix::from_columns(&[other, ones.clone(), q.clone(), ones]);
+        w.tr_mul(&w)
+    }
+
+    /// Springs with their rest at the border are columns of their own: the better of two ordinary fits.
+    #[test]
+    fn prop_a_special_case_is_held_against_the_others_border() {
+        let (q, reach) = (positions(), 2.0);
+        let found = offset_and_spring(Some(reach)).expected(&gram_of(&q), 1);
+        let other = DVector::from_fn(40, |r, _| (0.83 * r as f64).cos());
+        let residual = |sign: f64| {
+            let basis = DMatrix::from_columns(&[other.clone(), q.add_scalar(sign * reach)]).qr().q();
+            let target = DVector::from_element(40, 0.8);
+            (&target - &basis * basis.tr_mul(&target)).norm_squared()
+        };
+        let expected = residual(1.0).min(residual(-1.0));
+        assert!(expected > 0.1, "{expected}");
+        // As above: ten digits.
+        assert!(
+            (found.if_finding - expected).abs() < 1e-9 * expected,
+            "{} {expected}",
+            found.if_finding
+        );
+        assert_eq!(found.least(), found.if_finding.min(found.if_rival));
+        // A spring may rest anywhere: then nothing is left over, and the other case alone is looked at.
+        let anywhere = offset_and_spring(None).expected(&gram_of(&q), 1);
+        assert_eq!((anywhere.if_finding, anywhere.least()), (0.0, anywhere.if_rival));
+    }
+
+    #[test]
+    fn prop_the_border_is_decisive_at_three_deviations() {
+        let told = |if_finding: f64, if_rival: f64| ExpectedEvidence {
+            if_finding,
+            if_rival,
+            nested: [true, false],
+            counts: [true; 2],
+        };
+        assert!(told(9.0, 6.0).decides(6.0));
+        assert!(!told(8.9, 6.0).decides(6.0) && !told(9.0, 5.9).decides(6.0));
+        let alike = ExpectedEvidence {
+            counts: [false; 2],
+            ..told(9.0, 9.0)
+        };
+        assert!(!alike.decides(6.0) && alike.least() == 0.0);
+    }
+
+    #[test]
+    fn prop_derivative_equals_the_difference_at_a_border() {
+        let pair = offset_and_spring(Some(2.0));
+        let gram = |h: f64| gram_of(&DVector::from_fn(40, |r, _| positions()[r] + h * (0.29 * r as f64).cos()));
+        let h = 1e-6;
+        let (_, slope) = pair.smooth(&gram(0.0), 1, 10.0);
+        let difference = (pair.smooth(&gram(h), 1, 10.0).0 - pair.smooth(&gram(-h), 1, 10.0).0) / (2.0 * h);
+        let exact = slope.dot(&((gram(h) - gram(-h)) / (2.0 * h)));
+        assert!((difference - exact).abs() < 1e-7, "{difference} {exact}");
     }
 }

@@ -181,8 +181,8 @@ pub(super) fn read_knowledge(
             let last = terms.terms.len() - 1;
             terms.rivals = Some([*at, last]);
             knowledge.rivals = Some(Rivals {
-                finding: hypothesis(&terms.terms, *at),
-                rival: hypothesis(&terms.terms, last),
+                finding: hypothesis(&terms.terms, *at, last),
+                rival: hypothesis(&terms.terms, last, *at),
                 recorded: Some(known_of(model, &base, &terms.terms)),
                 nested: [false; 2],
             });
@@ -200,18 +200,25 @@ fn names_of(robot: &Robot) -> Vec<&str> {
     robot.joints().iter().map(|j| j.name.as_str()).collect()
 }
 
-/// Columns of a term, and what stands on them.
-fn hypothesis(terms: &[Term], at: usize) -> Hypothesis {
+/// Columns of a term, and what stands on them, where it competes with another. As in tracing, one that comes to the other where its parameters go
+/// to a limit competes as a real thing only.
+fn hypothesis(terms: &[Term], at: usize, other: usize) -> Hypothesis {
     let first = terms[..at].iter().map(Term::parameters).sum::<usize>();
-    let term = &terms[at];
-    let values = match term.coefficients.is_empty() {
+    let (term, other) = (&terms[at], &terms[other]);
+    let contains = term.effect.contains().contains(&other.effect.code()) && term.joints == other.joints;
+    let coefficients = match contains {
+        true => term.effect.brought_within_reach(&term.coefficients),
+        false => term.coefficients.clone(),
+    };
+    let values = match coefficients.is_empty() {
         // A distortion: its parameters themselves.
         true => term.shape[..term.free_shapes].to_vec(),
-        false => term.coefficients.iter().copied().chain(vec![0.0; term.free_shapes]).collect(),
+        false => coefficients.into_iter().chain(vec![0.0; term.free_shapes]).collect(),
     };
     Hypothesis {
         columns: first..first + term.parameters(),
         values,
+        borders: if contains { term.effect.borders() } else { Vec::new() },
     }
 }
 

@@ -91,10 +91,10 @@ function downloads(result) {
     h('p', {}, identifyLink(result)));
 }
 
-/** The causes between which evidence counts: a special case of the other leaves nothing over on any motion. */
+/** The causes between which evidence counts: a special case of the other leaves nothing over on any motion, unless the other has bounds. */
 function counting(r) {
   const all = [['if_finding', r.finding, r.rival, 'finding'], ['if_rival', r.rival, r.finding, 'rival']];
-  return all.filter(([, , , which]) => which !== r.nested);
+  return all.filter(([key, , , which]) => which !== r.nested || r.expected_evidence.together[key] > 0);
 }
 
 /** How well the two causes will be told apart: before, by the new trajectory, and by both; and how to go on. */
@@ -120,7 +120,7 @@ function evidence(result) {
   const [special, general] = r.nested === 'finding' ? [r.finding, r.rival] : [r.rival, r.finding];
   return section('decides', 'What this trajectory decides',
     h('p', {}, h('span', { class: `tag ${r.decides ? 'good' : 'warn'}` }, r.decides ? 'Decides' : 'Does not decide'), ' ', h('strong', { class: 'sentence' }, sentence_)),
-    h('p', { class: 'soft' }, r.nested ? `${words(on(special))} is a special case of ${on(general)}: if it is the true one both fit on any motion, what the other has beyond it comes out as zero within the deviations told under “Accuracy”, and the odds for the simpler one grow slowly. Evidence is told for the other case. ` : 'Evidence is expected for either being the true one; the smaller of the two counts. ', 'Right of the dashed line (20 to 1) the wrong one is excluded.'),
+    h('p', { class: 'soft' }, r.nested ? `${words(on(special))} is a special case of ${on(general)}: if it is the true one both fit on any motion, what the other has beyond it comes out as zero within the deviations told under “Accuracy”, and the odds for the simpler one grow slowly. ${cases.length === 1 ? 'Evidence is told for the other case.' : 'Evidence for it is that against what the other could really be.'} ` : 'Evidence is expected for either being the true one; the smaller of the two counts. ', 'Right of the dashed line (20 to 1) the wrong one is excluded.'),
     r.decides ? null : h('div', { class: 'notice' }, h('p', {}, 'Even this motion leaves it open. More periods recorded, a longer search or a start at rest anywhere give more evidence; else the two differ by less than the noise hides.')),
     chart,
     h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], told, { caption: 'Expected evidence, twice the log of the odds' })),
