@@ -8,7 +8,7 @@ use super::{CancelFlag, Code, Error};
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::{FeasibleFit, FitObjective, PhysicalFit, fit_feasible};
 use crate::identification::{
-    Estimate, Log, Observation, PreparedLog, PreprocessOptions, Quality, estimate, normal_equations, prepare, quality,
+    Estimate, Log, Observation, PreparedLog, PreprocessOptions, Quality, estimate_from, normal_equations, prepare, quality,
 };
 use crate::io::log::{Columns, LogError, LogReport, read_joined_log};
 use crate::io::{IdentifyDocument, IdentifyRequest, robot_value, urdf};
@@ -165,7 +165,8 @@ fn identified(
     // Rows are the bulk of the memory: they are lent, not copied.
     let observations: Vec<Observation> = used.iter_mut().map(|u| std::mem::take(&mut u.observation)).collect();
     let prepared: Vec<&PreparedLog> = used.iter().map(|u| &u.prepared).collect();
-    let found = estimate(&observations, &prepared, request.estimator);
+    let normals = normal_equations(&observations);
+    let found = estimate_from(&normals, &observations, &prepared, request.estimator);
     let judged = quality(&request.robot, &base, &prepared, &found);
     stop_if_cancelled(cancel)?;
     observe(&Step {
@@ -174,7 +175,7 @@ fn identified(
         of: total,
     });
     let physical = request.feasible.as_ref().map(|options| {
-        let objective = FitObjective::new(&base, &normal_equations(&observations), &found);
+        let objective = FitObjective::new(&base, &normals, &found);
         fit_feasible(&request.robot, &objective, options, &|| cancel.is_cancelled())
     });
     stop_if_cancelled(cancel)?;

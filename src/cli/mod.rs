@@ -98,6 +98,7 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
+    crate::app::settle_process();
     let arguments = Arguments::parse();
     let json = arguments.json;
     match run(arguments) {

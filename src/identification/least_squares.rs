@@ -82,10 +82,19 @@ const SETTLED: f64 = 1e-6;
 /// # Panics
 /// When there is no observation, or their columns differ.
 pub fn estimate(observations: &[Observation], logs: &[&PreparedLog], estimator: Estimator) -> Estimate {
+    estimate_from(&normal_equations(observations), observations, logs, estimator)
+}
+
+/// The same from the normal equations `plain` of the observations, for who needs them besides.
+pub(crate) fn estimate_from(
+    plain: &[JointNormal],
+    observations: &[Observation],
+    logs: &[&PreparedLog],
+    estimator: Estimator,
+) -> Estimate {
     assert_eq!(observations.len(), logs.len(), "one observation per log");
     let columns = observations[0].columns;
-    let plain = normal_equations(observations);
-    let mut normals = plain.clone();
+    let mut normals = plain.to_vec();
     let mut sigma = vec![1.0; normals.len()];
     let mut solution = Solution::new(&normals, &vec![1.0; normals.len()], columns);
     let mut iterations = 1;
@@ -94,7 +103,7 @@ pub fn estimate(observations: &[Observation], logs: &[&PreparedLog], estimator: 
         if estimator == Estimator::Robust {
             // Gross errors are in the mean square with their squares; the scale that tells them must not be made of them.
             let residuals: Vec<_> = observations.iter().map(|o| o.residuals(&solution.values)).collect();
-            for (j, (s, normal)) in next.iter_mut().zip(&plain).enumerate() {
+            for (j, (s, normal)) in next.iter_mut().zip(plain).enumerate() {
                 let freedom = 1.0 - spent(normal, &solution, sigma[j]) / normal.rows.max(1) as f64;
                 *s = median_sigma(observations, &residuals, j, freedom.max(0.1)).max(least_sigma(normal));
             }
@@ -116,7 +125,7 @@ pub fn estimate(observations: &[Observation], logs: &[&PreparedLog], estimator: 
         sigma = vec![(square / spent).sqrt().max(f64::MIN_POSITIVE); normals.len()];
         solution = Solution::new(&normals, &weights(&sigma), columns);
     }
-    assemble(observations, logs, &plain, solution, sigma, iterations)
+    assemble(observations, logs, plain, solution, sigma, iterations)
 }
 
 fn weights(sigma: &[f64]) -> Vec<f64> {

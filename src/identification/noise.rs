@@ -6,7 +6,7 @@
 //! `Mⱼ = 1/L Σ_l S_l conj(Ŵ_l) Ŵ_lᵀ`, S the noise's spectrum. With white noise this is σ² WᵀW, the textbook's formula.
 
 use super::normal::gram;
-use super::preprocess::spectrum::{forward, inverse};
+use super::preprocess::spectrum::{forward, forward_of, inverse};
 use super::{Observation, PreparedLog};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -132,17 +132,17 @@ impl NoiseSpectrum {
     /// `Wᵀ R W` for the rows of one joint, w × w.
     pub fn pass(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         let half = self.length / 2 + 1;
+        let factor = |l: usize| (self.lines[l] * self.multiplicity(l) / self.length as f64).sqrt();
+        let factors: Vec<f64> = (0..half).map(factor).collect();
         let mut weighted = DMatrix::zeros(2 * half, matrix.ncols());
         for (column, mut out) in matrix.column_iter().zip(weighted.column_iter_mut()) {
-            let padded: Vec<f64> = column
-                .iter()
-                .copied()
-                .chain(std::iter::repeat_n(0.0, self.length - matrix.nrows()))
-                .collect();
-            for (l, x) in forward(&padded).iter().enumerate() {
-                let factor = (self.lines[l] * self.multiplicity(l) / self.length as f64).sqrt();
-                out[2 * l] = factor * x.re;
-                out[2 * l + 1] = factor * x.im;
+            let mut padded = Vec::with_capacity(self.length);
+            padded.extend_from_slice(column.as_slice());
+            padded.resize(self.length, 0.0);
+            let parts = out.as_mut_slice().chunks_exact_mut(2);
+            for ((x, factor), part) in forward_of(padded).iter().zip(&factors).zip(parts) {
+                part[0] = factor * x.re;
+                part[1] = factor * x.im;
             }
         }
         gram(&weighted)

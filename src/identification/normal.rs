@@ -1,6 +1,7 @@
 //! Normal equations per joint: everything that weighted least squares needs of the rows, in w² numbers per joint.
 
 use super::{JointRows, Observation};
+use matrixmultiply::dgemm;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -96,15 +97,32 @@ pub(super) fn summed(
         .expect("at least one observation")
 }
 
-/// `MᵀM` by blocks of rows: the stored transpose of a block fits the cache, which the product of the whole would not.
+/// `MᵀM`: the kernel packs both factors by blocks that stay in the cache.
 pub(crate) fn gram(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    const BLOCK: usize = 512;
-    let w = matrix.ncols();
-    let mut sum = DMatrix::zeros(w, w);
-    for start in (0..matrix.nrows()).step_by(BLOCK) {
-        let rows = BLOCK.min(matrix.nrows() - start);
-        let block = matrix.rows(start, rows).into_owned();
-        sum.gemm(1.0, &block.transpose(), &block, 1.0);
+    let (rows, w) = matrix.shape();
+    let mut product = DMatrix::zeros(w, w);
+    if rows == 0 || w == 0 {
+        return product;
     }
-    sum
+    let (step, out, values) = (rows as isize, w as isize, matrix.as_ptr());
+    // SAFETY: `matrix` holds rows × w values and `product` w × w, both column after column; the first factor is read as its transpose.
+    unsafe {
+        dgemm(
+            w,
+            rows,
+            w,
+            1.0,
+            values,
+            step,
+            1,
+            values,
+            1,
+            step,
+            0.0,
+            product.as_mut_ptr(),
+            1,
+            out,
+        );
+    }
+    product
 }

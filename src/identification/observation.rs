@@ -4,11 +4,12 @@
 //! joint. Rows that are left out (gaps, dead zone) are zero rows: they weigh nothing and keep the others evenly spaced in time.
 
 use super::PreparedLog;
-use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
+use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// What belongs to the rows of one joint, besides W.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,20 +86,23 @@ impl Observation {
         self.joints.iter_mut().for_each(|rows| rows.columns.clear());
         let batch = (BLOCK_BUDGET / (log.samples() * log.joints()).max(1)).clamp(1, wanted.len().max(1));
         let chain = Chain::new(robot);
+        let stretches: Vec<Motion> = stretches(log.samples()).map(|range| log.motion.stretch(range)).collect();
         for (start, part) in wanted.chunks(batch).enumerate().map(|(i, part)| (i * batch, part)) {
             let set = ColumnSet::new(robot, &layout, part);
-            let mut blocks = RowBlocks::new(&set, log.samples());
-            blocks.fill(&chain, &set, &log.motion, Coulomb::Sign);
+            let fill = |motion: &Motion| {
+                let mut blocks = RowBlocks::new(&set, motion.samples());
+                blocks.fill(&chain, &set, motion, Coulomb::Sign);
+                blocks
+            };
+            let blocks: Vec<RowBlocks> = stretches.par_iter().map(fill).collect();
             self.joints
                 .par_iter_mut()
                 .zip(&mut data)
                 .enumerate()
                 .for_each(|(j, (rows, data))| {
-                    for (column, &output) in blocks.block(j).chunks_exact(blocks.stride()).zip(set.row(j)) {
-                        rows.columns.push(start + output);
-                        let column = log.row_filter.column_rows(&column[..log.samples()]);
-                        data.extend(column.iter().zip(&rows.used).map(|(&v, &used)| if used { v } else { 0.0 }));
-                    }
+                    rows.columns.extend(set.row(j).iter().map(|output| start + output));
+                    data.reserve_exact(set.row(j).len() * rows.used.len());
+                    (0..set.row(j).len()).for_each(|k| push_rows(&blocks, j, k, log, &rows.used, data));
                 });
         }
         let matrix = |(rows, data): (&JointRows, Vec<f64>)| DMatrix::from_vec(self.samples.len(), rows.columns.len(), data);
@@ -162,6 +166,36 @@ fn used_rows(robot: &Robot, log: &PreparedLog, j: usize, samples: &[usize]) -> V
     }
     let intact = |s: usize| broken[(s + reach + 1).min(log.samples())] == broken[s.saturating_sub(reach)];
     samples.iter().map(|&s| intact(s) && speed[s].abs() >= slowest).collect()
+}
+
+/// Samples whose regressor is made in one go; threads share the stretches.
+const STRETCH: usize = 1024;
+
+fn stretches(samples: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..samples)
+        .step_by(STRETCH)
+        .map(move |start| start..(start + STRETCH).min(samples))
+}
+
+/// Appends the rows of column `k` of joint `j`, which is spread over the stretches of `blocks`.
+fn push_rows(blocks: &[RowBlocks], j: usize, k: usize, log: &PreparedLog, used: &[bool], data: &mut Vec<f64>) {
+    let part = |block: &RowBlocks| {
+        let start = k * block.stride();
+        start..start + block.samples()
+    };
+    let masked = |(&v, &used): (&f64, &bool)| if used { v } else { 0.0 };
+    if log.row_filter.takes_all() {
+        for (block, used) in blocks.iter().zip(used.chunks(STRETCH)) {
+            data.extend(block.block(j)[part(block)].iter().zip(used).map(masked));
+        }
+        return;
+    }
+    let column: Vec<f64> = blocks
+        .iter()
+        .flat_map(|block| &block.block(j)[part(block)])
+        .copied()
+        .collect();
+    data.extend(log.row_filter.column_rows(&column).iter().zip(used).map(masked));
 }
 
 fn masked(values: Vec<f64>, used: &[bool]) -> DVector<f64> {

@@ -6,6 +6,7 @@ use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 /// What the estimate's own covariance says about torques elsewhere in the workspace.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +51,7 @@ pub fn quality(robot: &Robot, base: &BaseParameters, logs: &[&PreparedLog], esti
     let mut rows = RowBlocks::new(&columns, STATES);
     rows.fill(&Chain::new(robot), &columns, &states, Coulomb::Sign);
     let prediction_std: Vec<f64> = (0..robot.joint_count())
+        .into_par_iter()
         .map(|j| prediction_std(&rows, &columns, j, estimate))
         .collect();
     let extrapolation: Vec<f64> = prediction_std

@@ -203,7 +203,7 @@ impl Stretch {
             // What is no measurement deviates from nothing.
             let usable = p.usable(log);
             let measured = |(t, mean): (&Vec<f64>, &Vec<f64>)| {
-                let mut unfolded = p.unfold(t);
+                let mut unfolded = p.unfold(t).into_owned();
                 let values = unfolded.iter_mut().zip(&usable).enumerate();
                 values.filter(|(_, (_, u))| !**u).for_each(|(s, (v, _))| *v = mean[s % n]);
                 unfolded

@@ -1,5 +1,6 @@
 //! Least squares over physically consistent parameters: a semidefinite programme.
 
+use super::blas::single_threaded_blas;
 use super::{FitEnding, FitObjective, LinkScale, PhysicalFit, bound_margins, margins, priors};
 use crate::model::{LinkBounds, LinkPrior, Robot};
 use crate::parameters::{Inertial, Layout, ParameterKind};
@@ -111,6 +112,7 @@ fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -
         ..DefaultSettings::default()
     };
     let all = compressed(&matrix, |_, _| true);
+    single_threaded_blas();
     let mut solver = DefaultSolver::new(
         &upper(&p),
         slope.as_slice(),
@@ -120,7 +122,6 @@ fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -
         settings,
     )
     .expect("dimensions fit by construction");
-    single_threaded_blas();
     solver.solve();
     let values: Vec<f64> = (0..scale.len())
         .map(|i| (center[i] + solver.solution.x[i]) * scale[i])
@@ -137,15 +138,6 @@ fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -
         iterations: solver.solution.iterations,
         dual_cost: objective.fit(&unscaled).cost + cost_size(objective) * solver.solution.obj_val_dual,
     }
-}
-
-/// Matrices of four by four gain nothing from threads, and one thread gives one answer.
-fn single_threaded_blas() {
-    unsafe extern "C" {
-        fn openblas_set_num_threads(count: std::ffi::c_int);
-    }
-    // SAFETY: a plain setter of OpenBLAS, which this crate links; it has no preconditions.
-    unsafe { openblas_set_num_threads(1) }
 }
 
 /// Size of every variable: of the prior for inertial parameters, of the unconstrained fit's own order for the rest.

@@ -8,6 +8,7 @@
 //! - [`fit_paper`]: the paper's (10a–d), nonlinear in mass, centre of mass and inertia about it, with bounds and the constraints that
 //!   simulators like. [`lower_bound`] says how far it can be from its global minimum.
 
+mod blas;
 mod consistent;
 mod margins;
 mod objective;
@@ -15,6 +16,7 @@ mod paper;
 mod prior;
 
 pub use crate::model::LinkBounds;
+pub(crate) use blas::single_threaded_blas;
 pub use consistent::{Cone, ConsistentOptions, fit_consistent, lower_bound};
 use margins::bound_margins;
 pub use margins::{Constraint, ConstraintMargin, margins};

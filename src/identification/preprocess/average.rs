@@ -1,9 +1,10 @@
 //! Averaging over periods, and what the scatter of the periods says about noise.
 
 use super::period::{at, repeating_stretch};
-use super::spectrum::forward;
+use super::spectrum::forward_of;
 use crate::identification::Log;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Where the whole periods lie in a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,46 +64,59 @@ impl Periods {
     /// Whether each sample of each period is data (K × N, period after period).
     pub(crate) fn usable(&self, log: &Log) -> Vec<bool> {
         let n = log.samples();
-        let place = |s: usize| self.place(s / self.samples, s % self.samples).floor() as usize;
-        (0..self.count * self.samples)
-            .map(|s| {
-                let at = place(s);
+        let whole = self.first..self.first + self.count * self.samples;
+        if self.aligned() && whole.end <= n {
+            return log.usable[whole].to_vec();
+        }
+        (0..self.count)
+            .flat_map(|k| (0..self.samples).map(move |i| (k, i)))
+            .map(|(k, i)| {
+                let at = self.place(k, i) as usize;
                 at < n && log.usable[at] && (self.aligned() || log.usable[(at + 1).min(n - 1)])
             })
             .collect()
     }
 
     /// A signal of the log, period after period: K × N.
-    pub(crate) fn unfold(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn unfold<'x>(&self, x: &'x [f64]) -> Cow<'x, [f64]> {
         let whole = self.first..self.first + self.count * self.samples;
         if self.aligned() && whole.end <= x.len() {
-            return x[whole].to_vec();
+            return Cow::Borrowed(&x[whole]);
         }
-        (0..self.count * self.samples)
-            .map(|s| at(x, self.place(s / self.samples, s % self.samples)))
-            .collect()
+        let places = (0..self.count).flat_map(|k| (0..self.samples).map(move |i| (k, i)));
+        places.map(|(k, i)| at(x, self.place(k, i))).collect()
     }
 
     /// Mean over the usable periods, for every sample of a period; the mean of all where none is usable.
     pub(super) fn mean(&self, unfolded: &[f64], usable: &[bool]) -> Vec<f64> {
         let n = self.samples;
-        (0..n)
-            .map(|i| {
-                let (mut sum, mut count, mut all) = (0.0, 0, 0.0);
-                for s in (i..unfolded.len()).step_by(n) {
-                    all += unfolded[s];
-                    if usable[s] {
-                        sum += unfolded[s];
-                        count += 1;
-                    }
-                }
-                if count > 0 {
-                    sum / f64::from(count)
-                } else {
-                    all / self.count as f64
-                }
-            })
-            .collect()
+        let (mut sum, mut count, mut all) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for (period, usable) in unfolded.chunks_exact(n).zip(usable.chunks_exact(n)) {
+            for i in 0..n {
+                let used = f64::from(u8::from(usable[i]));
+                sum[i] += used * period[i];
+                count[i] += used;
+                all[i] += period[i];
+            }
+        }
+        let mean = |i: usize| {
+            if count[i] > 0.0 {
+                sum[i] / count[i]
+            } else {
+                all[i] / self.count as f64
+            }
+        };
+        (0..n).map(mean).collect()
+    }
+
+    /// Sum of the squares of the usable samples' deviations from `mean`.
+    pub(super) fn scatter_square(&self, unfolded: &[f64], mean: &[f64], usable: &[bool]) -> f64 {
+        let n = self.samples;
+        let periods = unfolded.chunks_exact(n).zip(usable.chunks_exact(n));
+        let square = |((v, m), used): ((&f64, &f64), &bool)| if *used { (v - m).powi(2) } else { 0.0 };
+        periods
+            .map(|(period, usable)| period.iter().zip(mean).zip(usable).map(square).sum::<f64>())
+            .sum()
     }
 }
 
@@ -127,18 +141,17 @@ impl Scatter {
     pub(super) fn new(periods: &Periods, torque: Vec<Vec<f64>>, mean: &[Vec<f64>], usable: Vec<bool>) -> Self {
         let (k, n) = (periods.count, periods.samples);
         let of_joint = |(tau, mean): (&Vec<f64>, &Vec<f64>)| {
-            let deviation: Vec<f64> = (0..k * n)
-                .map(|s| if usable[s] { tau[s] - mean[s % n] } else { 0.0 })
-                .collect();
             let used = usable.iter().filter(|&&u| u).count() as f64;
             // Every sample of the period spends one degree of freedom on its mean.
             let freedom = (used - n as f64).max(1.0);
-            let std_dev = (deviation.iter().map(|d| d * d).sum::<f64>() / freedom).sqrt();
+            let std_dev = (periods.scatter_square(tau, mean, &usable) / freedom).sqrt();
             let mut lines = vec![0.0; n / 2 + 1];
-            for period in deviation.chunks_exact(n) {
+            for (period, usable) in tau.chunks_exact(n).zip(usable.chunks_exact(n)) {
+                let values = period.iter().zip(mean).zip(usable);
+                let deviation = values.map(|((v, m), &used)| if used { v - m } else { 0.0 }).collect();
                 lines
                     .iter_mut()
-                    .zip(forward(period))
+                    .zip(forward_of(deviation))
                     .for_each(|(sum, x)| *sum += x.norm_sqr());
             }
             // Mean over periods with K − 1 degrees of freedom is the noise of one period; the average has 1/K of it.

@@ -6,6 +6,7 @@
 //!    that does not is low-pass filtered without delay and differenced.
 //! 3. Torque and regressor columns then go through one and the same [`RowFilter`].
 
+mod autocorrelation;
 mod average;
 mod cutoff;
 mod error;

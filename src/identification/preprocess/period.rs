@@ -1,10 +1,9 @@
 //! Finding the period of a log, and the stretch of it in which the robot really repeats.
 
-use super::spectrum::median;
+use super::autocorrelation::{lag_difference, moments};
+use super::spectrum::{median, smoothed};
 use crate::identification::Log;
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex64;
 
 /// A lag is a candidate when the mean square difference between the record and itself that much later is below this fraction of
 /// what it is for unrelated stretches: a robot that waits, or settles, for a tenth of the record passes.
@@ -61,59 +60,26 @@ fn period_in_samples(log: &Log) -> Option<f64> {
     Some(lag)
 }
 
-/// Whether the median of `|q(t + L) − q(t)|²` over time, all joints together, is next to nothing beside the variance.
+/// Whether the median of `|q(t + L) − q(t)|²` over time, all joints together, is next to nothing beside the variance: whether more than half
+/// of the samples are below that.
 fn mostly_repeats(log: &Log, lag: usize) -> bool {
-    let n = log.samples();
-    let mut squares = vec![0.0; n - lag];
-    let mut variance = 0.0;
-    for q in &log.q {
-        let mean = q.iter().sum::<f64>() / n as f64;
-        variance += q.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64;
-        squares
-            .iter_mut()
-            .enumerate()
-            .for_each(|(s, d)| *d += (q[s + lag] - q[s]).powi(2));
-    }
-    median(squares) < REPEATS * 2.0 * variance
-}
-
-/// d(L) for all lags up to N − 1; `None` when nothing moves.
-fn lag_difference(log: &Log) -> Option<Vec<f64>> {
-    let n = log.samples();
-    let padded = (2 * n).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(padded), planner.plan_fft_inverse(padded));
-    let of_joint = |q: &Vec<f64>| {
-        let mean = q.iter().sum::<f64>() / n as f64;
-        let variance = q.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64;
-        if variance < NO_MOTION * NO_MOTION {
-            return None;
+    /// Samples of all joints that stay in the cache together.
+    const STRETCH: usize = 1024;
+    let count = log.samples() - lag;
+    let variance: f64 = log.q.iter().map(|q| moments(q).1).sum();
+    let most = REPEATS * 2.0 * variance;
+    let starts: Vec<usize> = (0..count).step_by(STRETCH).collect();
+    let repeating = |&start: &usize| {
+        let mut squares = [0.0; STRETCH];
+        let squares = &mut squares[..STRETCH.min(count - start)];
+        for q in &log.q {
+            let later = q[start + lag..].iter().zip(&q[start..]);
+            squares.iter_mut().zip(later).for_each(|(d, (b, a))| *d += (b - a).powi(2));
         }
-        let mut x: Vec<f64> = q
-            .iter()
-            .map(|v| v - mean)
-            .chain(std::iter::repeat_n(0.0, padded - n))
-            .collect();
-        let mut squares = vec![0.0; n + 1];
-        (0..n).for_each(|i| squares[i + 1] = squares[i] + x[i] * x[i]);
-        let mut lines = forward.make_output_vec();
-        forward.process(&mut x, &mut lines).expect("lengths come from the plan");
-        lines.iter_mut().for_each(|z| *z = Complex64::new(z.norm_sqr(), 0.0));
-        inverse.process(&mut lines, &mut x).expect("lengths come from the plan");
-        let difference = |lag: usize| {
-            let correlation = x[lag] / padded as f64;
-            let difference = squares[n - lag] + (squares[n] - squares[lag]) - 2.0 * correlation;
-            difference / ((n - lag) as f64 * 2.0 * variance)
-        };
-        Some((0..n).map(difference).collect::<Vec<f64>>())
+        squares.iter().filter(|d| **d < most).count()
     };
-    let moving: Vec<Vec<f64>> = log.q.par_iter().filter_map(of_joint).collect();
-    let mean = |lag: usize| moving.iter().map(|d| d[lag]).sum::<f64>() / moving.len() as f64;
-    (!moving.is_empty()).then(|| (0..n).map(mean).collect())
+    starts.par_iter().map(repeating).sum::<usize>() > count / 2
 }
-
-/// Root mean square [rad or m] below which a joint stands still: encoder noise of a coarse encoder.
-const NO_MOTION: f64 = 1e-3;
 
 /// Minimum of the parabola through a point and its neighbours.
 fn refine(d: &[f64], at: usize) -> f64 {
@@ -143,16 +109,23 @@ pub(super) fn repeating_stretch(log: &Log, lag: f64) -> std::ops::Range<usize> {
     }
     let count = n - whole;
     let half = (whole / 200).max(2);
-    let of_joint = |q: &Vec<f64>| -> Vec<bool> {
+    let of_joint = |q: &Vec<f64>| -> Option<Vec<bool>> {
         let (low, high) = q
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
-        let squares: Vec<f64> = (0..count).map(|s| (at(q, s as f64 + lag) - q[s]).powi(2)).collect();
-        let smooth = super::spectrum::smoothed(&squares, half);
-        let allowed = (16.0 * median(smooth.clone())).max((1e-3 * (high - low)).powi(2));
-        smooth.iter().map(|&d| d <= allowed).collect()
+        let smooth = smoothed(&differences(q, lag, count), half);
+        let always = (1e-3 * (high - low)).powi(2);
+        // Where that allows all of them the median has no say, and nothing breaks the stretch.
+        if smooth.iter().all(|&d| d <= always) {
+            return None;
+        }
+        let allowed = (16.0 * median(smooth.clone())).max(always);
+        Some(smooth.iter().map(|&d| d <= allowed).collect())
     };
-    let joints: Vec<Vec<bool>> = log.q.par_iter().map(of_joint).collect();
+    let joints: Vec<Vec<bool>> = log.q.par_iter().filter_map(of_joint).collect();
+    if joints.is_empty() {
+        return 0..count;
+    }
     let agrees = |s: usize| joints.iter().all(|joint| joint[s]);
     let (mut best, mut start) = (0..0, 0);
     for s in 0..=count {
@@ -166,9 +139,29 @@ pub(super) fn repeating_stretch(log: &Log, lag: f64) -> std::ops::Range<usize> {
     best
 }
 
+/// `(q(s + lag) − q(s))²` for the first `count` samples s.
+fn differences(q: &[f64], lag: f64, count: usize) -> Vec<f64> {
+    let (whole, part) = (lag as usize, lag.fract());
+    if part == 0.0 {
+        let later = q[whole..].iter().zip(q);
+        return later.take(count).map(|(b, a)| (b - a).powi(2)).collect();
+    }
+    // Four neighbours at the same place between them, but for the last samples.
+    let inner = if whole > 0 {
+        q.len().saturating_sub(whole + 2).min(count)
+    } else {
+        0
+    };
+    let mut squares = Vec::with_capacity(count);
+    let neighbours = q[whole.saturating_sub(1)..].windows(4).zip(q).take(inner);
+    squares.extend(neighbours.map(|(x, &here)| (cubic(x[0], x[1], x[2], x[3], part) - here).powi(2)));
+    squares.extend((inner..count).map(|s| (at(q, s as f64 + lag) - q[s]).powi(2)));
+    squares
+}
+
 /// Value between samples, cubic through four of them (linear at the ends).
 pub(super) fn at(x: &[f64], position: f64) -> f64 {
-    let i = (position.floor().max(0.0) as usize).min(x.len() - 1);
+    let i = (position as usize).min(x.len() - 1);
     let f = position - i as f64;
     if f == 0.0 || i + 1 >= x.len() {
         return x[i];
@@ -176,6 +169,10 @@ pub(super) fn at(x: &[f64], position: f64) -> f64 {
     if i == 0 || i + 2 >= x.len() {
         return x[i] + f * (x[i + 1] - x[i]);
     }
-    let (a, b, c, d) = (x[i - 1], x[i], x[i + 1], x[i + 2]);
+    cubic(x[i - 1], x[i], x[i + 1], x[i + 2], f)
+}
+
+/// Value at the fraction `f` of the way from b to c of four values in succession.
+fn cubic(a: f64, b: f64, c: f64, d: f64, f: f64) -> f64 {
     b + 0.5 * f * (c - a + f * (2.0 * a - 5.0 * b + 4.0 * c - d + f * (3.0 * (b - c) + d - a)))
 }

@@ -254,18 +254,12 @@ impl<'a> Chain<'a> {
         let (q, tau) = (mean(&self.log.q), mean(&self.log.tau));
         let position_variance = (k > 1).then(|| {
             let variance = |(x, mean): (&Vec<f64>, &Vec<f64>)| {
-                let sum: f64 = periods
-                    .unfold(x)
-                    .iter()
-                    .enumerate()
-                    .filter(|(s, _)| usable[*s])
-                    .map(|(s, v)| (v - mean[s % n]).powi(2))
-                    .sum();
+                let sum = periods.scatter_square(&periods.unfold(x), mean, &usable);
                 sum / ((k - 1) * n) as f64 / k as f64
             };
             self.log.q.par_iter().zip(&q).map(variance).collect()
         });
-        let torque = || self.log.tau.iter().map(|x| periods.unfold(x)).collect();
+        let torque = || self.log.tau.par_iter().map(|x| periods.unfold(x).into_owned()).collect();
         let scatter = (k > 1).then(|| Scatter::new(&periods, torque(), &tau, usable.clone()));
         let left = self.log.duration_s() - k as f64 * periods.period_s;
         choices.push(Choice::new("period", format!("{:.6} s", periods.period_s), source));
@@ -371,14 +365,17 @@ impl<'a> Chain<'a> {
             (_, false) => fourth_order_difference,
         };
         let mut motion = Motion::zeros(record.q.len(), record.usable.len());
-        let mut velocity_std = Vec::new();
-        for (j, raw) in record.q.iter().enumerate() {
+        let of_joint = |raw: &Vec<f64>| {
             let q = zero_phase(&filter, raw, padding, filter.settling_samples());
-            velocity_std.push(velocity_noise(raw, &q, &filter));
             let qd = difference(&q, step);
             let qdd = difference(&qd, step);
+            (velocity_noise(raw, &q, &filter), [q, qd, qdd])
+        };
+        let (mut velocity_std, states): (Vec<f64>, Vec<[Vec<f64>; 3]>) = record.q.par_iter().map(of_joint).unzip();
+        for (j, [q, qd, qdd]) in states.iter().enumerate() {
             (0..q.len()).for_each(|s| motion.set(j, s, [q[s], qd[s], qdd[s]]));
         }
+        drop(states);
         choices.push(Choice::new(
             "derivatives",
             format!(

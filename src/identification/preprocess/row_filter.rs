@@ -26,6 +26,11 @@ impl RowFilter {
         }
     }
 
+    /// Whether every sample of a regressor column becomes a row as it is.
+    pub fn takes_all(&self) -> bool {
+        self.columns.is_none() && self.edges == 0 && self.decimation == 1
+    }
+
     /// The samples that become rows, of a record of `samples`.
     pub fn rows(&self, samples: usize) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
         let edges = self.edges.min(samples / 2);

@@ -1,10 +1,12 @@
 //! Reading logs: CSV, plain or gzip, in one pass.
 //!
-//! [`read_log`] streams the rows into columns of doubles (`rows`: several threads parse while another reads), `time_base` lays them onto a uniform grid in time, and whatever was
+//! [`read_log`] streams the rows into columns of doubles (`blocks`: several threads parse while another reads), `time_base` lays them onto a uniform grid in time, and whatever was
 //! found on the way (garbage, repeats, gaps, jitter) is told in the [`LogReport`] with the line numbers and what was done.
 
+mod blocks;
 mod columns;
 mod error;
+mod fields;
 mod header;
 mod places;
 mod reader;

@@ -1,14 +1,14 @@
 //! One pass over a CSV file, plain or gzip.
 
+use super::blocks::{Broken, for_each_part};
 use super::columns::Columns;
 use super::header::Header;
 use super::places::{Places, Wanted};
-use super::rows::{Broken, Part, RowShape, for_each_part};
+use super::rows::{Part, RowShape};
 use super::table::Table;
 use super::{LogError, LogReport, time_base};
 use crate::identification::Log;
 use flate2::read::MultiGzDecoder;
-use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ pub fn read_joined_log(
     columns: &Columns,
     joints: &[String],
 ) -> Result<(Log, LogReport), LogError> {
-    let mut table = table_of(open(path)?, columns, joints, &|q| q.of(columns).file.is_none())?;
+    let mut table = table_of(open(path)?, size(path), columns, joints, &|q| q.of(columns).file.is_none())?;
     for name in columns.files() {
         let Some((_, other)) = others.iter().find(|(known, _)| known == name) else {
             return Err(LogError::MissingFile {
@@ -46,12 +46,17 @@ pub fn read_joined_log(
                 other: name.to_string(),
             });
         };
-        let part = table_of(open(other)?, columns, joints, &|q| {
+        let part = table_of(open(other)?, size(other), columns, joints, &|q| {
             q.of(columns).file.as_deref() == Some(name)
         })?;
         table.join(part)?;
     }
     time_base::uniform(table, columns)
+}
+
+/// Bytes of the file, packed or not, as a hint: zero where they are not told.
+fn size(path: &Path) -> u64 {
+    std::fs::metadata(path).map_or(0, |about| about.len())
 }
 
 pub(super) fn open(path: &Path) -> Result<Source<File>, LogError> {
@@ -74,25 +79,26 @@ pub(super) fn open(path: &Path) -> Result<Source<File>, LogError> {
 /// # Errors
 /// [`LogError`]: unreadable, empty or cut off, columns missing, too much garbage, time running backwards, too many gaps.
 pub fn read_log<R: Read + Send>(source: Source<R>, columns: &Columns, joints: &[String]) -> Result<(Log, LogReport), LogError> {
-    time_base::uniform(table_of(source, columns, joints, &|_| true)?, columns)
+    time_base::uniform(table_of(source, 0, columns, joints, &|_| true)?, columns)
 }
 
-/// The columns of the quantities that are wanted of one file.
-fn table_of<R: Read + Send>(source: Source<R>, columns: &Columns, joints: &[String], wanted: &Wanted) -> Result<Table, LogError> {
+/// The columns of the quantities that are wanted of one file of so many bytes; zero where nobody knows.
+fn table_of<R: Read + Send>(
+    source: Source<R>,
+    size: u64,
+    columns: &Columns,
+    joints: &[String],
+    wanted: &Wanted,
+) -> Result<Table, LogError> {
     let Source { name: file, bytes } = source;
     let mut bytes = unpacked(&file, bytes)?;
     let header = Header::read(&file, &mut bytes)?;
     let places = Places::find(&file, &header.names, columns, joints, wanted)?;
     let shape = RowShape::new(header.delimiter, header.names.len(), &places);
-    let mut table = Table::new(file.clone(), &places);
-    let line = Cell::new(header.lines);
-    let take = |part: Part| {
-        let before = line.get();
-        line.set(before + part.line_count);
-        table.append(part, before)
-    };
+    let mut table = Table::new(file.clone(), &places, size);
+    let take = |part: &mut Part, before: u64| table.append(part, header.lines + before);
     for_each_part(&mut bytes, &shape, take, |end| {
-        let at = line.get() + end.lines;
+        let at = header.lines + end.lines;
         match end.reason {
             Broken::Io(e) => broken(&file, at, &e),
             Broken::LongLine => LogError::LongLine {

@@ -23,13 +23,15 @@ pub(super) struct Table {
     pub qd: Vec<Vec<f64>>,
     pub tau: Vec<Vec<f64>>,
     pub rows: usize,
+    /// Of the file, as far as is known: an estimate of the rows to come.
+    bytes_left: u64,
     pub garbage: Tally,
     /// Rows without a number in the time column alone.
     pub missing_time: Tally,
 }
 
 impl Table {
-    pub fn new(file: String, places: &Places) -> Self {
+    pub fn new(file: String, places: &Places, bytes: u64) -> Self {
         let empty = |places: &[usize]| vec![Vec::new(); places.len()];
         Self {
             file,
@@ -40,19 +42,21 @@ impl Table {
             qd: empty(&places.qd),
             tau: empty(&places.tau),
             rows: 0,
+            bytes_left: bytes,
             garbage: Tally::default(),
             missing_time: Tally::default(),
         }
     }
 
-    /// Appends the rows of the part that follows line `line`.
-    pub fn append(&mut self, part: Part, line: u64) -> Result<(), LogError> {
+    /// Appends the rows of the part that follows line `line`, and takes what it counted.
+    pub fn append(&mut self, part: &mut Part, line: u64) -> Result<(), LogError> {
         if self.rows + part.rows > MOST_ROWS {
             return Err(LogError::TooLong {
                 file: self.file.clone(),
                 limit: MOST_ROWS,
             });
         }
+        self.reserve(part);
         let after = |count: u64, n: u32| (count + u64::from(n)).min(u64::from(u32::MAX)) as u32;
         self.lines.extend(part.lines.iter().map(|&l| after(line, l)));
         self.numbers.extend(part.numbers.iter().map(|&n| after(self.rows as u64, n)));
@@ -61,10 +65,26 @@ impl Table {
         columns
             .zip(&part.columns)
             .for_each(|(column, more)| column.extend_from_slice(more));
-        self.garbage.append(part.garbage, line);
-        self.missing_time.append(part.missing_time, line);
+        self.garbage.append(std::mem::take(&mut part.garbage), line);
+        self.missing_time.append(std::mem::take(&mut part.missing_time), line);
         self.rows += part.rows;
         Ok(())
+    }
+
+    /// Makes room for as many rows as the file has left if they go on as in `part`: columns that grow by and by are copied every time.
+    fn reserve(&mut self, part: &Part) {
+        self.bytes_left = self.bytes_left.saturating_sub(part.bytes as u64);
+        if self.lines.capacity() - self.lines.len() >= part.lines.len() {
+            return;
+        }
+        // A twentieth more: lines need not stay as long as they are.
+        let blocks = 1.0 + 1.05 * self.bytes_left as f64 / part.bytes.max(1) as f64;
+        let more = ((part.lines.len() as f64 * blocks) as usize).min(MOST_ROWS);
+        self.lines.reserve(more);
+        self.numbers.reserve(more);
+        self.time.reserve(if part.time.is_empty() { 0 } else { more });
+        let columns = self.q.iter_mut().chain(&mut self.qd).chain(&mut self.tau);
+        columns.for_each(|column| column.reserve(more));
     }
 
     /// Takes over the columns of a file beside this one: row by row, those rows left out that are no numbers in either.
