@@ -8,6 +8,7 @@
 mod between;
 mod border;
 mod candidate;
+mod confirm;
 mod crossval;
 mod dependence;
 mod design;

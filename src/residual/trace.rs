@@ -3,11 +3,12 @@
 use super::between::{self, BetweenFinding, Separated};
 use super::border::{RivalTerm, border};
 use super::candidate::candidates;
+use super::confirm::{confirmed, honest_covariance};
 use super::model::reported;
 use super::remainder;
 use super::report::Outcome;
 use super::rivals::{Contest, rivals, settled};
-use super::select::{Accepted, Threshold, select};
+use super::select::{Accepted, Selected, Threshold, select};
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
 use super::trend::trends;
@@ -79,27 +80,24 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let (selected, mut contests) = settled(&data, selected, fixed, &list, &threshold);
     let data = data.with_noise(selected.noise.clone());
     let before_examination = selected.accepted.len();
-    let (mut selected, rest) = remainder::examine(&data, selected, fixed, &list, &threshold);
+    let (selected, rest) = remainder::examine(&data, selected, fixed, &list, &threshold);
     if rest.is_some() || selected.accepted.len() != before_examination {
         contests = rivals(&data, &selected, fixed, &list, &threshold);
     }
     unsteady.extend(trends(&data, &selected.system, options.chance));
     let rest = joined(rest, remainder_of(robot, &unsteady));
     let data = fine.with_noise(data.noise);
-    selected.system = data.fit(selected.system.model);
-    let after = fits(&data, &selected.system);
-    let verdict = verdict(selected.accepted.len() + between.len(), rest.is_some());
+    let Selected {
+        system, mut accepted, ..
+    } = selected;
+    let system = data.fit(system.model);
+    let system = confirmed(&data, system, fixed, &mut accepted, &mut contests, options.chance);
+    let after = fits(&data, &system);
+    let verdict = verdict(accepted.len() + between.len(), rest.is_some());
     // What nothing explains was kept from the fits, and stays in the errors.
     let stretches = &explained[..];
     let before_rms = rms(&first.model, stretches, held_out);
-    let findings = findings(
-        &data,
-        [stretches, held_out],
-        &start,
-        &selected.system,
-        &selected.accepted,
-        &contests,
-    );
+    let findings = findings(&data, [stretches, held_out], &start, &system, &accepted, &contests);
     let mut all: Vec<Finding> = between_findings(robot, between, &first.model, measured, stretches, held_out);
     all.extend(findings);
     let report = ResidualReport {
@@ -112,16 +110,16 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         remainder: rest,
         lack_of_fit_after: after,
         rms_before: before_rms,
-        rms_after: rms(&selected.system.model, stretches, held_out),
+        rms_after: rms(&system.model, stretches, held_out),
     };
     let mut rival_terms = vec![Vec::new(); start.terms.len()];
-    rival_terms.extend(contests.iter().map(|c| rival_terms_of(&data, &selected.system, c)));
+    rival_terms.extend(contests.iter().map(|c| rival_terms_of(&data, &system, c)));
     Outcome {
         report,
         rival_terms,
         rate_hz: rate(stretches),
-        information: data.known(&selected.system),
-        model: selected.system.model,
+        information: data.known(&system),
+        model: system.model,
         noise: data.noise,
     }
 }
@@ -320,17 +318,12 @@ fn findings(
 fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
     let robot = &last.model.robot;
     let term_joints = &last.model.terms[at].joints;
-    // Misfit that is left widens the deviations as it narrows the evidence.
     let joints: Vec<usize> = if term_joints.is_empty() {
         (0..robot.joint_count()).collect()
     } else {
         term_joints.clone()
     };
-    let covariance = if last.has_misfit(&joints) {
-        last.spread(at)
-    } else {
-        last.term_covariance(at)
-    };
+    let covariance = honest_covariance(last, at);
     let mut term = last.model.terms[at].clone();
     let k = term.coefficients.len();
     if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {

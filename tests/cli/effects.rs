@@ -30,7 +30,7 @@ fn record(folder: &Folder, name: &str, phase: f64, seed: u64, periods: u32, effe
 /// `residual` of an identification with the effect in it, and the model.
 fn identified(folder: &Folder, effects: &Value) -> (Value, String) {
     let log = record(folder, "log", 0.3, 1, 6, effects);
-    let request = folder.write("request.json", &json!({"feasible": {"method": "none"}}).to_string());
+    let request = folder.write("request.json", "{}");
     let [out, model] = ["result.json", "model.json"].map(|n| folder.file(n));
     let output = run(&[
         "identify",

@@ -100,8 +100,11 @@ fn between_neighbours(scatter: &Scatter, joint: usize, samples: usize) -> Vec<f6
         let difference: Vec<f64> = pairs
             .map(|(a, b)| if usable[a] && usable[b] { torque[b] - torque[a] } else { 0.0 })
             .collect();
-        let lines = forward(&difference);
-        lines.iter().map(|x| x.norm_sqr() / (2 * samples) as f64).collect()
+        // The first line is a level of its own in every period, which tracing tells of as well.
+        let lines = forward(&difference).into_iter().enumerate();
+        lines
+            .map(|(l, x)| if l == 0 { 0.0 } else { x.norm_sqr() / (2 * samples) as f64 })
+            .collect()
     };
     let mut pairs: Vec<Vec<f64>> = (0..scatter.periods - 1).map(power).collect();
     pairs.sort_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum()));

@@ -1,0 +1,68 @@
+//! The last word on every effect, by all samples.
+//!
+//! Effects are looked for on the coarse forms of the data, one sample of the motion to every row. Of long logs that is a tenth of the samples and less, while
+//! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
+
+use super::candidate::chance;
+use super::rivals::Contest;
+use super::select::Accepted;
+use super::system::{Data, System};
+use crate::effects::Kind;
+use nalgebra::{DMatrix, DVector};
+
+/// Takes effects beyond the first `fixed` terms out that the samples do not confirm, the weakest first, until all that are left are: the chance of
+/// `θᵀ C⁻¹ θ` (Wald), θ what the effect adds and C its covariance, is below `limit`. What was tried before is not counted again.
+pub(super) fn confirmed(
+    data: &Data,
+    mut system: System,
+    fixed: usize,
+    accepted: &mut Vec<Accepted>,
+    contests: &mut Vec<Contest>,
+    limit: f64,
+) -> System {
+    loop {
+        let doubts = (0..accepted.len()).map(|i| (i, doubt(&system, fixed + i)));
+        match doubts.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((i, p)) if p >= limit => {
+                accepted.remove(i);
+                contests.remove(i);
+                let mut model = system.model;
+                model.terms.remove(fixed + i);
+                system = data.fit(model);
+            }
+            _ => return system,
+        }
+    }
+}
+
+/// Chance of values as large as those of term `at` where there is no such effect.
+fn doubt(system: &System, at: usize) -> f64 {
+    let term = &system.model.terms[at];
+    let covariance = honest_covariance(system, at);
+    // Coefficients come first; distortions have none, and none of them is there when all of its parameters are zero.
+    let values = match term.effect.kind() {
+        Kind::Distortion => &term.shape[..term.free_shapes],
+        _ => &term.coefficients[..],
+    };
+    let k = values.len();
+    let block = covariance.view((0, 0), (k, k)).into_owned();
+    let theta = DVector::from_column_slice(values);
+    // Without a covariance nothing is known against the effect.
+    let statistic = block.cholesky().map_or(f64::INFINITY, |c| theta.dot(&c.solve(&theta)));
+    chance(statistic, k)
+}
+
+/// Covariance of the parameters of term `at`. Misfit that is left on its joints widens it as it narrows the evidence.
+pub(super) fn honest_covariance(system: &System, at: usize) -> DMatrix<f64> {
+    let term = &system.model.terms[at];
+    let joints: Vec<usize> = if term.joints.is_empty() {
+        (0..system.model.robot.joint_count()).collect()
+    } else {
+        term.joints.clone()
+    };
+    if system.has_misfit(&joints) {
+        system.spread(at)
+    } else {
+        system.term_covariance(at)
+    }
+}
