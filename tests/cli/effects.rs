@@ -154,18 +154,6 @@ fn prop_geometry_and_sensors_are_traced_from_simulated_logs() {
 }
 
 #[test]
-fn prop_what_has_no_name_is_left_unexplained() {
-    let folder = Folder::new("effect-unmodelled");
-    let (residual, _) = identified(
-        &folder,
-        &json!([{"effect": "unmodelled", "joints": ["A2", "A4"], "amplitude": 1.5}]),
-    );
-    assert_eq!(residual["verdict"], "unexplained", "{residual}");
-    assert_eq!(residual["findings"], json!([]));
-    assert_eq!(residual["remainder"]["joints"], json!(["A2"]));
-}
-
-#[test]
 fn prop_a_payload_is_traced_against_the_model_without_it() {
     let folder = Folder::new("effect-payload");
     let (nothing, model) = identified(&folder, &json!([]));

@@ -126,7 +126,7 @@ const MOST_EXHAUSTED: usize = 12;
 /// Two explanations whose rests differ by less are alike; the one about torque columns, which can be turned round, is taken.
 const ALIKE: f64 = 1.2;
 
-/// Every torque column in every joint's row, with the base regressor projected out: sums of squares of all hypotheses at once.
+/// Every torque column in every joint's row, with the base regressor, a level and a spring projected out: sums of squares of all hypotheses at once.
 struct Projection {
     joints: usize,
     /// `⟨P e_row(a) tau(b), P e_row(c) tau(d)⟩` at `(a n + b, c n + d)`.
@@ -143,7 +143,9 @@ impl Projection {
         let samples = motion.samples();
         let mut rows = RowBlocks::new(&set, samples);
         rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
-        let p = set.len();
+        // Beside the rigid body every joint may have a level and a spring: what pulls like gravity turned round is not a torque turned round.
+        let rigid = set.len();
+        let p = rigid + 2 * n;
         // Rows weigh by the inverse of what their torque is made of, so that strong joints do not drown weak ones.
         let weight: Vec<f64> = torque
             .iter()
@@ -155,6 +157,8 @@ impl Projection {
                 for (values, &at) in rows.block(j).chunks_exact(rows.stride()).zip(set.row(j)) {
                     m.column_mut(at).copy_from_slice(&values[..samples]);
                 }
+                m.column_mut(rigid + 2 * j).fill(1.0);
+                m.column_mut(rigid + 2 * j + 1).copy_from_slice(motion.positions(j));
                 m * weight[j]
             })
             .collect();
@@ -259,7 +263,7 @@ impl Projection {
 
     /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such a joint is turned
     /// where friction says so against the other joints' and the fit hardly gets worse. What would call the joint's own sign wrong is not believed against
-    /// friction, however well it fits: a spring that the model lacks pulls like gravity turned round.
+    /// friction, however well it fits.
     fn dissipating(&self, robot: &Robot, motion: &Motion, order: &[usize], signs: &[f64]) -> Vec<f64> {
         let mut signs = signs.to_vec();
         let power = |signs: &[f64]| friction_power(robot, motion, &self.values(order, signs));
