@@ -27,7 +27,7 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
     });
     let torque: Vec<Vec<f64>> = torque.iter().map(|t| t.iter().step_by(step).copied().collect()).collect();
     let torque = &torque[..];
-    let projection = Projection::new(robot, motion, torque);
+    let projection = Projection::new(robot, motion, torque, None);
     let n = robot.joint_count();
     let identity: Vec<usize> = (0..n).collect();
     let plain = projection.rest(&identity, &vec![1.0; n]);
@@ -57,6 +57,7 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
     }
     let signs = projection.dissipating(robot, motion, &order, &signs);
     let signs = projection.global_sign(robot, motion, &order, &signs);
+    let signs = not_sprung(robot, motion, torque, &order, signs, projection.rest(&order, &signs));
     let flipped: Vec<String> = (0..n).filter(|&j| signs[j] < 0.0).map(name).collect();
     if !flipped.is_empty() {
         let detail = format!(
@@ -71,6 +72,21 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
         });
     }
     found
+}
+
+/// The signs without those of single joints that a level and a spring explain clearly better than a column turned round, which leaves `rest`: a strong
+/// spring pulls like gravity turned round.
+fn not_sprung(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], order: &[usize], mut signs: Vec<f64>, rest: f64) -> Vec<f64> {
+    let turned: Vec<usize> = (0..signs.len()).filter(|&j| signs[j] < 0.0).collect();
+    // All of them turned is no question of one joint.
+    for &j in turned.iter().filter(|_| turned.len() < signs.len()) {
+        let mut right = signs.clone();
+        right[j] = 1.0;
+        if ALIKE * Projection::new(robot, motion, torque, Some(j)).rest(order, &right) < rest {
+            signs = right;
+        }
+    }
+    signs
 }
 
 /// Positions that no arm reaches in radians: more than three turns of travel, and within two turns when read as degrees.
@@ -126,7 +142,7 @@ const MOST_EXHAUSTED: usize = 12;
 /// Two explanations whose rests differ by less are alike; the one about torque columns, which can be turned round, is taken.
 const ALIKE: f64 = 1.2;
 
-/// Every torque column in every joint's row, with the base regressor, a level and a spring projected out: sums of squares of all hypotheses at once.
+/// Every torque column in every joint's row, with the base regressor projected out: sums of squares of all hypotheses at once.
 struct Projection {
     joints: usize,
     /// `⟨P e_row(a) tau(b), P e_row(c) tau(d)⟩` at `(a n + b, c n + d)`.
@@ -136,16 +152,16 @@ struct Projection {
 }
 
 impl Projection {
-    fn new(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Self {
+    /// With a level and a spring of the joint `sprung` beside the rigid body, where there is one.
+    fn new(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], sprung: Option<usize>) -> Self {
         let n = robot.joint_count();
         let model = AugmentedModel::declared(robot);
         let set = ColumnSet::new(robot, &Layout::standard(robot), &model.base.kept);
         let samples = motion.samples();
         let mut rows = RowBlocks::new(&set, samples);
         rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
-        // Beside the rigid body every joint may have a level and a spring: what pulls like gravity turned round is not a torque turned round.
         let rigid = set.len();
-        let p = rigid + 2 * n;
+        let p = rigid + if sprung.is_some() { 2 } else { 0 };
         // Rows weigh by the inverse of what their torque is made of, so that strong joints do not drown weak ones.
         let weight: Vec<f64> = torque
             .iter()
@@ -157,8 +173,10 @@ impl Projection {
                 for (values, &at) in rows.block(j).chunks_exact(rows.stride()).zip(set.row(j)) {
                     m.column_mut(at).copy_from_slice(&values[..samples]);
                 }
-                m.column_mut(rigid + 2 * j).fill(1.0);
-                m.column_mut(rigid + 2 * j + 1).copy_from_slice(motion.positions(j));
+                if sprung == Some(j) {
+                    m.column_mut(rigid).fill(1.0);
+                    m.column_mut(rigid + 1).copy_from_slice(motion.positions(j));
+                }
                 m * weight[j]
             })
             .collect();
@@ -363,7 +381,7 @@ fn read_otherwise(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Option
     let all = (turning.len() > 1).then(|| Reading::Degrees(turning.clone()));
     let readings: Vec<Reading> = exchanges.chain(single).chain(all).collect();
     let rest = |reading: Reading| {
-        let projection = Projection::new(robot, &reading.of(motion), torque);
+        let projection = Projection::new(robot, &reading.of(motion), torque, None);
         (projection.rest(&(0..n).collect::<Vec<_>>(), &vec![1.0; n]), reading)
     };
     let tried: Vec<(f64, Reading)> = readings.into_par_iter().map(rest).collect();
