@@ -385,7 +385,7 @@ fn table_4(bench: &Bench, found: &Fitted, logs: &[Log], paper: bool) {
 }
 
 fn main() {
-    let evaluations = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(60_000);
+    let evaluations = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(75_000);
     let bench = Bench::new();
     let problem = Problem::new(ProblemSpec {
         robot: bench.robot.clone(),

@@ -57,7 +57,8 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
     }
     let signs = projection.dissipating(robot, motion, &order, &signs);
     let signs = projection.global_sign(robot, motion, &order, &signs);
-    let signs = not_sprung(robot, motion, torque, &order, signs, projection.rest(&order, &signs));
+    let rest = projection.rest(&order, &signs);
+    let signs = not_sprung(robot, motion, torque, &order, signs, rest);
     let flipped: Vec<String> = (0..n).filter(|&j| signs[j] < 0.0).map(name).collect();
     if !flipped.is_empty() {
         let detail = format!(
@@ -79,7 +80,10 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
 fn not_sprung(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], order: &[usize], mut signs: Vec<f64>, rest: f64) -> Vec<f64> {
     let turned: Vec<usize> = (0..signs.len()).filter(|&j| signs[j] < 0.0).collect();
     // All of them turned is no question of one joint.
-    for &j in turned.iter().filter(|_| turned.len() < signs.len()) {
+    if turned.len() == signs.len() {
+        return signs;
+    }
+    for j in turned {
         let mut right = signs.clone();
         right[j] = 1.0;
         if ALIKE * Projection::new(robot, motion, torque, Some(j)).rest(order, &right) < rest {
