@@ -6,9 +6,8 @@
 mod bench;
 
 use bench::*;
-use dynident::identification::{Log, PreprocessOptions, prepare, preprocess::Period};
+use dynident::identification::{PreprocessOptions, prepare, preprocess::Period};
 use dynident::residual::{Stretch, TraceOptions, trace};
-use dynident::simulate::{Experiment, HiddenEffect, simulate};
 use std::time::Instant;
 
 fn main() {
@@ -20,31 +19,7 @@ fn main() {
 }
 
 fn run(name: &str, periods: f64, rate_hz: f64, period: Period) {
-    let (robot, phi) = published();
-    let spring = HiddenEffect::JointSpring {
-        joint: 3,
-        stiffness: 1.8,
-        rest: 0.2,
-    };
-    let recorded = simulate(&Experiment {
-        robot: &robot,
-        parameters: &phi,
-        trajectory: &wide_excitation(&robot, 1),
-        periods,
-        rate_hz,
-        effects: &[spring],
-        noise: &sensor_noise(7),
-        seed: 1,
-    });
-    let log = Log {
-        name: name.into(),
-        rate_hz,
-        start_s: 0.0,
-        usable: vec![true; recorded.time.len()],
-        q: recorded.q,
-        qd: None,
-        tau: recorded.tau,
-    };
+    let (robot, log) = long_log(name, periods, rate_hz);
     let start = Instant::now();
     let options = PreprocessOptions {
         period,

@@ -1,4 +1,4 @@
-//! Every effect that the virtual robot can have, through `simulate` and `identify`: what was hidden is named, and nothing else.
+//! Every effect of the list, through `simulate` and `identify`: what was hidden is named, and nothing else.
 
 use crate::{Folder, run, stderr, stdout};
 use serde_json::{Value, json};

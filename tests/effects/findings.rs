@@ -1,9 +1,9 @@
 //! The right effect on the right joint with the right value, and nothing where there is nothing.
 
 use crate::bench::*;
-use dynident::identification::{Log, PreprocessOptions, prepare};
+use dynident::identification::{PreprocessOptions, prepare};
 use dynident::residual::{Outcome, ResidualReport, Stretch, TraceOptions, Verdict, trace};
-use dynident::simulate::{Experiment, HiddenEffect, Noise, simulate};
+use dynident::simulate::{HiddenEffect, Noise};
 
 /// The only finding: its code, joint, and the value of its first parameter within `sigmas` of the truth.
 fn only(outcome: &Outcome, code: &str, joint: &str, truth: f64) {
@@ -200,31 +200,7 @@ fn prop_what_changed_since_the_model_is_found() {
 /// 160,000 rows see what a hundredth of the noise hides; what only the coarse form of so long a log would need is no finding.
 #[test]
 fn regress_a_long_log_has_no_more_in_it_than_a_short_one() {
-    let (robot, phi) = published();
-    let spring = HiddenEffect::JointSpring {
-        joint: 3,
-        stiffness: 1.8,
-        rest: 0.2,
-    };
-    let recorded = simulate(&Experiment {
-        robot: &robot,
-        parameters: &phi,
-        trajectory: &wide_excitation(&robot, 1),
-        periods: 16.0,
-        rate_hz: 1000.0,
-        effects: &[spring],
-        noise: &sensor_noise(7),
-        seed: 1,
-    });
-    let log = Log {
-        name: "long".into(),
-        rate_hz: 1000.0,
-        start_s: 0.0,
-        usable: vec![true; recorded.time.len()],
-        q: recorded.q,
-        qd: None,
-        tau: recorded.tau,
-    };
+    let (robot, log) = long_log("long", 16.0, 1000.0);
     let prepared = prepare(&log, 7, &PreprocessOptions::default()).unwrap();
     only(
         &trace(&robot, &[Stretch::new(&prepared, &log)], &[], &TraceOptions::default()),

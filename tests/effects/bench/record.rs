@@ -1,6 +1,6 @@
 //! From a motion to a traced log.
 
-use super::{bodies, excitation, validation, wide_excitation, wide_validation};
+use super::{bodies, excitation, published, validation, wide_excitation, wide_validation};
 use dynident::identification::{Log, PreprocessOptions, prepare};
 use dynident::model::Robot;
 use dynident::residual::{Outcome, Stretch, TraceOptions, trace};
@@ -24,15 +24,7 @@ pub fn sensor_noise(joints: usize) -> Noise {
 
 pub fn stretch(log: &RecordedLog, name: &str) -> Stretch {
     let joints = log.q.len();
-    let log = Log {
-        name: name.into(),
-        rate_hz: RATE,
-        start_s: 0.0,
-        q: log.q.clone(),
-        qd: None,
-        tau: log.tau.clone(),
-        usable: vec![true; log.time.len()],
-    };
+    let log = as_log(log, name, RATE);
     Stretch::new(&prepare(&log, joints, &PreprocessOptions::default()).unwrap(), &log)
 }
 
@@ -89,4 +81,38 @@ pub fn traced(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64)
 pub fn published_logs(robot: &Robot, phi: &[f64], effects: [&[HiddenEffect]; 2], noise: &Noise, seed: u64) -> [RecordedLog; 2] {
     let (excitation, validation) = (wide_excitation(robot, seed), wide_validation(robot, seed));
     recorded(robot, phi, [&excitation, &validation], effects, noise, seed)
+}
+
+/// The published arm on its first motion, as often and as finely sampled as asked, with a spring of 1.8 N·m/rad on the fourth joint.
+pub fn long_log(name: &str, periods: f64, rate_hz: f64) -> (Robot, Log) {
+    let (robot, phi) = published();
+    let spring = HiddenEffect::JointSpring {
+        joint: 3,
+        stiffness: 1.8,
+        rest: 0.2,
+    };
+    let recorded = simulate(&Experiment {
+        robot: &robot,
+        parameters: &phi,
+        trajectory: &wide_excitation(&robot, 1),
+        periods,
+        rate_hz,
+        effects: &[spring],
+        noise: &sensor_noise(7),
+        seed: 1,
+    });
+    let log = as_log(&recorded, name, rate_hz);
+    (robot, log)
+}
+
+fn as_log(recorded: &RecordedLog, name: &str, rate_hz: f64) -> Log {
+    Log {
+        name: name.into(),
+        rate_hz,
+        start_s: 0.0,
+        q: recorded.q.clone(),
+        qd: None,
+        tau: recorded.tau.clone(),
+        usable: vec![true; recorded.time.len()],
+    }
 }
