@@ -20,5 +20,5 @@ pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};
 pub use inspect::inspect;
 pub use motion::motion;
 pub use problem::{FieldError, Problem};
-pub use process::settle_process;
+pub use process::{hand_back_memory, settle_process};
 pub use validate::validate;

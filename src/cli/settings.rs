@@ -61,22 +61,22 @@ pub struct Settings {
     /// Long searches that run at the same time; each uses all cores. 0 leaves them to workers.
     #[arg(long, env = "DYNIDENT_CONCURRENT_JOBS", value_name = "N")]
     pub concurrent_jobs: Option<usize>,
-    /// Short jobs that run at the same time beside them. 0 leaves them to workers.
+    /// Identifications and validations that run at the same time beside them, and one search that is not long. 0 leaves them to workers.
     #[arg(long, env = "DYNIDENT_SHORT_JOBS", value_name = "N")]
     pub short_jobs: Option<usize>,
     /// A search that may take longer than this is long.
     #[arg(long, env = "DYNIDENT_SHORTEST_LONG_S", value_name = "SECONDS")]
     pub shortest_long_s: Option<f64>,
-    /// Jobs of one robot that run at the same time, short and long each; no bound if left out.
+    /// Jobs of one robot that run at the same time, long searches, others, and the rest each; no bound if left out.
     #[arg(long, env = "DYNIDENT_RUNNING_PER_ROBOT", value_name = "N")]
     pub running_per_robot: Option<usize>,
-    /// Jobs that may wait, short and long each.
+    /// Jobs that may wait, long searches, others, and the rest each.
     #[arg(long, env = "DYNIDENT_WAITING_JOBS", value_name = "N")]
     pub waiting_jobs: Option<usize>,
-    /// Jobs of one robot that may wait, short and long each.
+    /// Jobs of one robot that may wait, long searches, others, and the rest each.
     #[arg(long, env = "DYNIDENT_WAITING_PER_ROBOT", value_name = "N")]
     pub waiting_per_robot: Option<usize>,
-    /// Jobs of one token that may wait, short and long each.
+    /// Jobs of one token that may wait, long searches, others, and the rest each.
     #[arg(long, env = "DYNIDENT_WAITING_PER_TOKEN", value_name = "N")]
     pub waiting_per_token: Option<usize>,
     /// Ended jobs that are kept with their results; all if left out.

@@ -36,6 +36,9 @@ pub(crate) struct Scored {
     pub evidence: f64,
 }
 
+/// Part of the true gain that the linearised one of [`scan`] shows at least.
+pub(crate) const LINEAR_GAIN: f64 = 0.6;
+
 /// All candidates for this model and data.
 pub(crate) fn candidates(model: &AugmentedModel, spans: &[Span], against_model: bool) -> Vec<Candidate> {
     let mut list = Vec::new();
@@ -172,7 +175,8 @@ fn shaped(data: &Data, system: &System, coarse: &[&Stretch], candidate: &Candida
 fn distortion(system: &System, stretch: &Stretch, candidate: &Candidate) -> Vec<Column> {
     let zero = candidate.term(&vec![0.0; candidate.effect.steps().len()], &[]);
     let plain = system.model.torques(&stretch.motion, &system.model.robot, None);
-    let derivative = system.model.distortion_columns(stretch, &plain, &zero, None);
+    let known = (&stretch.motion, system.model.robot.gravity(), &plain.declared[..]);
+    let derivative = system.model.distortion_columns(stretch, &plain, &zero, None, known);
     let column = |rows: Vec<Vec<f64>>| Column {
         rows: rows
             .into_iter()

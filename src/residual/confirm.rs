@@ -3,6 +3,7 @@
 //! Effects are looked for on the coarse forms of the data, one sample of the motion to every row. Of long logs that is a tenth of the samples and less, while
 //! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
 
+use super::Term;
 use super::candidate::chance;
 use super::rivals::Contest;
 use super::select::Accepted;
@@ -37,9 +38,14 @@ pub(super) fn confirmed(
 
 /// Chance of values as large as those of term `at` where there is no such effect.
 fn doubt(system: &System, at: usize) -> f64 {
-    let term = &system.model.terms[at];
-    let covariance = honest_covariance(system, at);
-    // Coefficients come first; distortions have none, and none of them is there when all of its parameters are zero.
+    let (statistic, parameters) = wald(&system.model.terms[at], &honest_covariance(system, at));
+    chance(statistic, parameters)
+}
+
+/// `θᵀ C⁻¹ θ` and the length of θ, what `term` adds: its coefficients, or all parameters of a distortion, which is not there when they are zero.
+/// `covariance` is that of all parameters of the term.
+pub(super) fn wald(term: &Term, covariance: &DMatrix<f64>) -> (f64, usize) {
+    // Coefficients come first; distortions have none.
     let values = match term.effect.kind() {
         Kind::Distortion => &term.shape[..term.free_shapes],
         _ => &term.coefficients[..],
@@ -49,7 +55,7 @@ fn doubt(system: &System, at: usize) -> f64 {
     let theta = DVector::from_column_slice(values);
     // Without a covariance nothing is known against the effect.
     let statistic = block.cholesky().map_or(f64::INFINITY, |c| theta.dot(&c.solve(&theta)));
-    chance(statistic, k)
+    (statistic, k)
 }
 
 /// Covariance of the parameters of term `at`. Misfit that is left on its joints widens it as it narrows the evidence.

@@ -5,7 +5,7 @@ use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::effects::{Column, Effect, Kind, Scene, Span, World};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout, ParameterKind};
-use nalgebra::{DMatrix, DVector, Rotation3};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
 /// An effect with its values.
 #[derive(Clone)]
@@ -253,7 +253,8 @@ impl AugmentedModel {
             .map(|(row, g)| stretch.shaped(row.into_iter().map(|v| v * g).collect()))
             .collect();
         if base.is_some() && distorted {
-            self.push_distortions(&mut jacobian, stretch, &plain);
+            let known = (&world.motion, world.gravity, &here.declared[..]);
+            self.push_distortions(&mut jacobian, stretch, &plain, known);
         }
         Evaluated {
             motion: world.motion,
@@ -265,9 +266,9 @@ impl AugmentedModel {
         }
     }
 
-    fn push_distortions(&self, jacobian: &mut ShapedRows, stretch: &Stretch, plain: &Torques) {
+    fn push_distortions(&self, jacobian: &mut ShapedRows, stretch: &Stretch, plain: &Torques, known: KnownTorque) {
         for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
-            let columns = self.distortion_columns(stretch, plain, term, Some(t));
+            let columns = self.distortion_columns(stretch, plain, term, Some(t), known);
             for (i, rows) in columns.into_iter().enumerate() {
                 let at = self.offset_of(t) + i;
                 rows.into_iter()
@@ -278,13 +279,14 @@ impl AugmentedModel {
     }
 
     /// Derivative of the declared torque by every parameter of a distortion, n × N each, by central differences around its present value
-    /// (zero for a distortion that is not in the model).
+    /// (zero for a distortion that is not in the model). Where the motion and gravity are those of `known`, so is the torque.
     pub(crate) fn distortion_columns(
         &self,
         stretch: &Stretch,
         plain: &Torques,
         term: &Term,
         at: Option<usize>,
+        known: KnownTorque,
     ) -> Vec<Vec<Vec<f64>>> {
         let steps = term.effect.steps();
         (0..steps.len())
@@ -293,9 +295,13 @@ impl AugmentedModel {
                     let mut moved = term.clone();
                     moved.shape[i] += sign * steps[i];
                     let world = self.world(stretch, plain, Some((at, &moved)));
-                    let mut tau = self
-                        .torques(&world.motion, &self.robot.with_gravity(world.gravity), None)
-                        .declared;
+                    let mut tau = match (&world.motion, world.gravity) == (known.0, known.1) {
+                        true => known.2.to_vec(),
+                        false => {
+                            self.torques(&world.motion, &self.robot.with_gravity(world.gravity), None)
+                                .declared
+                        }
+                    };
                     tau.iter_mut()
                         .zip(&world.gain)
                         .for_each(|(row, g)| row.iter_mut().for_each(|v| *v *= g));
@@ -413,6 +419,9 @@ impl AugmentedModel {
         Torques { rigid, declared }
     }
 }
+
+/// A motion, gravity, and the declared torque that goes with them.
+pub(crate) type KnownTorque<'a> = (&'a Motion, Vector3<f64>, &'a [Vec<f64>]);
 
 /// Each round leaves the few per cent of the one before: after two, 1e-4 of the bending.
 const LOAD_ROUNDS: usize = 2;

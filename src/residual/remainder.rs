@@ -4,7 +4,7 @@
 //! structure that such a function catches, and the function with fewer effects accounts for the data better than the effects alone, the
 //! effects were imitations, and are taken back.
 
-use super::candidate::{Candidate, chance, hypotheses};
+use super::candidate::{Candidate, LINEAR_GAIN, Scored, chance, hypotheses};
 use super::select::{Selected, Threshold};
 use super::system::{Data, System, Thinned, reduce};
 use super::{AugmentedModel, Remainder, Stretch, Term};
@@ -41,34 +41,95 @@ pub(crate) fn examine(
     if !selected.system.noise_is_measured {
         return (selected, None);
     }
-    let count = selected.accepted.len();
-    let full = with_functions(data, &selected.system);
     let start = score_of(data, &selected.system, candidates, fixed);
-    // Functions on top of the first k effects. Where nothing is left above the noise of any joint, effects alone are enough.
-    let mut best: Option<(f64, usize, System)> = None;
-    // One effect that leaves nothing has no imitations to be suspected of; several small ones may have shared out what is one thing.
-    let settled = full.is_none() && count <= 1;
-    if !settled {
-        for k in (0..=count.min(3)).rev() {
-            let there = match (k == count, &full) {
-                (true, Some(system)) => Some(system.model.clone()),
-                (true, None) => None,
-                (false, _) => with_functions(data, &prefix(data, &selected, fixed + k)).map(|s| s.model),
-            };
-            let Some(there) = there else { continue };
-            let system = data.linearise(there);
-            let score = score_of(data, &system, candidates, fixed);
-            if best.as_ref().is_none_or(|b| score > b.0) {
-                best = Some((score, k, system));
-            }
-        }
-    }
-    match best {
+    match best_with_functions(data, &selected, fixed, candidates) {
         Some((score, k, system)) if score > start + PREFERENCE => {
             withdraw(data, selected, fixed, k, system, candidates, threshold)
         }
         _ => (selected, None),
     }
+}
+
+/// Smooth functions on top of the first effects: score, how many effects those are, and the model.
+type WithFunctions = (f64, usize, System);
+
+/// The best of as many first effects as are kept at most.
+fn best_with_functions(data: &Data, selected: &Selected, fixed: usize, candidates: &[Candidate]) -> Option<WithFunctions> {
+    let count = selected.accepted.len();
+    // One effect that leaves nothing has no imitations to be suspected of; several small ones may have shared out what is one thing. Where
+    // nothing is left above the noise of any joint, effects alone are enough.
+    let full = if count <= MOST_BESIDE {
+        beside(data, selected, fixed, count, candidates)
+    } else {
+        None
+    };
+    if full.is_none() && count <= 1 {
+        return None;
+    }
+    let fewer = (0..=MOST_BESIDE).rev().filter(|&k| k < count);
+    best_of(
+        full.into_iter()
+            .chain(fewer.filter_map(|k| beside(data, selected, fixed, k, candidates))),
+    )
+}
+
+fn best_of(scored: impl Iterator<Item = WithFunctions>) -> Option<WithFunctions> {
+    scored.reduce(|best, s| if s.0 > best.0 { s } else { best })
+}
+
+/// Smooth functions on top of the first `k` effects, if there is anything for them.
+fn beside(data: &Data, selected: &Selected, fixed: usize, k: usize, candidates: &[Candidate]) -> Option<WithFunctions> {
+    let made = || match k == selected.accepted.len() {
+        true => with_functions(data, &selected.system),
+        false => with_functions(data, &prefix(data, selected, fixed + k)),
+    };
+    let model = match k {
+        0 => data.alone.get_or_init(|| made().map(|s| s.model)).clone(),
+        _ => made().map(|s| s.model),
+    }?;
+    let system = data.linearise(model);
+    Some((score_of(data, &system, candidates, fixed), k, system))
+}
+
+/// Effects that are kept beside smooth functions at most.
+const MOST_BESIDE: usize = 3;
+
+/// Whether a search for effects is worth going on with. What no effect explains is imitated by many, one after the other, and each makes the next more
+/// costly to find; at the end smooth functions take their place all the same.
+#[derive(Default)]
+pub(super) struct Rivalling(Option<f64>);
+
+impl Rivalling {
+    /// Whether smooth functions, with what they leave, are cheaper than the effects found and as many more as explain what is left, if each of these
+    /// costs least and gains as much as the best of `scored`, what could come next: then no effects turn the balance. Functions are tried once, when there
+    /// are more effects than are kept beside functions: alone, and with as many.
+    pub fn functions_are_cheaper(
+        &mut self,
+        data: &Data,
+        now: &Selected,
+        fixed: usize,
+        candidates: &[Candidate],
+        scored: &[Scored],
+    ) -> bool {
+        if now.accepted.len() <= MOST_BESIDE || !now.system.noise_is_measured {
+            return false;
+        }
+        let left = |system: &System| (data.chi_square(system) - all_rows(system) as f64).max(0.0);
+        let functions = *self.0.get_or_insert_with(|| {
+            let tried = [MOST_BESIDE, 0]
+                .into_iter()
+                .filter_map(|k| beside(data, now, fixed, k, candidates));
+            best_of(tried).map_or(f64::INFINITY, |(_, _, with)| price_of(&with, candidates, fixed) + left(&with))
+        });
+        let gain = scored.iter().map(|s| s.gain / LINEAR_GAIN).fold(f64::MIN_POSITIVE, f64::max);
+        let more = (left(&now.system) / gain).ceil() * cheapest(&now.system, candidates);
+        price_of(&now.system, candidates, fixed) + more > functions + PREFERENCE
+    }
+}
+
+/// What an effect costs at least: one parameter, and the choice among all.
+fn cheapest(system: &System, candidates: &[Candidate]) -> f64 {
+    (all_rows(system) as f64).ln() + 2.0 * (candidates.len() as f64).ln()
 }
 
 /// The model with only its first `terms` terms, fitted.
@@ -80,7 +141,17 @@ fn prefix(data: &Data, selected: &Selected, terms: usize) -> System {
 
 /// Minus the sum of squares, less what parameters and shapes tried cost: differences are twice the log of an evidence ratio.
 fn score_of(data: &Data, system: &System, candidates: &[Candidate], fixed: usize) -> f64 {
-    let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
+    // Rows at reversals come and go with a distortion: each is expected to leave one.
+    all_rows(system) as f64 - data.chi_square(system) - price_of(system, candidates, fixed)
+}
+
+fn all_rows(system: &System) -> usize {
+    (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum()
+}
+
+/// What the terms beyond the first `fixed` cost: their parameters, and what each was chosen from.
+fn price_of(system: &System, candidates: &[Candidate], fixed: usize) -> f64 {
+    let rows = all_rows(system) as f64;
     // Which effect, or which function and products, is a choice as well: it costs the log of their number.
     let price = |term: &Term| {
         let own = candidates.iter().find(|c| c.is_same_effect(term) && c.form == term.form);
@@ -93,10 +164,9 @@ fn score_of(data: &Data, system: &System, candidates: &[Candidate], fixed: usize
         } else {
             0.0
         };
-        term.parameters() as f64 * (rows as f64).ln() + 2.0 * choice.ln() + each
+        term.parameters() as f64 * rows.ln() + 2.0 * choice.ln() + each
     };
-    // Rows at reversals come and go with a distortion: each is expected to leave one.
-    rows as f64 - data.chi_square(system) - system.model.terms[fixed..].iter().map(price).sum::<f64>()
+    system.model.terms[fixed..].iter().map(price).sum()
 }
 
 /// Adds smooth functions while they earn their place; `None` when not even one does.
@@ -279,6 +349,7 @@ fn withdraw(
             system: data.fit(model),
             accepted,
             noise: data.noise.clone(),
+            given_up: selected.given_up,
         },
         Some(remainder),
     )

@@ -1,6 +1,6 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
-use super::candidate::{Candidate, Scored, appraise, hypotheses, reach, scan};
+use super::candidate::{Candidate, LINEAR_GAIN, Scored, appraise, hypotheses, reach, scan};
 use super::select::{Accepted, Selected, Threshold, extend, judge};
 use super::system::{Data, System};
 use super::trace::joint_names;
@@ -47,6 +47,10 @@ pub(crate) fn settled(
 ) -> (Selected, Vec<Contest>) {
     let mut exchanges = 0;
     loop {
+        // Imitations have no rivals worth naming.
+        if selected.given_up {
+            return (selected, Vec::new());
+        }
         let data = data.with_noise(selected.noise.clone());
         let (contests, better): (Vec<Contest>, Vec<Option<Better>>) =
             contests(&data, &selected, fixed, candidates, threshold).into_iter().unzip();
@@ -132,7 +136,7 @@ fn contest(
     let others: Vec<Candidate> = candidates.iter().filter(meets).cloned().collect();
     let others = scan(data, &without, &others);
     // The linearised gain errs by a fraction, and before a fit nobody knows what it leaves: what gains nearly as much is fitted properly.
-    let mut near: Vec<_> = others.iter().filter(|s| s.gain > 0.6 * loss).collect();
+    let mut near: Vec<_> = others.iter().filter(|s| s.gain > LINEAR_GAIN * loss).collect();
     near.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     near.truncate(6);
     let mut found: Vec<(Rival, Term, DVector<f64>, Option<Better>)> = near

@@ -1,8 +1,10 @@
 //! Forward and backward selection, one effect at a time.
 
 use super::candidate::{Candidate, Scored, appraise, chance, columns_of, hypotheses, reach, scan};
+use super::confirm::wald;
 use super::crossval::{HeldOutGain, held_out_gain};
 use super::dependence::chance_of;
+use super::remainder::Rivalling;
 use super::system::{Data, System};
 use super::{AugmentedModel, NoiseModel, Term};
 use rayon::prelude::*;
@@ -26,6 +28,8 @@ pub(crate) struct Selected {
     pub accepted: Vec<Accepted>,
     /// Noise that the system's rows are whitened with: what is left, where it is not measured.
     pub noise: Vec<NoiseModel>,
+    /// Whether smooth functions account for the data at so much lower a price that the search for further effects was given up.
+    pub given_up: bool,
 }
 
 /// What an effect must reach.
@@ -46,6 +50,7 @@ pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate
         system: data.fit(start),
         accepted: Vec::new(),
         noise: data.noise.clone(),
+        given_up: false,
     };
     extend(data, now, fixed, candidates, threshold)
 }
@@ -54,12 +59,18 @@ pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate
 pub(crate) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     let mut data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();
+    let mut rivalling = Rivalling::default();
     // Effects that come can make others superfluous, which may come again: twice as many steps as effects end a search that turns in a circle.
     for _ in 0..2 * threshold.most_effects {
         if now.accepted.len() >= threshold.most_effects {
             break;
         }
-        let Some(step) = step(&data, &now.system, &open, threshold) else {
+        let scored = scan(&data, &now.system, &open);
+        now.given_up = rivalling.functions_are_cheaper(&data, &now, fixed, candidates, &scored);
+        if now.given_up {
+            break;
+        }
+        let Some(step) = step(&data, &now.system, &open, &scored, threshold) else {
             break;
         };
         now.system = step.system;
@@ -92,9 +103,8 @@ struct Fitted {
 }
 
 /// The best candidate that earns its place, fitted together with everything else.
-fn step(data: &Data, system: &System, candidates: &[Candidate], threshold: &Threshold) -> Option<Step> {
-    let scored = scan(data, system, candidates);
-    let first = contenders(&scored);
+fn step(data: &Data, system: &System, candidates: &[Candidate], scored: &[Scored], threshold: &Threshold) -> Option<Step> {
+    let first = contenders(scored);
     // Where all rows have misfit, imitators without physical sense can fill the first places: further ones get their turn.
     let further = scored
         .iter()
@@ -303,19 +313,30 @@ fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &
         if at + 1 == now.system.model.terms.len() {
             continue;
         }
+        let term: Term = now.system.model.terms[at].clone();
+        // What is left was taken for noise before the last effect was found: only where that is measured can a loss be weighed by it alone.
+        let doubt = match now.system.noise_is_measured {
+            true => 1.0,
+            false => now.system.persistence(&reached(&term, now.system.model.robot.joint_count())),
+        };
+        let tried = hypotheses(candidates, term.effect.code());
+        let superfluous = |loss: f64, parameters: usize| chance(loss / doubt, parameters) * tried > threshold.chance;
+        // A fit without the effect says what is lost; where the linear model says many times what is needed, it need not be made.
+        let (linear, _) = wald(&term, &now.system.term_covariance(at));
+        if !superfluous(LINEAR_SHARE * linear, term.parameters()) {
+            continue;
+        }
         let mut model = now.system.model.clone();
-        let term: Term = model.terms.remove(at);
+        model.terms.remove(at);
         let without = data.fit(model);
         let loss = data.gain(&without, &now.system);
-        // What is left was taken for noise before the last effect was found: only where that is measured can a loss be weighed by it alone.
-        let fair = if now.system.noise_is_measured {
-            loss
-        } else {
-            loss / now.system.persistence(&reached(&term, now.system.model.robot.joint_count()))
-        };
-        if chance(fair, term.parameters()) * hypotheses(candidates, term.effect.code()) > threshold.chance {
+        if superfluous(loss, term.parameters()) {
             now.system = without;
             now.accepted.remove(at - fixed);
         }
     }
 }
+
+/// Shapes and distortions of the others bend when an effect goes, and take over a part of what it explained: of what the linear model says, a
+/// quarter is lost at least.
+const LINEAR_SHARE: f64 = 0.25;

@@ -24,12 +24,16 @@ pub(crate) struct Data<'a> {
     /// Per joint.
     pub noise: Vec<NoiseModel>,
     pub prior: Option<&'a Prior>,
+    /// Decrease of the sum of squares that a fit stops at.
+    settled: f64,
     /// Rows of the base parameters along the undistorted motion, per stretch: they are the same in every fit.
     base: Arc<OnceLock<Vec<ShapedRows>>>,
     /// The same whitened by this noise, per stretch and joint.
     white: OnceLock<Vec<Vec<Block>>>,
     /// Columns of candidates along the undistorted motion.
     pub columns: Arc<ColumnStore>,
+    /// The model to start from with smooth functions beside it and no effects; they are asked for again and again. For noise that is measured.
+    pub alone: Arc<OnceLock<Option<AugmentedModel>>>,
 }
 
 /// The whitened rows of one joint over one stretch.
@@ -69,6 +73,12 @@ pub(crate) struct Thinned {
     pub declared: Vec<Vec<f64>>,
 }
 
+/// A hundredth of the standard deviations, squared: what is reported is known so much better than the noise allows.
+const TO_REPORT: f64 = 1e-4;
+
+/// Effects are told apart by evidences that differ by several units: a hundredth of one is nothing beside them.
+const TO_COMPARE: f64 = 1e-2;
+
 /// A scaled normal matrix loses 16 digits at a condition number of 1e8 of the rows; eigenvalues below 1e-13 of the largest are rounding.
 pub(crate) const RANK: f64 = 1e-13;
 
@@ -78,9 +88,19 @@ impl<'a> Data<'a> {
             stretches,
             noise,
             prior,
+            settled: TO_REPORT,
             base: Arc::default(),
             white: OnceLock::new(),
             columns: Arc::default(),
+            alone: Arc::default(),
+        }
+    }
+
+    /// The same data for fits that are only compared with each other.
+    pub fn for_comparison(self) -> Self {
+        Self {
+            settled: TO_COMPARE,
+            ..self
         }
     }
 
@@ -90,9 +110,11 @@ impl<'a> Data<'a> {
             stretches: self.stretches,
             noise,
             prior: self.prior,
+            settled: self.settled,
             base: self.base.clone(),
             white: OnceLock::new(),
             columns: self.columns.clone(),
+            alone: self.alone.clone(),
         }
     }
 
@@ -222,10 +244,12 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// Gauss-Newton from `model` until a step is below a hundredth of the standard deviations. A step that makes the fit worse is halved.
+    /// Gauss-Newton from `model` until a step takes less than [`TO_REPORT`] (or [`TO_COMPARE`]) off the sum of squares. A step that makes the fit
+    /// worse is halved.
     pub fn fit(&self, model: AugmentedModel) -> System {
         let mut here = self.linearise(model);
         let mut cost = self.cost(&here);
+        let rows = self.all_rows(&here) as f64;
         for _ in 0..MOST_STEPS {
             let step = &here.covariance * &here.gradient;
             let decrease = here.gradient.dot(&step);
@@ -239,7 +263,7 @@ impl<'a> Data<'a> {
                 }
                 factor *= 0.5;
             };
-            let settled = decrease < 1e-4 || (cost - lower).abs() < 1e-7 * cost;
+            let settled = decrease < self.settled || (cost - lower).abs() < (1e-7 * cost).max(self.settled / rows);
             if lower > cost * 1.001 && !here.model.terms.is_empty() {
                 break;
             }
@@ -279,8 +303,12 @@ impl<'a> Data<'a> {
 
     /// Mean square of the whitened residuals plus the prior's share.
     fn cost(&self, system: &System) -> f64 {
-        let rows: usize = (0..self.noise.len()).map(|j| system.rows(j)).sum();
-        self.chi_square(system) / rows.max(1) as f64
+        self.chi_square(system) / self.all_rows(system) as f64
+    }
+
+    /// Rows of all joints; 1 where there are none.
+    fn all_rows(&self, system: &System) -> usize {
+        (0..self.noise.len()).map(|j| system.rows(j)).sum::<usize>().max(1)
     }
 
     /// Sum of squares of the whitened residuals, and of the distance to the prior.

@@ -63,7 +63,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let stretches = &steady[..];
     // What to add is found on the coarse forms, which have the same rows; values and errors are those of all samples.
     let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
-    let mut data = Data::new(&coarse, Vec::new(), prior);
+    let mut data = Data::new(&coarse, Vec::new(), prior).for_comparison();
     data.noise = floor(robot, &data, &start);
     let fine = Data::new(stretches, data.noise.clone(), prior);
     let first = fine.fit(start.clone());
@@ -79,9 +79,8 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let selected = select(&data, start.clone(), &list, &threshold);
     let (selected, mut contests) = settled(&data, selected, fixed, &list, &threshold);
     let data = data.with_noise(selected.noise.clone());
-    let before_examination = selected.accepted.len();
     let (selected, rest) = remainder::examine(&data, selected, fixed, &list, &threshold);
-    if rest.is_some() || selected.accepted.len() != before_examination {
+    if rest.is_some() || selected.accepted.len() != contests.len() {
         contests = rivals(&data, &selected, fixed, &list, &threshold);
     }
     unsteady.extend(trends(&data, &selected.system, options.chance));

@@ -12,17 +12,18 @@ pub struct Config {
     pub database_url: Option<String>,
     /// Long searches that run at the same time. Each uses all cores, so more than one shares them. 0 leaves the work to workers.
     pub concurrent_jobs: usize,
-    /// Short jobs that run at the same time, beside the long ones. 0 leaves the work to workers.
+    /// Identifications and validations that run at the same time, beside the searches; with at least one place for them there is one for searches that
+    /// are not long. 0 leaves the work to workers.
     pub short_jobs: usize,
     /// A search that may take longer than this is long (s).
     pub shortest_long_s: f64,
-    /// Jobs of one robot that run at the same time in each of the two classes; `None` for no bound.
+    /// Jobs of one robot that run at the same time, long searches, others, and the rest each; `None` for no bound.
     pub running_per_robot: Option<usize>,
-    /// Jobs that may wait, short and long ones each; further ones are refused with `too_many_jobs`.
+    /// Jobs that may wait, of each of these; further ones are refused with `too_many_jobs`.
     pub waiting_jobs: usize,
-    /// Jobs of one robot that may wait, short and long ones each.
+    /// Jobs of one robot that may wait, of each of these.
     pub waiting_per_robot: usize,
-    /// Jobs of one token that may wait, short and long ones each.
+    /// Jobs of one token that may wait, of each of these.
     pub waiting_per_token: usize,
     /// Ended jobs whose results are kept; the oldest go first. `None` keeps all.
     pub kept_jobs: Option<usize>,

@@ -51,10 +51,14 @@ impl Kind {
     }
 }
 
-/// Short jobs have places of their own, so that they are not stuck behind long ones.
+/// Each class has places of its own, so that its jobs are not stuck behind those of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Class {
+    /// Identifications and validations.
     Short,
+    /// Searches of a few seconds. They take all of their time, and many of them would hold up what takes a fraction of it.
+    Brief,
+    /// Searches that may take longer.
     Long,
 }
 
@@ -62,6 +66,7 @@ impl Class {
     pub fn name(self) -> &'static str {
         match self {
             Class::Short => "short",
+            Class::Brief => "brief",
             Class::Long => "long",
         }
     }
@@ -120,11 +125,12 @@ impl Request {
         Self::read(kind, &parsed, &input.known)
     }
 
-    /// A search that may take longer than `shortest_long_s` is long; identifications take seconds.
+    /// A search that may take longer than `shortest_long_s` is long.
     pub fn class(&self, shortest_long_s: f64) -> Class {
         match self {
             Self::Excite(request) if request.search.time_limit_s > shortest_long_s => Class::Long,
-            _ => Class::Short,
+            Self::Excite(_) => Class::Brief,
+            Self::Identify(_) | Self::Validate(_) => Class::Short,
         }
     }
 

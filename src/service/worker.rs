@@ -25,13 +25,18 @@ const PAUSE: Duration = Duration::from_secs(1);
 const HANDING_IN: Duration = Duration::from_secs(120);
 /// A job whose worker died this often is what kills them.
 const MOST_ATTEMPTS: i64 = 25;
-/// Long searches step back behind everything else on the machine: what is asked for meanwhile gets the processor first.
+/// Searches step back behind everything else on the machine: what is asked for meanwhile gets the processor first.
 const NICE: i32 = 10;
 
 /// Starts as many workers of each class as configured; needs a running tokio runtime.
 pub fn start(service: &Service) {
     let config = service.config();
-    let places = [(Class::Long, config.concurrent_jobs), (Class::Short, config.short_jobs)];
+    let brief = usize::from(config.short_jobs > 0);
+    let places = [
+        (Class::Long, config.concurrent_jobs),
+        (Class::Brief, brief),
+        (Class::Short, config.short_jobs),
+    ];
     for (class, count) in places {
         for _ in 0..count {
             tokio::spawn(place(service.clone(), class));
@@ -177,7 +182,7 @@ pub(super) fn on_a_thread(
 ) -> oneshot::Receiver<Result<Outcome, Error>> {
     let (sender, result) = oneshot::channel();
     std::thread::spawn(move || {
-        if class == Class::Long {
+        if class != Class::Short {
             // Of this thread and those it starts; where it is not possible the search merely competes.
             let _ = rustix::process::setpriority_process(None, NICE);
         }

@@ -1,5 +1,6 @@
 //! Whose turn it is: fairness between robots, urgency, limits; and what is answered from the store.
 
+use crate::identify::identify;
 use crate::server::{Server, in_database, long_request, quick_request};
 use dynident::service::Config;
 use serde_json::{Value, json};
@@ -91,6 +92,24 @@ fn short_jobs_are_not_stuck_behind_long_ones() {
     let asked = Instant::now();
     assert_eq!(server.excite(&quick_request()).status, 200);
     assert!(asked.elapsed() < Duration::from_secs(5), "{:?}", asked.elapsed());
+}
+
+/// Searches of a few seconds take all of them: whoever identifies meanwhile does not wait for theirs.
+#[test]
+fn brief_searches_do_not_hold_up_an_identification() {
+    let server = Server::start();
+    let brief = |seed: u64| {
+        let mut request = long_request();
+        request["robot"] = arm(&format!("arm-{seed}"));
+        request["search"] = json!({"seed": seed, "time_limit_s": 5.0});
+        begin(&server, &request, &[])
+    };
+    let ids: Vec<String> = (0..4).map(brief).collect();
+    let state = |id: &String| server.get(&format!("/jobs/{id}")).json()["state"].clone();
+    wait_until(|| ids.iter().any(|id| state(id) == "running"));
+    identify(&server);
+    let ended = ids.iter().filter(|id| state(id) == "finished").count();
+    assert!(ended <= 1, "{ended} searches of 5 s ended before one identification");
 }
 
 #[test]

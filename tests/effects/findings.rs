@@ -147,6 +147,53 @@ fn prop_what_nobody_knows_is_unexplained() {
     assert_eq!(on, ["q2", "q4"]);
 }
 
+/// Smooth functions could stand in for some of them; several causes with names are a cheaper account than few without.
+#[test]
+fn prop_six_effects_are_all_found() {
+    let hidden = [
+        HiddenEffect::TorqueOffset { joint: 1, offset: 2.0 },
+        HiddenEffect::StribeckFriction {
+            joint: 2,
+            amplitude: 1.5,
+            velocity: 0.1,
+            exponent: 2.0,
+        },
+        HiddenEffect::JointSpring {
+            joint: 3,
+            stiffness: 2.0,
+            rest: 0.2,
+        },
+        HiddenEffect::RotorInertia { joint: 4, inertia: 0.2 },
+        HiddenEffect::PositionRipple {
+            joint: 5,
+            amplitude: 0.5,
+            cycles: 10.0,
+            phase: 0.3,
+        },
+        HiddenEffect::AsymmetricViscousFriction {
+            joint: 6,
+            coefficient: 0.4,
+        },
+    ];
+    let report = seven(&hidden, 12).report;
+    let mut found: Vec<(&str, &str)> = report
+        .findings
+        .iter()
+        .map(|f| (f.joints[0].as_str(), f.effect.as_str()))
+        .collect();
+    found.sort_unstable();
+    let expected = [
+        ("J2", "torque_offset"),
+        ("J3", "stribeck_friction"),
+        ("J4", "joint_spring"),
+        ("J5", "rotor_inertia"),
+        ("J6", "position_ripple"),
+        ("J7", "asymmetric_viscous_friction"),
+    ];
+    assert_eq!(found, expected, "{:?}", report.remainder);
+    assert!(report.remainder.is_none());
+}
+
 #[test]
 fn prop_a_payload_is_found_against_an_existing_model() {
     let body = HiddenEffect::Payload {

@@ -2,13 +2,36 @@
 
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
+use std::collections::BTreeSet;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
-/// A plan holds as many sines as the record has samples: making one takes longer than using it, and a log has few lengths.
-static PLANS: LazyLock<Mutex<RealFftPlanner<f64>>> = LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
+/// A plan holds as many sines as the record has samples: making one takes longer than using it, and a log has few lengths. All threads share them.
+static PLANS: LazyLock<Mutex<Plans>> = LazyLock::new(Mutex::default);
 
-/// The planner that all threads share. One that panicked has left no plan half made.
-fn plans() -> MutexGuard<'static, RealFftPlanner<f64>> {
+/// Samples whose plans are kept at most: those of the longest logs, in some 100 MB. A server that runs for months sees many lengths.
+const MOST_PLANNED: usize = 4 << 20;
+
+#[derive(Default)]
+struct Plans {
+    planner: RealFftPlanner<f64>,
+    /// Lengths that the planner has seen, forward and back.
+    lengths: BTreeSet<(usize, bool)>,
+}
+
+impl Plans {
+    /// What `plan` makes for `samples`, forward or back. Plans that are in use live on when the planner forgets them.
+    fn plan<T>(&mut self, samples: usize, back: bool, plan: impl FnOnce(&mut RealFftPlanner<f64>, usize) -> T) -> T {
+        let made = plan(&mut self.planner, samples);
+        self.lengths.insert((samples, back));
+        if self.lengths.iter().map(|l| l.0).sum::<usize>() > MOST_PLANNED {
+            *self = Self::default();
+        }
+        made
+    }
+}
+
+/// A planner that panicked has left no plan half made.
+fn plans() -> MutexGuard<'static, Plans> {
     PLANS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -19,7 +42,7 @@ pub(crate) fn forward(x: &[f64]) -> Vec<Complex64> {
 
 /// The same of a record that nobody else needs.
 pub(crate) fn forward_of(mut x: Vec<f64>) -> Vec<Complex64> {
-    let plan = plans().plan_fft_forward(x.len());
+    let plan = plans().plan(x.len(), false, RealFftPlanner::plan_fft_forward);
     let mut lines = plan.make_output_vec();
     plan.process(&mut x, &mut lines).expect("lengths come from the plan");
     lines
@@ -27,7 +50,7 @@ pub(crate) fn forward_of(mut x: Vec<f64>) -> Vec<Complex64> {
 
 /// The record of `n` samples whose [`forward`] transform is `lines`.
 pub(crate) fn inverse(mut lines: Vec<Complex64>, n: usize) -> Vec<f64> {
-    let plan = plans().plan_fft_inverse(n);
+    let plan = plans().plan(n, true, RealFftPlanner::plan_fft_inverse);
     // A real record has a real mean and, with an even count, a real last line.
     lines[0].im = 0.0;
     if n.is_multiple_of(2) {
@@ -71,4 +94,25 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prop_plans_of_many_lengths_are_forgotten() {
+        let mut plans = Plans::default();
+        let kept = |plans: &Plans| plans.lengths.iter().map(|l| l.0).sum::<usize>();
+        for n in 0..200 {
+            // Plans of short records alone are made: it is their number that counts.
+            let plan = plans.plan(100_000 + n, n % 2 == 0, |planner, _| planner.plan_fft_forward(16));
+            assert_eq!(plan.len(), 16);
+            assert!(kept(&plans) <= MOST_PLANNED);
+        }
+        assert!(kept(&plans) > 0);
+        // One that is longer than all that is kept is used all the same.
+        plans.plan(2 * MOST_PLANNED, false, |planner, _| planner.plan_fft_forward(16));
+        assert_eq!(kept(&plans), 0);
+    }
 }
