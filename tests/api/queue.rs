@@ -290,7 +290,7 @@ fn metrics_count_requests_and_jobs() {
     let text = server.get("/metrics").text;
     for line in [
         "dynident_http_requests_total{method=\"GET\",route=\"/robots/{id}\",status=\"404\"} 1",
-        "dynident_jobs{state=\"finished\",class=\"short\"} 1",
+        "dynident_jobs{state=\"finished\",class=\"brief\"} 1",
         "dynident_job_work_seconds_count{kind=\"excitation\"} 1",
         "# EOF",
     ] {
