@@ -83,9 +83,23 @@ fn limit(code: &'static str, repeat: u64, robot: &Robot, phi: &[f64]) -> Option<
     let seed = 70_000 + repeat;
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ code.len() as u64);
     let sight = Sight::new(robot, phi, seed);
-    let hidden = (0..100)
-        .map(|_| Hidden::random(code, robot, &mut rng))
-        .find(|h| sight.at(h, sight.size_for(h, RANGE[1])) > 0.5 * RANGE[1])?;
+    // What is well visible at a sensible size, else what is most visible of all.
+    let mut most: Option<(f64, Hidden)> = None;
+    for _ in 0..100 {
+        let hidden = Hidden::random(code, robot, &mut rng);
+        let seen = sight.at(&hidden, sight.size_for(&hidden, RANGE[1]));
+        if most.as_ref().is_none_or(|m| seen > m.0) {
+            most = Some((seen, hidden));
+        }
+        if seen > 0.5 * RANGE[1] {
+            break;
+        }
+    }
+    let (seen, hidden) = most?;
+    let range = [RANGE[0], seen.min(RANGE[1])];
+    if range[1] <= range[0] {
+        return None;
+    }
     let is_found = |seen: f64| {
         let effect = hidden.at(sight.size_for(&hidden, seen));
         found(
@@ -94,11 +108,11 @@ fn limit(code: &'static str, repeat: u64, robot: &Robot, phi: &[f64]) -> Option<
             robot,
         )
     };
-    if !is_found(RANGE[1]) {
-        println!("{code} {repeat} {hidden:?}: not found at {}", RANGE[1]);
+    if !is_found(range[1]) {
+        println!("{code} {repeat} {hidden:?}: not found at {}", range[1]);
         return None;
     }
-    let [mut low, mut high] = RANGE;
+    let [mut low, mut high] = range;
     for _ in 0..HALVINGS {
         let middle = (low * high).sqrt();
         if is_found(middle) { high = middle } else { low = middle }
