@@ -8,10 +8,14 @@
 mod between;
 mod border;
 mod candidate;
+mod coarse;
 mod confirm;
 mod crossval;
+mod declared;
 mod dependence;
 mod design;
+mod distortion;
+mod evaluation;
 mod faults;
 mod levels;
 mod model;

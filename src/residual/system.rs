@@ -1,6 +1,6 @@
 //! Weighted least squares of an augmented model: normal equations at a model, Gauss-Newton, and what a further block of columns would gain.
 
-use super::model::{Evaluated, ShapedRows};
+use super::evaluation::{Evaluated, ShapedRows};
 use super::product::transposed_product;
 use super::store::ColumnStore;
 use super::{AugmentedModel, NoiseModel, NoiseSource, Stretch, Term};
