@@ -7,8 +7,8 @@
 
 use super::candidate::chance;
 use super::levels::{best_level, without_slow};
+use super::projection::reduce;
 use super::remainder::PREFERENCE;
-use super::system::reduce;
 use super::trace::joint_names;
 use super::unsteady::{TakenOut, Unsteady};
 use super::{Evidence, Finding, NoiseModel, ReportedParameter, RmsPair, Stretch};

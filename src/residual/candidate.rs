@@ -1,7 +1,8 @@
 //! Every effect on every place it can sit, and what it would explain of what is left.
 
+use super::projection::{Thinned, Whitened, reduce};
 use super::store::Shaped;
-use super::system::{Data, System, Thinned, Whitened, reduce};
+use super::system::{Data, System};
 use super::{AugmentedModel, Stretch, Term};
 use crate::dynamics::Coulomb;
 use crate::effects::{self, Column, Effect, Kind, Scene, Shape, Span};

@@ -4,7 +4,7 @@
 //! their sizes. Sign changes that a distortion moves by a fraction of a sample are left out, as they are in an identification.
 
 use super::evaluation::shape_derivatives;
-use super::system::pseudo_inverse;
+use super::projection::pseudo_inverse;
 use super::{AugmentedModel, Term};
 use crate::dynamics::{Chain, Motion, inverse_dynamics_batch};
 use crate::effects::{Reads, Scene, World};

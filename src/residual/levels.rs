@@ -6,8 +6,8 @@
 
 use super::candidate::chance;
 use super::noise::deviation;
+use super::projection::reduce;
 use super::remainder::{LEAST_SIZE, PREFERENCE};
-use super::system::reduce;
 use super::{NoiseModel, Stretch};
 use nalgebra::{DMatrix, DVector};
 

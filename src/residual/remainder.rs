@@ -5,8 +5,9 @@
 //! effects were imitations, and are taken back.
 
 use super::candidate::{Candidate, LINEAR_GAIN, Scored, chance, hypotheses};
+use super::projection::{Thinned, reduce};
 use super::select::{Selected, Threshold};
-use super::system::{Data, System, Thinned, reduce};
+use super::system::{Data, System};
 use super::{AugmentedModel, Remainder, Stretch, Term};
 use crate::dynamics::Coulomb;
 use crate::effects::{Effect, Scene, Unexplained, products, variable, variable_name};

@@ -6,7 +6,7 @@ use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::Layout;
 use crate::residual::AugmentedModel;
-use crate::residual::system::pseudo_inverse;
+use crate::residual::projection::pseudo_inverse;
 use nalgebra::{DMatrix, DVector};
 
 /// Several faults at once: each must leave so many times less than without it.
