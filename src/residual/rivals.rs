@@ -1,9 +1,9 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
 use super::candidate::{Candidate, LINEAR_GAIN, Scored, appraise, hypotheses, reach, scan};
+use super::findings::joint_names;
 use super::select::{Accepted, Selected, Threshold, extend, judge};
 use super::system::{Data, System};
-use super::trace::joint_names;
 use super::{Rival, Term};
 use nalgebra::DVector;
 use rayon::prelude::*;
