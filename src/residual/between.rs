@@ -9,7 +9,7 @@ use super::contact::{best_contact, shortest};
 use super::drift::best_drift;
 use super::findings::joint_names;
 use super::levels::{best_level, without_slow};
-use super::remainder::PREFERENCE;
+use super::price::PREFERENCE;
 use super::unsteady::{TakenOut, Unsteady};
 use super::{Evidence, Finding, NoiseModel, ReportedParameter, RmsPair, Stretch};
 use crate::model::Robot;

@@ -1,7 +1,7 @@
 //! Something that touched the arm: an interval of time in which all joints together deviate from the median period.
 
+use super::appraise::chance;
 use super::between::{BetweenFinding, Explained, median_period, start_rows};
-use super::candidate::chance;
 use super::{NoiseModel, ReportedParameter, Stretch};
 use crate::effects::by_code;
 use crate::model::Robot;

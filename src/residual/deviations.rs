@@ -1,6 +1,6 @@
 //! Levels of one joint fitted to what the periods deviate from their mean: courses of time, and a constant in every period.
 
-use super::candidate::chance;
+use super::appraise::chance;
 use super::levels::{Along, Level};
 use super::noise::deviation;
 use super::projection::reduce;

@@ -1,7 +1,7 @@
 //! Friction of one joint that drifts over a log as the joint warms up, from what the periods deviate from their mean.
 
+use super::appraise::chance;
 use super::between::{BetweenFinding, Explained, start_rows};
-use super::candidate::chance;
 use super::projection::reduce;
 use super::{NoiseModel, ReportedParameter, Stretch};
 use crate::effects::by_code;

@@ -6,7 +6,8 @@
 
 use super::deviations::{Deviations, TRIES};
 use super::noise::deviation;
-use super::remainder::{LEAST_SIZE, PREFERENCE};
+use super::price::PREFERENCE;
+use super::remainder::LEAST_SIZE;
 use super::{NoiseModel, Stretch};
 
 /// What a level goes with.
