@@ -2,7 +2,7 @@
 //!
 //! With these a later design knows, without the data, how far they tell finding and rival apart, and what a new motion adds.
 
-use super::model::shape_derivatives;
+use super::evaluation::shape_derivatives;
 use super::system::{Data, System};
 use super::{Stretch, Term};
 use crate::dynamics::Coulomb;

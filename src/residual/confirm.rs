@@ -4,7 +4,7 @@
 //! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
 
 use super::Term;
-use super::candidate::chance;
+use super::appraise::chance;
 use super::rivals::Contest;
 use super::select::Accepted;
 use super::system::{Data, System};

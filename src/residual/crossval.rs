@@ -4,7 +4,8 @@
 //! not seen can tell that. And noise that is not as assumed shows between periods.
 
 use super::product::transposed_product;
-use super::system::{Data, RANK, System, Whitened, pseudo_root, reduce};
+use super::projection::{RANK, Whitened, pseudo_root, reduce};
+use super::system::{Data, System};
 use nalgebra::{DMatrix, DVector};
 use std::ops::AddAssign;
 

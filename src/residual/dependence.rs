@@ -4,7 +4,8 @@
 //! depends on the column: a constant meets all of a slow misfit, an acceleration hardly any. So every block of columns is tested against
 //! the scatter of its own scores over stretches of time (Newey & West 1987), not against one number of effective rows for all.
 
-use super::system::{Block, System, Whitened, directions};
+use super::projection::{Whitened, directions};
+use super::system::{Block, System};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 

@@ -3,8 +3,8 @@
 //! Columns are taken along the motion as commanded, one effect at a time: what the effects do to each other's columns is of second order in
 //! their sizes. Sign changes that a distortion moves by a fraction of a sample are left out, as they are in an identification.
 
-use super::model::shape_derivatives;
-use super::system::pseudo_inverse;
+use super::evaluation::shape_derivatives;
+use super::projection::pseudo_inverse;
 use super::{AugmentedModel, Term};
 use crate::dynamics::{Chain, Motion, inverse_dynamics_batch};
 use crate::effects::{Reads, Scene, World};

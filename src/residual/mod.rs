@@ -5,21 +5,37 @@
 //! and says for every effect added what it did to the error, on data that fitted the model and on data that never touched it. The
 //! method is told in `docs/closing-the-loop.md`.
 
+mod appraise;
 mod between;
 mod border;
 mod candidate;
+mod coarse;
 mod confirm;
+mod contact;
 mod crossval;
+mod declared;
 mod dependence;
 mod design;
+mod deviations;
+mod distortion;
+mod drift;
+mod evaluation;
 mod faults;
+mod findings;
+mod fit;
+mod function;
+mod judge;
 mod levels;
+mod misfit;
 mod model;
 mod noise;
+mod price;
 mod product;
+mod projection;
 mod remainder;
 mod report;
 mod rivals;
+mod scan;
 mod select;
 mod store;
 mod stretch;

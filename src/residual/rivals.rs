@@ -1,9 +1,12 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
-use super::candidate::{Candidate, LINEAR_GAIN, Scored, appraise, hypotheses, reach, scan};
-use super::select::{Accepted, Selected, Threshold, extend, judge};
+use super::appraise::{Scored, appraise, hypotheses};
+use super::candidate::{Candidate, reach};
+use super::findings::joint_names;
+use super::judge::judge;
+use super::scan::{LINEAR_GAIN, scan};
+use super::select::{Accepted, Selected, Threshold, extend};
 use super::system::{Data, System};
-use super::trace::joint_names;
 use super::{Rival, Term};
 use nalgebra::DVector;
 use rayon::prelude::*;

@@ -1,10 +1,12 @@
 //! Forward and backward selection, one effect at a time.
 
-use super::candidate::{Candidate, Scored, appraise, chance, columns_of, hypotheses, reach, scan};
+use super::appraise::{Scored, appraise, chance, hypotheses};
+use super::candidate::Candidate;
 use super::confirm::wald;
-use super::crossval::{HeldOutGain, held_out_gain};
-use super::dependence::chance_of;
-use super::remainder::Rivalling;
+use super::crossval::HeldOutGain;
+use super::judge::{is_simpler, judge, stands_in};
+use super::price::Rivalling;
+use super::scan::scan;
 use super::system::{Data, System};
 use super::{AugmentedModel, NoiseModel, Term};
 use rayon::prelude::*;
@@ -183,118 +185,6 @@ fn fitted(data: &Data, system: &System, scored: &Scored) -> Fitted {
     let term = scored.term.clone();
     let scored = appraise(system, &scored.candidate, term, gain, rank, scored.tried, Some(&there));
     Fitted { scored, system: there }
-}
-
-/// Effects that are alike on ordinary motions share this much: |qd| of a sinusoid is a constant to 8/π² = 81 %, of constant speeds to more.
-const ALIKE: f64 = 0.75;
-
-/// On the same joints, what every robot has in the place of what few have, or the same effect with fewer parameters.
-fn is_simpler(one: &Candidate, other: &Candidate) -> bool {
-    let common = one.effect.is_everyday() && !other.effect.is_everyday();
-    let plainer = one.effect.code() == other.effect.code() && one.shapes.len() < other.shapes.len();
-    one.joints == other.joints && !one.joints.is_empty() && (common || plainer)
-}
-
-/// Whether something simpler is to be named in the place of what explains more: it explains nearly as much, and the difference
-/// is less than what the better one leaves unexplained. What the model still lacks could then turn the balance, and what is common is the
-/// likelier cause. Where the better one leaves nothing above the measured noise, it keeps its place.
-fn stands_in(simple: &Scored, best: &Scored, with_best: &System) -> bool {
-    let joints = &best.candidate.joints;
-    if !is_simpler(&simple.candidate, &best.candidate) {
-        return false;
-    }
-    let rows: usize = joints.iter().map(|&j| with_best.rows(j)).sum();
-    let noise = if with_best.noise_is_measured { rows as f64 } else { 0.0 };
-    let left = with_best.mean_square(joints) * rows as f64 - noise;
-    let difference = best.gain - simple.gain;
-    simple.gain > ALIKE * best.gain && difference < left && with_best.has_misfit(joints)
-}
-
-/// Whether a fitted candidate has earned its place.
-pub(crate) fn judge(
-    data: &Data,
-    before: &System,
-    scored: &Scored,
-    after: &System,
-    threshold: &Threshold,
-    tried: f64,
-) -> Option<Accepted> {
-    let promising = scored.evidence > 0.0 && explains_a_share(before, scored, threshold.share) && is_physical(after);
-    if !promising {
-        return None;
-    }
-    let term = after.model.terms.last().expect("the candidate was added");
-    let columns = columns_of(data, before, &scored.candidate, std::slice::from_ref(&term.shape));
-    let single = if before.noise_is_measured {
-        chance(scored.fair_gain, scored.cost)
-    } else {
-        chance_of(before, &columns)
-    };
-    let p_value = (single * tried).min(1.0);
-    // Sums over forty stretches of time are normal only nearly, and less so far out.
-    let limit = if before.noise_is_measured {
-        threshold.chance
-    } else {
-        0.1 * threshold.chance
-    };
-    if p_value >= limit {
-        return None;
-    }
-    let held_out = held_out_gain(data, before, &columns);
-    let linear = before.reduced(&columns).gain.min(scored.gain);
-    let generalises = held_out.blocks > threshold.generalises * linear;
-    let repeats = held_out.periods.is_none_or(|g| g > 0.0);
-    if !(generalises && repeats) {
-        return None;
-    }
-    let Scored {
-        candidate,
-        fair_gain,
-        evidence,
-        ..
-    } = scored;
-    Some(Accepted {
-        effect: candidate.effect.code(),
-        gain: *fair_gain,
-        evidence: *evidence,
-        p_value,
-        held_out,
-    })
-}
-
-/// Whether the last term's parameters lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
-fn is_physical(system: &System) -> bool {
-    let at = system.model.terms.len() - 1;
-    let term = &system.model.terms[at];
-    let covariance = if system.noise_is_measured {
-        system.term_covariance(at)
-    } else {
-        system.spread(at)
-    };
-    let k = term.coefficients.len();
-    let values: Vec<f64> = term
-        .coefficients
-        .iter()
-        .chain(&term.shape[..term.free_shapes])
-        .copied()
-        .collect();
-    let inside = term.bounds.iter().take(term.free_shapes).enumerate().all(|(i, [low, high])| {
-        let margin = 1e-6 * (high - low);
-        !margin.is_finite() || (values[k + i] > low + margin && values[k + i] < high - margin)
-    });
-    let significant = |i: usize| values[i] > -3.0 * covariance[(i, i)].max(0.0).sqrt();
-    let positive = term.effect.positive(term.form);
-    inside && positive.iter().all(|&i| significant(i)) && positive.iter().any(|&i| values[i] > 0.0) | positive.is_empty()
-}
-
-/// An effect that explains a sliver of a large misfit is a part of an approximation, not its cause.
-fn explains_a_share(system: &System, scored: &Scored, share: f64) -> bool {
-    let joints = reach(&scored.candidate, system.model.robot.joint_count());
-    let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
-    let sum: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
-    // Without measured noise all of it may be misfit.
-    let excess = if system.noise_is_measured { sum - rows as f64 } else { sum };
-    scored.gain > share * excess
 }
 
 fn reached(term: &Term, joints: usize) -> Vec<usize> {

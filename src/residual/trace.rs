@@ -1,25 +1,22 @@
 //! The whole course: from stretches of data to a report and an augmented model.
 
-use super::between::{self, BetweenFinding, Separated};
+use super::between::{self, Separated};
 use super::border::{RivalTerm, border};
 use super::candidate::candidates;
-use super::confirm::{confirmed, honest_covariance};
-use super::model::reported;
+use super::confirm::confirmed;
+use super::findings::{between_findings, findings};
+use super::misfit::{fits, rms};
 use super::remainder;
 use super::report::Outcome;
 use super::rivals::{Contest, rivals, settled};
-use super::select::{Accepted, Selected, Threshold, select};
+use super::select::{Selected, Threshold, select};
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
 use super::trend::trends;
 use super::unsteady::{joined, remainder_of};
-use super::{
-    AugmentedModel, Evidence, Finding, JointFit, NoiseModel, NoiseSource, ReportedParameter, ResidualReport, Rival, RmsPair,
-    Stretch, Term, Verdict,
-};
+use super::{AugmentedModel, Finding, NoiseModel, NoiseSource, ResidualReport, Rival, Stretch, Term, Verdict};
 use crate::model::Robot;
 use nalgebra::DVector;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// What can be asked of the tracing.
 #[derive(Debug, Clone)]
@@ -157,28 +154,6 @@ impl Outcome {
     }
 }
 
-/// Drift and contacts as findings; the error before is that of the data as measured.
-fn between_findings(
-    robot: &Robot,
-    between: Vec<BetweenFinding>,
-    model: &AugmentedModel,
-    measured: &[Stretch],
-    cleaned: &[Stretch],
-    held_out: &[Stretch],
-) -> Vec<Finding> {
-    if between.is_empty() {
-        return Vec::new();
-    }
-    let (before, after) = (rms(model, measured, held_out), rms(model, cleaned, held_out));
-    between
-        .into_iter()
-        .map(|mut b| {
-            b.rms = Some((before.clone(), after.clone()));
-            b.finding(robot, &before)
-        })
-        .collect()
-}
-
 fn verdict(findings: usize, something_left: bool) -> Verdict {
     match (findings, something_left) {
         (0, false) => Verdict::NothingMissing,
@@ -196,7 +171,7 @@ fn source(noise: &[NoiseModel]) -> String {
 }
 
 /// The noise of every joint: from the periods where there are at least two, otherwise from what the model leaves.
-pub(super) fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
+fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
     let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count())
         .map(|j| NoiseModel::from_periods(data.stretches, j))
         .collect();
@@ -219,159 +194,4 @@ fn residual_noise(data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
         noise = weighted.left_as_noise(&system);
     }
     noise
-}
-
-/// Lack of fit per joint: F of the whitened residual's mean square against the noise.
-fn fits(data: &Data, system: &System) -> Vec<JointFit> {
-    (0..data.noise.len())
-        .map(|j| {
-            let noise = &data.noise[j];
-            let freedom = (system.rows(j) as f64 - system.spent(j)).max(1.0);
-            let statistic = system.joint_chi_square(j) / freedom;
-            let p_value = FisherSnedecor::new(freedom, noise.degrees_of_freedom.max(1.0)).map_or(f64::NAN, |f| f.sf(statistic));
-            let (sum, count, repetitions) = raw_residual(data, system, j);
-            JointFit {
-                joint: system.model.robot.joints()[j].name.clone(),
-                statistic,
-                p_value,
-                degrees_of_freedom: [freedom, noise.degrees_of_freedom],
-                residual_rms: (sum / count.max(1.0)).sqrt(),
-                expected_rms: noise.std_dev / repetitions.sqrt(),
-            }
-        })
-        .collect()
-}
-
-/// Sum of squares of the mean residual of a joint, rows, and repetitions.
-fn raw_residual(data: &Data, system: &System, joint: usize) -> (f64, f64, f64) {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (stretch, (e, blocks)) in data.stretches.iter().zip(system.evaluated.iter().zip(&system.blocks)) {
-        let rows = blocks[joint]
-            .rows
-            .iter()
-            .zip(stretch.torque[joint].iter().zip(&e.torque[joint]));
-        for (_, (y, f)) in rows.filter(|(keep, _)| **keep) {
-            sum += (y - f) * (y - f);
-            count += 1.0;
-        }
-    }
-    (sum, count, data.stretches.first().map_or(1, Stretch::repetitions) as f64)
-}
-
-/// RMS of single measurements about a model, per joint.
-pub(super) fn rms(model: &AugmentedModel, identification: &[Stretch], held_out: &[Stretch]) -> RmsPair {
-    RmsPair {
-        identification: rms_over(model, identification),
-        held_out: rms_over(model, held_out),
-    }
-}
-
-fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); if stretches.is_empty() { 0 } else { stretches[0].joints() }];
-    for stretch in stretches {
-        let e = model.evaluate(stretch, None);
-        for (j, total) in sums.iter_mut().enumerate() {
-            let keep = stretch.kept(&e.motion, j);
-            let single = [stretch.torque.clone()];
-            let records = if stretch.periods.is_empty() {
-                &single[..]
-            } else {
-                &stretch.periods[..]
-            };
-            for record in records {
-                for s in (0..keep.len()).filter(|&s| keep[s]) {
-                    total.0 += (record[j][s] - e.torque[j][s]).powi(2);
-                    total.1 += 1.0;
-                }
-            }
-        }
-    }
-    sums.into_iter()
-        .map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).sqrt())
-        .collect()
-}
-
-/// One finding per accepted effect; before and after by fitting the model with the effects up to it. Errors are those on the stretches told.
-fn findings(
-    data: &Data,
-    told: [&[Stretch]; 2],
-    start: &AugmentedModel,
-    last: &System,
-    accepted: &[Accepted],
-    contests: &[Contest],
-) -> Vec<Finding> {
-    let fixed = start.terms.len();
-    let errors = |model: AugmentedModel| rms(&data.fit(model).model, told[0], told[1]);
-    let mut before = errors(start.clone());
-    let mut list = Vec::new();
-    for (i, a) in accepted.iter().enumerate() {
-        let mut model = start.clone();
-        model.terms.extend(last.model.terms[fixed..=fixed + i].iter().cloned());
-        let after = errors(model);
-        list.push(finding(last, fixed + i, a, &contests[i], before, after.clone()));
-        before = after;
-    }
-    list
-}
-
-fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
-    let robot = &last.model.robot;
-    let term_joints = &last.model.terms[at].joints;
-    let joints: Vec<usize> = if term_joints.is_empty() {
-        (0..robot.joint_count()).collect()
-    } else {
-        term_joints.clone()
-    };
-    let covariance = honest_covariance(last, at);
-    let mut term = last.model.terms[at].clone();
-    let k = term.coefficients.len();
-    if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
-        term.coefficients = term.effect.consistent(&term.coefficients, &information);
-    }
-    let values = reported(&term, &covariance);
-    let names = term.effect.parameters(term.form, robot, &term.joints);
-    let parameters = names
-        .into_iter()
-        .zip(values)
-        .map(|(info, (value, std_dev))| ReportedParameter {
-            name: info.name,
-            value,
-            unit: info.unit,
-            std_dev,
-        })
-        .collect();
-    Finding {
-        effect: accepted.effect.into(),
-        joints: joint_names(robot, &term.joints),
-        parameters,
-        note: note(contest, &joints, &rms_before, &rms_after),
-        rms_before,
-        rms_after,
-        evidence: Evidence {
-            gain: accepted.gain,
-            log_evidence_ratio: accepted.evidence,
-            p_value: accepted.p_value,
-            held_out_blocks: accepted.held_out.blocks,
-            held_out_periods: accepted.held_out.periods,
-        },
-        rivals: contest.rivals.clone(),
-    }
-}
-
-/// What should be known about a finding: that another explains more, or that it did not help on data that it was not fitted to.
-fn note(contest: &Contest, joints: &[usize], before: &RmsPair, after: &RmsPair) -> Option<String> {
-    let sum = |rms: &RmsPair| joints.iter().filter_map(|&j| rms.held_out.get(j)).map(|v| v * v).sum::<f64>();
-    let worse = (sum(after) > sum(before)).then(|| "the error on held-out data did not fall".to_string());
-    let said: Vec<String> = contest.note.clone().into_iter().chain(worse).collect();
-    (!said.is_empty()).then(|| said.join("; "))
-}
-
-/// Names of the joints; all of them for an effect of the whole robot.
-pub(super) fn joint_names(robot: &Robot, joints: &[usize]) -> Vec<String> {
-    let name = |j: usize| robot.joints()[j].name.clone();
-    if joints.is_empty() {
-        (0..robot.joint_count()).map(name).collect()
-    } else {
-        joints.iter().map(|&j| name(j)).collect()
-    }
 }

@@ -6,7 +6,8 @@
 //! chance, their ratio is F-distributed, whatever the noise is at higher frequencies.
 
 use super::levels::Along;
-use super::system::{Data, System, Whitened, reduce};
+use super::projection::{Whitened, reduce};
+use super::system::{Data, System};
 use super::unsteady::Unsteady;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};

@@ -4,8 +4,14 @@
 //! (sign, order, unit) are hypotheses about the data that the rigid model can weigh: the sum of squares that least squares leaves, for
 //! every sign and every exchange of torque columns, is a quadratic form in the columns projected once.
 
+mod clipping;
 mod columns;
+mod frozen;
+mod garbage;
+mod order;
+mod reading;
 mod samples;
+mod seen;
 mod sign;
 
 pub use columns::column_faults;

@@ -1,0 +1,98 @@
+//! What the gain of a candidate is worth: held against what is left, what it costs, and chance.
+
+use super::Term;
+use super::candidate::{Candidate, reach};
+use super::system::System;
+use crate::effects;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// A candidate at its best shape on the grid.
+#[derive(Clone)]
+pub(crate) struct Scored {
+    pub candidate: Candidate,
+    pub term: Term,
+    /// Decrease of the weighted sum of squares.
+    pub gain: f64,
+    /// Parameters that pay for it: rank of the columns plus shapes.
+    pub cost: usize,
+    /// Shapes tried.
+    pub tried: usize,
+    /// Gain divided by what is left after it per degree of freedom, where that is more than noise.
+    pub fair_gain: f64,
+    /// Two log evidence ratios: fair gain less what the parameters and the shapes tried cost.
+    pub evidence: f64,
+}
+
+/// Weighs a gain against what it costs.
+pub(crate) fn appraise(
+    system: &System,
+    candidate: &Candidate,
+    term: Term,
+    gain: f64,
+    rank: usize,
+    tried: usize,
+    after: Option<&System>,
+) -> Scored {
+    let cost = rank
+        + if candidate.is_distortion() {
+            0
+        } else {
+            candidate.shapes.len()
+        };
+    let joints = reach(candidate, system.model.robot.joint_count());
+    let (fair_gain, rows) = if system.noise_is_measured {
+        let rows = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum::<usize>() as f64;
+        (gain / dispersion(system, &joints, gain, after), rows)
+    } else {
+        likelihood_gain(system, &joints, gain, after)
+    };
+    let evidence = fair_gain - cost as f64 * rows.ln() - 2.0 * (tried as f64).ln();
+    Scored {
+        candidate: candidate.clone(),
+        term,
+        gain,
+        cost,
+        tried,
+        fair_gain,
+        evidence,
+    }
+}
+
+/// What a gain is measured against, on the joints reached: the mean square of the whitened residual once the gain is taken off, where the part
+/// that is not noise counts for as many rows as go together in it, because a misfit is smooth and its rows are no independent witnesses.
+/// `after` is the model with the candidate, where it has been fitted.
+fn dispersion(system: &System, joints: &[usize], gain: f64, after: Option<&System>) -> f64 {
+    let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
+    let left = system.mean_square(joints) - gain / rows.max(1) as f64;
+    if left <= 1.0 {
+        1.0
+    } else {
+        1.0 + (left - 1.0) * after.unwrap_or(system).persistence(joints)
+    }
+}
+
+/// Without measured noise: `n ln(χ₀²/χ²)`, twice the log of the likelihood ratio with unknown variance, n the rows that are worth something of
+/// their own; and n.
+fn likelihood_gain(system: &System, joints: &[usize], gain: f64, after: Option<&System>) -> (f64, f64) {
+    let before: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
+    let rows: f64 = joints.iter().map(|&j| after.unwrap_or(system).effective_rows(j)).sum();
+    let share = (gain / before.max(f64::MIN_POSITIVE)).min(1.0 - 1e-12);
+    (-rows * (-share).ln_1p(), rows.max(2.0))
+}
+
+/// How likely a gain as large as this is without the effect: χ² of as many degrees of freedom as parameters.
+pub(crate) fn chance(fair_gain: f64, parameters: usize) -> f64 {
+    let distribution = ChiSquared::new(parameters.max(1) as f64).expect("degrees of freedom are positive");
+    distribution.sf(fair_gain.max(0.0))
+}
+
+/// What the chance of a gain is multiplied with: number of effects, times the places, forms and shapes that this one was tried with. Every
+/// effect has the same share of false findings (weighted Bonferroni); a fine grid of one does not make the others harder to find.
+pub(crate) fn hypotheses(candidates: &[Candidate], code: &str) -> f64 {
+    let own: usize = candidates
+        .iter()
+        .filter(|c| c.effect.code() == code)
+        .map(|c| c.grid().len())
+        .sum();
+    (own.max(1) * effects::all().len()) as f64
+}

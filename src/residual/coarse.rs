@@ -1,0 +1,121 @@
+//! The coarse form of a stretch: the same rows from fewer samples, or rows that are means over neighbouring ones.
+
+use super::Stretch;
+use crate::dynamics::Motion;
+use crate::identification::filter::LowPass;
+use crate::identification::preprocess::RowFilter;
+use std::sync::Arc;
+
+/// Every `step`-th sample from `first`, and a filter of the same cut-off at that rate: good to a few percent of a jump of the sign, ten
+/// times cheaper, and used to find what is worth fitting.
+#[derive(Debug, Clone)]
+pub struct Coarse {
+    pub first: usize,
+    pub step: usize,
+    pub stretch: Box<Stretch>,
+}
+
+/// Rows that a period keeps at least: with turns of some tens of harmonics, a hundred to the fastest.
+const FEWEST_ROWS: usize = 4000;
+
+/// Samples per row that the coarse form keeps: with four rows to the period of the cut-off, twenty samples.
+const COARSE_SAMPLES: usize = 5;
+
+impl Stretch {
+    /// Samples of the motion that the coarse form stands on; all of them where there is none.
+    pub(crate) fn coarse_samples(&self) -> Vec<usize> {
+        let (first, step) = self.coarse.as_ref().map_or((0, 1), |c| (c.first, c.step));
+        (first..self.motion.samples()).step_by(step).collect()
+    }
+
+    pub(crate) fn coarse_form(&self) -> &Stretch {
+        self.coarse.as_ref().map_or(self, |c| &c.stretch)
+    }
+
+    /// The coarse form with this stretch's torque, which may have been cleaned or turned round since it was made.
+    pub(crate) fn as_coarse(&self) -> Self {
+        Self {
+            torque: self.torque.clone(),
+            periods: self.periods.clone(),
+            ..self.coarse_form().clone()
+        }
+    }
+
+    /// Rows that are means over neighbouring samples, where a period has many more samples than its course has turns: torque and columns
+    /// alike, so that nothing changes but the number of rows. The coarse form has the samples in the middle of the bins.
+    pub(super) fn in_bins(self) -> Self {
+        let samples = self.motion.samples();
+        let step = (2..=samples / FEWEST_ROWS).rev().find(|d| samples.is_multiple_of(*d));
+        let Some(step) = step.filter(|_| self.filter.is_none() && !self.periods.is_empty()) else {
+            return self;
+        };
+        let mean = move |x: &[f64]| -> Vec<f64> {
+            x.chunks_exact(step)
+                .map(|bin| bin.iter().sum::<f64>() / step as f64)
+                .collect()
+        };
+        let all = |rows: &Vec<Vec<f64>>| rows.iter().map(|r| mean(r)).collect::<Vec<_>>();
+        let rows = samples / step;
+        let first = step / 2;
+        let middle = Self {
+            motion: Motion::from_fn(self.joints(), rows, |j, s| self.motion.get(j, first + s * step)),
+            torque: all(&self.torque),
+            periods: self.periods.iter().map(all).collect(),
+            usable: self
+                .usable
+                .iter()
+                .map(|u| u.chunks_exact(step).map(|bin| bin.iter().all(|v| *v)).collect())
+                .collect(),
+            interval: self.interval * step as f64,
+            ..self.clone()
+        };
+        Self {
+            torque: middle.torque.clone(),
+            periods: middle.periods.clone(),
+            usable: middle.usable.clone(),
+            filter: Some(Arc::new(mean)),
+            coarse: Some(Coarse {
+                first,
+                step,
+                stretch: Box::new(middle),
+            }),
+            ..self
+        }
+    }
+
+    pub(super) fn thinned(&self, first: usize, step: usize, filter: RowFilter) -> Coarse {
+        let picked: Vec<usize> = (first..self.motion.samples()).step_by(step).collect();
+        let rows = self.rows();
+        // The last row may lie on a sample that thinning has cut off.
+        let column = move |x: &[f64]| {
+            let mut y = filter.column_rows(x);
+            y.resize(rows, y.last().copied().unwrap_or(0.0));
+            y
+        };
+        let stretch = Box::new(Self {
+            motion: Motion::from_fn(self.joints(), picked.len(), |j, s| self.motion.get(j, picked[s])),
+            interval: self.interval * step as f64,
+            filter: Some(Arc::new(column)),
+            periods: Vec::new(),
+            ..self.clone()
+        });
+        Coarse { first, step, stretch }
+    }
+}
+
+/// First sample, step, and the filter at the lower rate; `None` where hardly anything would be saved.
+pub(super) fn coarse_filter(fine: &RowFilter) -> Option<(usize, usize, RowFilter)> {
+    let columns = fine.columns.as_ref()?;
+    let step = (2..=fine.decimation / COARSE_SAMPLES)
+        .rev()
+        .find(|step| fine.decimation.is_multiple_of(*step))?;
+    let filter = LowPass::butterworth(columns.order, columns.cutoff_hz, columns.rate_hz / step as f64).ok()?;
+    let rows = RowFilter {
+        torque: None,
+        columns: Some(filter),
+        padding: fine.padding,
+        edges: fine.edges / step,
+        decimation: fine.decimation / step,
+    };
+    Some((fine.edges % step, step, rows))
+}

@@ -1,0 +1,167 @@
+//! Something that touched the arm: an interval of time in which all joints together deviate from the median period.
+
+use super::appraise::chance;
+use super::between::{BetweenFinding, Explained, median_period, start_rows};
+use super::{NoiseModel, ReportedParameter, Stretch};
+use crate::effects::by_code;
+use crate::model::Robot;
+
+/// The interval of time in which the deviations of all joints from the median period are least like noise.
+pub(super) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
+    let (count, rows, n) = (stretch.periods.len(), stretch.rows(), stretch.joints());
+    let length = count * rows;
+    // Running sums of whitened deviations and of the whitened unit level, per joint, over all periods one after the other.
+    let mut sums = vec![vec![0.0; length + 1]; n];
+    let mut levels = vec![vec![0.0; length + 1]; n];
+    for j in 0..n {
+        // At a reversal a jump of friction that comes a sample later in one period is no touch.
+        let keep = noise[j].whitened_rows(&stretch.kept(&stretch.motion, j), stretch.periodic);
+        let unit = noise[j].whiten(&vec![1.0; rows], &keep, 1);
+        let median = median_period(stretch, j);
+        for (p, period) in stretch.periods.iter().enumerate() {
+            let deviation: Vec<f64> = period[j].iter().zip(&median).map(|(t, m)| t - m).collect();
+            let white = noise[j].whiten(&deviation, &keep, 1);
+            for s in 0..rows {
+                let at = p * rows + s;
+                sums[j][at + 1] = sums[j][at] + unit[s] * white[s];
+                levels[j][at + 1] = levels[j][at] + unit[s] * unit[s];
+            }
+        }
+    }
+    let statistic = |from: usize, to: usize| -> f64 {
+        (0..n)
+            .map(|j| {
+                let level = levels[j][to] - levels[j][from];
+                if level > 0.0 {
+                    (sums[j][to] - sums[j][from]).powi(2) / level
+                } else {
+                    0.0
+                }
+            })
+            .sum()
+    };
+    let (mut best, mut windows) = ((0.0, 0, 0), 0.0);
+    let shortest = shortest(stretch);
+    let mut width = shortest;
+    while width <= rows {
+        for from in (start_rows(stretch)..length.saturating_sub(width)).step_by((width / 4).max(1)) {
+            windows += 1.0;
+            let gain = statistic(from, from + width);
+            if gain > best.0 {
+                best = (gain, from, from + width);
+            }
+        }
+        width = width * 3 / 2;
+    }
+    let (gain, from, to) = sharpened(best, length, shortest, &statistic);
+    // The median over P periods has π/2 of the variance of their mean.
+    let fair = gain / (1.0 + 0.5 * std::f64::consts::PI / count as f64);
+    let p_value = chance(fair, n) * windows;
+    let level = |j: usize| {
+        let l = levels[j][to] - levels[j][from];
+        (
+            (sums[j][to] - sums[j][from]) / l.max(f64::MIN_POSITIVE),
+            l.max(f64::MIN_POSITIVE).sqrt().recip(),
+        )
+    };
+    // A touch that stays below the noise of every joint is slow drift of something else.
+    let felt = (0..n).any(|j| level(j).0.abs() > noise[j].std_dev);
+    if !felt || to - from > rows {
+        return None;
+    }
+    // Joints that feel it: four standard deviations, one joint in 16 000 by chance.
+    let joints: Vec<usize> = (0..n).filter(|&j| level(j).0.abs() > 4.0 * level(j).1).collect();
+    let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &level);
+    Some((finding, without_interval(stretch, from, to)))
+}
+
+/// The shortest touch looked for (s).
+const SHORTEST: f64 = 0.05;
+
+/// The same in rows.
+pub(super) fn shortest(stretch: &Stretch) -> usize {
+    (SHORTEST / stretch.interval).round().max(4.0) as usize
+}
+
+/// Moves the edges of an interval to where the statistic is largest, in steps that halve; a few samples alone are a spike, not a touch.
+fn sharpened(
+    (mut gain, mut from, mut to): (f64, usize, usize),
+    length: usize,
+    shortest: usize,
+    statistic: &impl Fn(usize, usize) -> f64,
+) -> (f64, usize, usize) {
+    let mut step = (to - from).max(1);
+    while step > 0 {
+        let moves = [
+            (from.saturating_sub(step), to),
+            ((from + step).min(to - 1), to),
+            (from, (to + step).min(length)),
+            (from, (to.saturating_sub(step)).max(from + 1)),
+        ];
+        let best = moves
+            .into_iter()
+            .filter(|(a, b)| b - a >= shortest)
+            .map(|(a, b)| (statistic(a, b), a, b))
+            .fold((gain, from, to), |a, b| if b.0 > a.0 { b } else { a });
+        if best.0 > gain {
+            (gain, from, to) = best;
+        } else {
+            step /= 2;
+        }
+    }
+    (gain, from, to)
+}
+
+fn contact_finding(
+    robot: &Robot,
+    stretch: &Stretch,
+    joints: &[usize],
+    [from, to]: [usize; 2],
+    gain: f64,
+    p_value: f64,
+    level: &impl Fn(usize) -> (f64, f64),
+) -> BetweenFinding {
+    let rows = stretch.rows();
+    let time = |at: usize| stretch.starts[(at / rows).min(stretch.starts.len() - 1)] + (at % rows) as f64 * stretch.interval;
+    let end = time(to - 1) + stretch.interval;
+    let values = [(time(from), stretch.interval), (end, stretch.interval)]
+        .into_iter()
+        .chain(joints.iter().map(|&j| level(j)));
+    let infos = by_code("external_contact")
+        .expect("is in the list")
+        .parameters(0, robot, joints);
+    let parameters = infos
+        .into_iter()
+        .zip(values)
+        .map(|(info, (value, std_dev))| ReportedParameter {
+            name: info.name,
+            value,
+            unit: info.unit,
+            std_dev,
+        })
+        .collect();
+    BetweenFinding {
+        effect: "external_contact",
+        joints: joints.to_vec(),
+        parameters,
+        gain,
+        p_value,
+        first_row: Some(from),
+        rms: None,
+    }
+}
+
+/// The periods with the interval filled by the mean of the other periods, with a margin of a tenth for edges that are not sharp.
+fn without_interval(stretch: &Stretch, from: usize, to: usize) -> Vec<Vec<Vec<f64>>> {
+    let (count, rows) = (stretch.periods.len(), stretch.rows());
+    let margin = (to - from) / 10 + 2;
+    let mut periods = stretch.periods.clone();
+    for at in from.saturating_sub(margin)..(to + margin).min(count * rows) {
+        let (p, s) = (at / rows, at % rows);
+        for j in 0..stretch.joints() {
+            let others = (0..count).filter(|&o| o != p).map(|o| stretch.periods[o][j][s]).sum::<f64>();
+            periods[p][j][s] = others / (count - 1) as f64;
+        }
+    }
+    periods
+}

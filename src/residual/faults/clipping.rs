@@ -1,0 +1,82 @@
+//! Torques that are cut off at the ends of their range.
+
+/// A signal that has been cut off.
+pub(super) struct Clip {
+    pub levels: Vec<f64>,
+    /// Samples at the levels.
+    pub count: usize,
+    /// Rows whose mean over periods or neighbours the cut has moved.
+    pub rows: Vec<bool>,
+}
+
+impl Clip {
+    /// With half of the rows gone, what is left is no motion that a model could be asked about.
+    pub fn spoils_too_much(&self) -> bool {
+        2 * self.rows.iter().filter(|r| **r).count() > self.rows.len()
+    }
+}
+
+pub(super) fn extremes(column: &[f64], left: &[bool]) -> [f64; 2] {
+    let values = column.iter().zip(left).filter(|(_, l)| **l).map(|(v, _)| *v);
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    [low, high]
+}
+
+/// Ends of the range at which samples pile up: ten at least, and more than three times as many as on the next level. The top of a sinusoid
+/// in coarse steps has 1/(√2 − 1) = 2.4 times as many as the step below it.
+pub(super) fn clipped(column: &[f64], left: &[bool]) -> Option<Clip> {
+    let mut sorted: Vec<f64> = column.iter().zip(left).filter(|(_, l)| **l).map(|(v, _)| *v).collect();
+    sorted.sort_by(f64::total_cmp);
+    let top = piled_up(sorted.iter().rev().copied());
+    let bottom = piled_up(sorted.iter().copied());
+    let noise = noise_of(column);
+    let half = WINDOW / 2;
+    let mean = |s: usize| {
+        let (from, to) = (s.saturating_sub(half), (s + half + 1).min(column.len()));
+        column[from..to].iter().sum::<f64>() / (to - from) as f64
+    };
+    let (mut levels, mut count) = (Vec::new(), 0);
+    let mut rows = vec![false; column.len()];
+    for (level, side, piled) in [top.map(|(l, c)| (l, 1.0, c)), bottom.map(|(l, c)| (l, -1.0, c))]
+        .into_iter()
+        .flatten()
+    {
+        levels.push(level);
+        count += piled;
+        // Within two standard deviations of the level, noise is cut off on one side. By the local mean: a choice by the sample's own noise would
+        // move the mean of the rest.
+        for s in 0..column.len() {
+            rows[s] |= column[s] == level || side * (level - mean(s)) < 2.0 * noise;
+        }
+    }
+    (count > 0).then_some(Clip { levels, count, rows })
+}
+
+/// Neighbours whose mean says where a torque is: a tenth of a second at 200 Hz.
+const WINDOW: usize = 21;
+
+/// The first value of a sorted series and its count, if that stands out.
+fn piled_up(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
+    let mut values = values.peekable();
+    let level = *values.peek()?;
+    let mut count = 0;
+    while values.next_if(|v| *v == level).is_some() {
+        count += 1;
+    }
+    let next = values.peek().copied()?;
+    let on_next = values.take_while(|v| *v == next).count();
+    (count >= 10 && count > 3 * on_next).then_some((level, count))
+}
+
+/// White noise on a smooth signal, from the median of its third differences: √20 times the noise, 0.6745 of a normal deviate's spread.
+fn noise_of(column: &[f64]) -> f64 {
+    let mut third: Vec<f64> = column
+        .windows(4)
+        .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs())
+        .collect();
+    if third.is_empty() {
+        return 0.0;
+    }
+    let middle = third.len() / 2;
+    *third.select_nth_unstable_by(middle, f64::total_cmp).1 / (0.6745 * 20f64.sqrt())
+}

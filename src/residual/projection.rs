@@ -1,0 +1,178 @@
+//! What a further block of columns would gain beside a model: its own columns are projected out.
+
+use super::Stretch;
+use super::evaluation::Evaluated;
+use super::product::transposed_product;
+use super::system::{Data, System};
+use crate::dynamics::Motion;
+use crate::effects::Column;
+use nalgebra::{DMatrix, DVector};
+
+/// Motion of a stretch and torques along it, on the samples of its coarse form.
+pub(crate) struct Thinned {
+    pub motion: Motion,
+    /// Whether a distortion has moved it from what was measured.
+    pub moved: bool,
+    pub rigid: Vec<Vec<f64>>,
+    pub declared: Vec<Vec<f64>>,
+}
+
+/// Whitened columns: per stretch, `(joint, M × k)` for every joint where they are not zero.
+pub(crate) type Whitened = Vec<Vec<(usize, DMatrix<f64>)>>;
+
+/// A block of columns after the model's own columns are projected out.
+#[derive(Debug, Clone)]
+pub(crate) struct Reduced {
+    /// Sum of squares that it takes off the residual.
+    pub gain: f64,
+    /// Rank of what is left of the columns.
+    pub rank: usize,
+    pub coefficients: DVector<f64>,
+}
+
+impl System {
+    /// Motion and torques on the samples of the coarse forms of the stretches.
+    pub fn thinned(&self, data: &Data) -> &[Thinned] {
+        self.coarse.get_or_init(|| {
+            let thin = |(stretch, e): (&Stretch, &Evaluated)| {
+                let picked = stretch.coarse_samples();
+                let pick = |rows: &[Vec<f64>]| rows.iter().map(|r| picked.iter().map(|&s| r[s]).collect()).collect();
+                Thinned {
+                    motion: Motion::from_fn(stretch.joints(), picked.len(), |j, s| e.motion.get(j, picked[s])),
+                    moved: e.motion != stretch.motion,
+                    rigid: pick(&e.rigid),
+                    declared: pick(&e.declared),
+                }
+            };
+            data.stretches.iter().zip(&self.evaluated).map(thin).collect()
+        })
+    }
+
+    /// Whitens columns over the motion of `stretches` (not shaped yet), one list per stretch.
+    pub fn whitened(&self, data: &Data, stretches: &[&Stretch], columns: Vec<Vec<Column>>) -> Whitened {
+        let shaped = |(stretch, columns): (&&Stretch, Vec<Column>)| {
+            let of = |c| stretch.shaped_column(c);
+            columns.into_iter().map(of).collect()
+        };
+        let shaped: Vec<Vec<Column>> = stretches.iter().zip(columns).map(shaped).collect();
+        let borrowed: Vec<Vec<&Column>> = shaped.iter().map(|c| c.iter().collect()).collect();
+        self.whitened_shaped(data, stretches, &borrowed)
+    }
+
+    /// Whitens columns that are as they enter the rows, one list per stretch.
+    pub fn whitened_shaped(&self, data: &Data, stretches: &[&Stretch], columns: &[Vec<&Column>]) -> Whitened {
+        let per_stretch = stretches.iter().zip(&self.blocks).zip(&self.evaluated).zip(columns);
+        per_stretch
+            .map(|(((stretch, blocks), e), columns)| {
+                let mut joints: Vec<usize> = columns.iter().flat_map(|c| c.rows.iter().map(|r| r.0)).collect();
+                joints.sort_unstable();
+                joints.dedup();
+                let dense = |j: usize| {
+                    let mut m = DMatrix::zeros(stretch.rows(), columns.len());
+                    for (k, column) in columns.iter().enumerate() {
+                        for (_, values) in column.rows.iter().filter(|r| r.0 == j) {
+                            let white = data.noise[j].whiten(values, &blocks[j].rows, stretch.repetitions());
+                            m.column_mut(k).iter_mut().zip(white).for_each(|(m, v)| *m = v * e.gain[j]);
+                        }
+                    }
+                    (j, m)
+                };
+                joints.into_iter().map(dense).collect()
+            })
+            .collect()
+    }
+
+    /// `(C'C − A' G⁺ A, C'r)` with A = J'C.
+    pub fn projected(&self, columns: &Whitened) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
+        let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+        let p = self.covariance.nrows();
+        let (mut own, mut cross, mut right) = (DMatrix::zeros(k, k), DMatrix::zeros(p, k), DVector::zeros(k));
+        for (blocks, parts) in self.blocks.iter().zip(columns) {
+            for (j, m) in parts {
+                let block = &blocks[*j];
+                own += transposed_product(m, m);
+                cross += transposed_product(&block.jacobian, m);
+                right += m.tr_mul(&block.residual);
+            }
+        }
+        let rest = &own - cross.tr_mul(&(&self.covariance * &cross));
+        (own, rest, right)
+    }
+
+    /// J'C.
+    pub fn cross(&self, columns: &Whitened) -> DMatrix<f64> {
+        let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+        let mut cross = DMatrix::zeros(self.covariance.nrows(), k);
+        for (blocks, parts) in self.blocks.iter().zip(columns) {
+            for (j, m) in parts {
+                cross += transposed_product(&blocks[*j].jacobian, m);
+            }
+        }
+        cross
+    }
+
+    /// What the columns would gain.
+    pub fn reduced(&self, columns: &Whitened) -> Reduced {
+        let (own, rest, right) = self.projected(columns);
+        reduce(&own, &rest, &right)
+    }
+}
+
+/// Below this share of its square a column is a combination of the model's columns: its coefficient would be a thousand times less certain
+/// than the column alone would allow.
+const HIDDEN: f64 = 1e-6;
+
+pub(crate) fn reduce(own: &DMatrix<f64>, rest: &DMatrix<f64>, right: &DVector<f64>) -> Reduced {
+    let base = directions(own, rest);
+    let along = base.tr_mul(right);
+    Reduced {
+        gain: along.norm_squared(),
+        rank: base.ncols(),
+        coefficients: base * along,
+    }
+}
+
+/// Combinations D of columns that the model does not hide, of unit information each: `Dᵀ rest D = 1`.
+pub(crate) fn directions(own: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64> {
+    let k = own.nrows();
+    let scale = DVector::from_fn(k, |i, _| if own[(i, i)] > 0.0 { own[(i, i)].sqrt().recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(k, k, |r, c| 0.5 * (rest[(r, c)] + rest[(c, r)]) * scale[r] * scale[c]);
+    let eigen = scaled.symmetric_eigen();
+    let seen: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > HIDDEN).collect();
+    DMatrix::from_fn(k, seen.len(), |r, c| {
+        scale[r] * eigen.eigenvectors[(r, seen[c])] / eigen.eigenvalues[seen[c]].sqrt()
+    })
+}
+
+/// A scaled normal matrix loses 16 digits at a condition number of 1e8 of the rows; eigenvalues below 1e-13 of the largest are rounding.
+pub(crate) const RANK: f64 = 1e-13;
+
+/// Pseudo-inverse of a positive semidefinite matrix, scaled to a unit diagonal first; eigenvalues below `relative` of the largest count as zero.
+pub(crate) fn pseudo_inverse(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
+    let half = pseudo_root(normal, relative);
+    &half * half.transpose()
+}
+
+/// H with `H Hᵀ` the pseudo-inverse of [`pseudo_inverse`], and `Hᵀ G H = 1`.
+pub(crate) fn pseudo_root(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
+    let p = normal.nrows();
+    // A column that is zero but for rounding (gravity along an axis that is not quite a coordinate axis) is 1e-16 of the others.
+    let least = 1e-24 * normal.diagonal().amax();
+    let scale = DVector::from_fn(p, |i, _| {
+        if normal[(i, i)] > least {
+            normal[(i, i)].sqrt().recip()
+        } else {
+            0.0
+        }
+    });
+    let scaled = DMatrix::from_fn(p, p, |r, c| normal[(r, c)] * scale[r] * scale[c]);
+    let eigen = scaled.symmetric_eigen();
+    let least = relative * eigen.eigenvalues.amax();
+    let kept: Vec<usize> = (0..p).filter(|&i| eigen.eigenvalues[i] > least).collect();
+    let mut half = eigen.eigenvectors.select_columns(&kept);
+    for (c, &i) in kept.iter().enumerate() {
+        half.column_mut(c).scale_mut(eigen.eigenvalues[i].sqrt().recip());
+    }
+    (0..p).for_each(|r| half.row_mut(r).scale_mut(scale[r]));
+    half
+}
