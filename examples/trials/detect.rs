@@ -2,7 +2,7 @@
 
 use crate::bench::*;
 use crate::family::traced_case;
-use crate::judge::{Truth, truth};
+use crate::judge::{Truth, told, truth};
 use crate::visible::Sight;
 use dynident::model::Robot;
 use dynident::residual::Outcome;
@@ -100,16 +100,14 @@ fn limit(code: &'static str, repeat: u64, robot: &Robot, phi: &[f64]) -> Option<
     if range[1] <= range[0] {
         return None;
     }
-    let is_found = |seen: f64| {
+    let traced = |seen: f64| {
         let effect = hidden.at(sight.size_for(&hidden, seen));
-        found(
-            &traced_case(robot, phi, std::slice::from_ref(&effect), seed),
-            &truth(&effect),
-            robot,
-        )
+        let outcome = traced_case(robot, phi, std::slice::from_ref(&effect), seed);
+        (found(&outcome, &truth(&effect), robot), outcome)
     };
-    if !is_found(range[1]) {
-        println!("{code} {repeat} {hidden:?}: not found at {}", range[1]);
+    let is_found = |seen: f64| traced(seen).0;
+    if let (false, outcome) = traced(range[1]) {
+        println!("{code} {repeat} {hidden:?}: not found at {}, {}", range[1], told(&outcome));
         return None;
     }
     let [mut low, mut high] = range;
@@ -191,9 +189,6 @@ fn name(code: &'static str, repeat: u64, seen: f64, robot: &Robot, phi: &[f64]) 
         };
         format!("{}{more}", first.unwrap_or(otherwise.into()))
     };
-    println!(
-        "{code} {repeat} seen {seen} {effect:?}: {named} | {}",
-        crate::judge::told(&outcome)
-    );
+    println!("{code} {repeat} seen {seen} {effect:?}: {named} | {}", told(&outcome));
     named
 }

@@ -21,6 +21,24 @@ pub(crate) struct Scored {
     pub fair_gain: f64,
     /// Two log evidence ratios: fair gain less what the parameters and the shapes tried cost.
     pub evidence: f64,
+    /// What the gain was divided by; none without measured noise.
+    dispersion: Option<f64>,
+    /// Joints reached.
+    joints: Vec<usize>,
+}
+
+impl Scored {
+    /// Fair gain and evidence where what is left after a gain is taken as the least that any of `others` leaves on the same joints: one yardstick for all that
+    /// are held against each other. What each leaves is an estimate, and a large gain divided by two that differ by a thousandth is
+    /// two gains that differ by more than any parameter costs.
+    pub fn held_against<'a>(&self, others: impl Iterator<Item = &'a Scored>) -> (f64, f64) {
+        let Some(own) = self.dispersion else {
+            return (self.fair_gain, self.evidence);
+        };
+        let same = others.filter(|o| o.joints == self.joints).filter_map(|o| o.dispersion);
+        let fair_gain = self.gain / same.fold(own, f64::min);
+        (fair_gain, self.evidence - self.fair_gain + fair_gain)
+    }
 }
 
 /// Weighs a gain against what it costs.
@@ -40,11 +58,13 @@ pub(crate) fn appraise(
             candidate.shapes.len()
         };
     let joints = reach(candidate, system.model.robot.joint_count());
-    let (fair_gain, rows) = if system.noise_is_measured {
-        let rows = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum::<usize>() as f64;
-        (gain / dispersion(system, &joints, gain, after), rows)
-    } else {
-        likelihood_gain(system, &joints, gain, after)
+    let dispersion = system.noise_is_measured.then(|| dispersion(system, &joints, gain, after));
+    let (fair_gain, rows) = match dispersion {
+        Some(dispersion) => {
+            let rows = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum::<usize>() as f64;
+            (gain / dispersion, rows)
+        }
+        None => likelihood_gain(system, &joints, gain, after),
     };
     let evidence = fair_gain - cost as f64 * rows.ln() - 2.0 * (tried as f64).ln();
     Scored {
@@ -55,6 +75,8 @@ pub(crate) fn appraise(
         tried,
         fair_gain,
         evidence,
+        dispersion,
+        joints,
     }
 }
 

@@ -71,8 +71,42 @@ pub(super) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel
     }
     // Joints that feel it: four standard deviations, one joint in 16 000 by chance.
     let joints: Vec<usize> = (0..n).filter(|&j| level(j).0.abs() > 4.0 * level(j).1).collect();
-    let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &level);
+    let told = |j: usize| level_beside(stretch, &noise[j], j, [from, to]);
+    let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &told);
     Some((finding, without_interval(stretch, from, to)))
+}
+
+/// Level of one joint in an interval beside the mean of the periods that were not touched then, with its standard deviation. The median that the interval
+/// was found by has the touched period among it, and leans towards it.
+fn level_beside(stretch: &Stretch, noise: &NoiseModel, joint: usize, [from, to]: [usize; 2]) -> (f64, f64) {
+    let rows = stretch.rows();
+    let keep = noise.whitened_rows(&stretch.kept(&stretch.motion, joint), stretch.periodic);
+    let unit = noise.whiten(&vec![1.0; rows], &keep, 1);
+    let (mut sum, mut level, mut fewest) = (0.0, f64::MIN_POSITIVE, stretch.periods.len());
+    for p in from / rows..=(to - 1) / rows {
+        let inside = from.saturating_sub(p * rows)..(to - p * rows).min(rows);
+        let deviation: Vec<f64> = (0..rows)
+            .map(|s| {
+                let (others, count) = others(stretch, p, joint, s);
+                fewest = fewest.min(count);
+                stretch.periods[p][joint][s] - others
+            })
+            .collect();
+        let white = noise.whiten(&deviation, &keep, 1);
+        for s in inside {
+            sum += unit[s] * white[s];
+            level += unit[s] * unit[s];
+        }
+    }
+    (sum / level, ((1.0 + 1.0 / fewest as f64) / level).sqrt())
+}
+
+/// Mean of the other periods in a row, and of how many. The start of the first one is none of them: it has been filled.
+fn others(stretch: &Stretch, period: usize, joint: usize, row: usize) -> (f64, usize) {
+    let start = row < start_rows(stretch);
+    let measured = (0..stretch.periods.len()).filter(|&o| o != period && !(o == 0 && start));
+    let (sum, count) = measured.fold((0.0, 0), |(sum, count), o| (sum + stretch.periods[o][joint][row], count + 1));
+    (sum / count as f64, count)
 }
 
 /// The shortest touch looked for (s).
@@ -159,8 +193,7 @@ fn without_interval(stretch: &Stretch, from: usize, to: usize) -> Vec<Vec<Vec<f6
     for at in from.saturating_sub(margin)..(to + margin).min(count * rows) {
         let (p, s) = (at / rows, at % rows);
         for j in 0..stretch.joints() {
-            let others = (0..count).filter(|&o| o != p).map(|o| stretch.periods[o][j][s]).sum::<f64>();
-            periods[p][j][s] = others / (count - 1) as f64;
+            periods[p][j][s] = others(stretch, p, j, s).0;
         }
     }
     periods

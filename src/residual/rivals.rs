@@ -100,7 +100,9 @@ struct Better {
 /// exclude the rival. The data do that where they leave none of its parameters but those at which it is the finding; until then their part of the
 /// evidence alone counts.
 fn said_against(finding: &Scored, rival: &Scored, fitted: &System) -> f64 {
-    let evidence = finding.evidence - rival.evidence;
+    let (own_gain, own) = finding.held_against(std::iter::once(rival));
+    let (other_gain, other) = rival.held_against(std::iter::once(finding));
+    let evidence = own - other;
     let effect = rival.candidate.effect;
     if evidence < 0.0
         || !effect.contains().contains(&finding.candidate.effect.code())
@@ -110,7 +112,7 @@ fn said_against(finding: &Scored, rival: &Scored, fitted: &System) -> f64 {
     }
     let at = fitted.model.terms.len() - 1;
     match effect.is_within_reach(&fitted.model.terms[at].coefficients, &fitted.term_covariance(at)) {
-        true => (finding.fair_gain - rival.fair_gain).clamp(0.0, evidence),
+        true => (own_gain - other_gain).clamp(0.0, evidence),
         false => evidence.max(NOT_EXCLUDED),
     }
 }

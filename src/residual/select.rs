@@ -126,13 +126,16 @@ const GROUP: usize = 6;
 /// The best of a group, or what is simpler and explains nearly as much.
 fn best_of(data: &Data, system: &System, group: &[&Scored], candidates: &[Candidate], threshold: &Threshold) -> Option<Step> {
     let mut fitted: Vec<Fitted> = group.par_iter().map(|s| fitted(data, system, s)).collect();
-    fitted.sort_by(|a, b| b.scored.evidence.total_cmp(&a.scored.evidence));
+    let evidence = |f: &Fitted| f.scored.held_against(fitted.iter().map(|o| &o.scored)).1;
+    let evidences: Vec<f64> = fitted.iter().map(evidence).collect();
+    let mut order: Vec<usize> = (0..fitted.len()).collect();
+    order.sort_by(|&a, &b| evidences[b].total_cmp(&evidences[a]));
     let judged = |f: &Fitted| {
         let tried = hypotheses(candidates, f.scored.candidate.effect.code());
         judge(data, system, &f.scored, &f.system, threshold, tried)
     };
-    let (best, accepted) = fitted.iter().enumerate().find_map(|(i, f)| Some((i, judged(f)?)))?;
-    let simpler = (0..fitted.len()).find_map(|i| {
+    let (best, accepted) = order.iter().find_map(|&i| Some((i, judged(&fitted[i])?)))?;
+    let simpler = order.iter().find_map(|&i| {
         let stands_in = i != best && stands_in(&fitted[i].scored, &fitted[best].scored, &fitted[best].system);
         stands_in.then(|| Some((i, judged(&fitted[i])?))).flatten()
     });

@@ -113,6 +113,23 @@ fn prop_drift_and_contact_are_found_between_the_periods() {
     assert_eq!(report.findings[0].effect, "external_contact");
     let [start, end] = [0, 1].map(|i| report.findings[0].parameters[i].value);
     assert!((start - 23.0).abs() < 0.1 && (end - 24.0).abs() < 0.1, "{start} … {end}");
+    // Over the border of two periods; and where the start of the first one is left out.
+    for [start, end] in [[19.5, 20.9], [20.2, 21.5]] {
+        let contact = HiddenEffect::ExternalContact {
+            start,
+            end,
+            torque: vec![0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0],
+        };
+        let report = seven(&[contact], 6).report;
+        assert_eq!(report.findings.len(), 1, "{:?}", report.findings);
+        let found = &report.findings[0];
+        assert_eq!((found.effect.as_str(), found.joints[0].as_str()), ("external_contact", "J5"));
+        for (parameter, truth) in found.parameters.iter().zip([start, end, 4.0]) {
+            // Four standard deviations: one in 16 000 by chance. An edge is known to a sample.
+            let error = (parameter.value - truth).abs();
+            assert!(error < 4.0 * parameter.std_dev, "{parameter:?} for {truth}");
+        }
+    }
     let drift = HiddenEffect::FrictionDrift {
         joint: 1,
         viscous: 0.8,
@@ -145,6 +162,23 @@ fn prop_what_nobody_knows_is_unexplained() {
     let mut on = report.remainder.unwrap().depends_on;
     on.sort();
     assert_eq!(on, ["q2", "q4"]);
+}
+
+/// A large offset, which a spring with its rest at infinity fits by nothing better: what each of the two leaves is an estimate, and must not decide.
+#[test]
+fn regress_a_large_offset_is_not_called_a_spring() {
+    let (robot, phi) = published();
+    let offset = [HiddenEffect::TorqueOffset { joint: 0, offset: 1.0 }];
+    for seed in [70_001, 70_002] {
+        let [log, _] = published_logs(&robot, &phi, [&offset, &[]], &sensor_noise(7), seed);
+        let report = trace(&robot, &[stretch(&log, "log")], &[], &TraceOptions::default()).report;
+        let found: Vec<(&str, &str)> = report
+            .findings
+            .iter()
+            .map(|f| (f.effect.as_str(), f.joints[0].as_str()))
+            .collect();
+        assert_eq!(found, [("torque_offset", "A1")], "seed {seed}");
+    }
 }
 
 /// Smooth functions could stand in for some of them; several causes with names are a cheaper account than few without.

@@ -78,9 +78,9 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
     })
 }
 
-/// Whether periods scatter by noise alone, and not by torques of their own ([`is_noise`]): about their mean or, where they do not, from one period to the
-/// next at the median. A touch in one period, or friction that changes as the arm warms up, is something that the loop has to find and is no reason to
-/// give the periods up.
+/// Whether periods scatter by noise alone, and not by torques of their own ([`is_noise`]): about their mean or, where they do not, between the two of them,
+/// not far apart, that agree best. A touch in one period or over the border of two, or friction that changes as the arm warms up, is something that the
+/// loop has to find and is no reason to give the periods up.
 fn torques_repeat(record: &Record) -> bool {
     let Some(scatter) = &record.scatter else { return true };
     let power = |tau: &Vec<f64>| tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
@@ -88,15 +88,18 @@ fn torques_repeat(record: &Record) -> bool {
         let torque = power(&record.tau[j]);
         // Spectra are of the mean: periods scatter K times as much.
         let single: Vec<f64> = scatter.spectrum[j].iter().map(|s| s * scatter.periods as f64).collect();
-        is_noise(&single, torque) || is_noise(&between_neighbours(scatter, j, record.tau[j].len()), torque)
+        is_noise(&single, torque) || is_noise(&between_alike(scatter, j, record.tau[j].len()), torque)
     })
 }
 
-/// Half the power `|X_l|²/N` of the difference of two neighbouring periods, of the pair that has the median of all pairs.
-fn between_neighbours(scatter: &Scatter, joint: usize, samples: usize) -> Vec<f64> {
+/// Two periods touched between them leave another pair that is no farther apart, of four periods or more.
+const FARTHEST: usize = 3;
+
+/// Half the power `|X_l|²/N` of the difference of two periods, of the pair that has least.
+fn between_alike(scatter: &Scatter, joint: usize, samples: usize) -> Vec<f64> {
     let (torque, usable) = (&scatter.torque[joint], &scatter.usable);
-    let power = |period: usize| {
-        let pairs = (period * samples..(period + 1) * samples).map(|s| (s, s + samples));
+    let power = |(one, other): (usize, usize)| {
+        let pairs = (0..samples).map(|s| (one * samples + s, other * samples + s));
         let difference: Vec<f64> = pairs
             .map(|(a, b)| if usable[a] && usable[b] { torque[b] - torque[a] } else { 0.0 })
             .collect();
@@ -106,9 +109,11 @@ fn between_neighbours(scatter: &Scatter, joint: usize, samples: usize) -> Vec<f6
             .map(|(l, x)| if l == 0 { 0.0 } else { x.norm_sqr() / (2 * samples) as f64 })
             .collect()
     };
-    let mut pairs: Vec<Vec<f64>> = (0..scatter.periods - 1).map(power).collect();
-    pairs.sort_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum()));
-    pairs.swap_remove((pairs.len() - 1) / 2)
+    let count = scatter.periods;
+    let pairs = (0..count).flat_map(|one| (one + 1..count.min(one + 1 + FARTHEST)).map(move |other| (one, other)));
+    let sum = |lines: &Vec<f64>| lines.iter().sum::<f64>();
+    let least = pairs.map(power).min_by(|a, b| sum(a).total_cmp(&sum(b)));
+    least.expect("scatter is that of two periods at least")
 }
 
 /// Below a tenth of the band, where the motion is, the scatter of one period is less than 5 % of the torque, or its density no more than ten times that
