@@ -43,6 +43,8 @@ struct Limit {
 /// Between these an effect begins to be found ([`Sight::at`]); seven halvings of the ratio leave 4 %.
 const RANGE: [f64; 2] = [3.0, 300.0];
 const HALVINGS: usize = 7;
+/// Times the least: what is not found there is told with what was named in its place.
+const CLEAR: f64 = 5.0;
 
 /// Per effect, bisection on `repeats` random joints and motions, the noise the same at every size.
 pub fn detect(repeats: u64, only: &[String]) {
@@ -105,7 +107,13 @@ fn limit(code: &'static str, repeat: u64, robot: &Robot, phi: &[f64]) -> Option<
         let outcome = traced_case(robot, phi, std::slice::from_ref(&effect), seed);
         (found(&outcome, &truth(&effect), robot), outcome)
     };
-    let is_found = |seen: f64| traced(seen).0;
+    let is_found = |seen: f64| {
+        let (found, outcome) = traced(seen);
+        if !found && seen > RANGE[0] * CLEAR {
+            println!("{code} {repeat} not found at {seen:.0}: {}", told(&outcome));
+        }
+        found
+    };
     if let (false, outcome) = traced(range[1]) {
         println!("{code} {repeat} {hidden:?}: not found at {}, {}", range[1], told(&outcome));
         return None;
