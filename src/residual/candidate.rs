@@ -4,8 +4,7 @@ use super::projection::{Thinned, Whitened};
 use super::store::Shaped;
 use super::system::{Data, System};
 use super::{AugmentedModel, Stretch, Term};
-use crate::dynamics::Coulomb;
-use crate::effects::{self, Column, Effect, Kind, Scene, Shape, Span};
+use crate::effects::{self, Column, Effect, Kind, Shape, Span};
 use std::sync::Arc;
 
 /// An effect on a place, in one of its forms.
@@ -134,15 +133,7 @@ fn shaped(data: &Data, system: &System, coarse: &[&Stretch], candidate: &Candida
         let columns = if candidate.is_distortion() {
             distortion(system, stretch, candidate)
         } else {
-            let scene = Scene {
-                robot: &system.model.robot,
-                motion: &e.motion,
-                rigid: &e.rigid,
-                declared: &e.declared,
-                interval: stretch.interval,
-                periodic: stretch.periodic,
-                coulomb: Coulomb::Sign,
-            };
+            let scene = e.scene(system, stretch);
             candidate.effect.columns(candidate.form, &scene, &candidate.joints, shape)
         };
         columns.into_iter().map(|c| stretch.shaped_column(c)).collect()

@@ -164,16 +164,7 @@ fn contact_finding(
     let infos = by_code("external_contact")
         .expect("is in the list")
         .parameters(0, robot, joints);
-    let parameters = infos
-        .into_iter()
-        .zip(values)
-        .map(|(info, (value, std_dev))| ReportedParameter {
-            name: info.name,
-            value,
-            unit: info.unit,
-            std_dev,
-        })
-        .collect();
+    let parameters = ReportedParameter::of(infos, values);
     BetweenFinding {
         effect: "external_contact",
         joints: joints.to_vec(),

@@ -71,16 +71,7 @@ fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms
     }
     let values = reported(&term, &covariance);
     let names = term.effect.parameters(term.form, robot, &term.joints);
-    let parameters = names
-        .into_iter()
-        .zip(values)
-        .map(|(info, (value, std_dev))| ReportedParameter {
-            name: info.name,
-            value,
-            unit: info.unit,
-            std_dev,
-        })
-        .collect();
+    let parameters = ReportedParameter::of(names, values);
     Finding {
         effect: accepted.effect.into(),
         joints: joint_names(robot, &term.joints),

@@ -2,12 +2,11 @@
 
 use super::appraise::chance;
 use super::price::PREFERENCE;
-use super::projection::{Thinned, reduce};
+use super::projection::reduce;
 use super::remainder::LEAST_SIZE;
 use super::system::{Data, System};
 use super::{AugmentedModel, Stretch, Term};
-use crate::dynamics::Coulomb;
-use crate::effects::{Effect, Scene, Unexplained, products, variable};
+use crate::effects::{Effect, Unexplained, products, variable};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -91,7 +90,7 @@ pub(super) fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> O
     let columns: Vec<_> = coarse
         .iter()
         .zip(system.thinned(data))
-        .map(|(stretch, e)| Unexplained.columns(0, &scene(system, stretch, e), job, &shape))
+        .map(|(stretch, e)| Unexplained.columns(0, &e.scene(system, stretch), job, &shape))
         .collect();
     let (own, rest, right) = system.projected(&system.whitened(data, &coarse, columns));
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
@@ -141,25 +140,13 @@ fn pursue(own: &DMatrix<f64>, rest: &DMatrix<f64>, right: &DVector<f64>, price: 
     (chosen, best.0, best.1)
 }
 
-fn scene<'a>(system: &'a System, stretch: &Stretch, e: &'a Thinned) -> Scene<'a> {
-    Scene {
-        robot: &system.model.robot,
-        motion: &e.motion,
-        rigid: &e.rigid,
-        declared: &e.declared,
-        interval: stretch.interval,
-        periodic: stretch.periodic,
-        coulomb: Coulomb::Sign,
-    }
-}
-
 /// Centre and half range of every variable over all stretches; `None` for one that does not vary.
 fn scaling(data: &Data, system: &System, codes: &[usize]) -> Option<Vec<f64>> {
     let mut shape = Vec::new();
     for &code in codes {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (stretch, e) in data.stretches.iter().map(Stretch::coarse_form).zip(system.thinned(data)) {
-            for v in variable(&scene(system, stretch, e), code) {
+            for v in variable(&e.scene(system, stretch), code) {
                 (low, high) = (low.min(v), high.max(v));
             }
         }

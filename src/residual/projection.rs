@@ -4,8 +4,8 @@ use super::Stretch;
 use super::evaluation::Evaluated;
 use super::product::transposed_product;
 use super::system::{Data, System};
-use crate::dynamics::Motion;
-use crate::effects::Column;
+use crate::dynamics::{Coulomb, Motion};
+use crate::effects::{Column, Scene};
 use nalgebra::{DMatrix, DVector};
 
 /// Motion of a stretch and torques along it, on the samples of its coarse form.
@@ -28,6 +28,21 @@ pub(crate) struct Reduced {
     /// Rank of what is left of the columns.
     pub rank: usize,
     pub coefficients: DVector<f64>,
+}
+
+impl Thinned {
+    /// What the columns of effects are made from.
+    pub fn scene<'a>(&'a self, system: &'a System, stretch: &Stretch) -> Scene<'a> {
+        Scene {
+            robot: &system.model.robot,
+            motion: &self.motion,
+            rigid: &self.rigid,
+            declared: &self.declared,
+            interval: stretch.interval,
+            periodic: stretch.periodic,
+            coulomb: Coulomb::Sign,
+        }
+    }
 }
 
 impl System {

@@ -1,6 +1,7 @@
 //! What the tracing hands back: the `residual` part of an answer.
 
 use super::{AugmentedModel, DataFault, NoiseModel, RivalTerm};
+use crate::effects::ParameterInfo;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
@@ -36,6 +37,19 @@ pub struct ReportedParameter {
     pub value: f64,
     pub unit: String,
     pub std_dev: f64,
+}
+
+impl ReportedParameter {
+    /// Values and their standard deviations under the names of an effect's parameters.
+    pub(super) fn of(infos: Vec<ParameterInfo>, values: impl IntoIterator<Item = (f64, f64)>) -> Vec<Self> {
+        let told = |(info, (value, std_dev)): (ParameterInfo, (f64, f64))| Self {
+            name: info.name,
+            value,
+            unit: info.unit,
+            std_dev,
+        };
+        infos.into_iter().zip(values).map(told).collect()
+    }
 }
 
 /// RMS per joint [N·m or N], of single measurements.
