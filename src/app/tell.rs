@@ -272,6 +272,15 @@ impl Teller<'_> {
             let at = joints.iter().position(|&k| k == j).unwrap_or(0);
             significant(r.rms.get(at).copied().unwrap_or(f64::NAN), 3)
         });
+        let what = sentence(&format!(
+            "{} {}",
+            self.at(&r.joints),
+            if joints.len() > 1 { "keep" } else { "keeps" }
+        ));
+        let what = format!("{} {values} above the noise that no effect explains.", what.trim_end_matches('.'));
+        if r.depends_on.is_empty() {
+            return format!("{what} Nor does a smooth function of one or two positions and speeds.");
+        }
         let unsteady = |name: &String| ["time", "period"].contains(&name.as_str());
         let predicting = match (r.depends_on.iter().all(unsteady), r.depends_on.len()) {
             (true, _) => "that predicts",
@@ -280,13 +289,7 @@ impl Teller<'_> {
         };
         let on: Vec<&str> = r.depends_on.iter().map(|name| variable_in_words(name)).collect();
         format!(
-            "{} {values} above the noise that no effect explains. It depends on {}: {predicting} {} % of it.",
-            sentence(&format!(
-                "{} {}",
-                self.at(&r.joints),
-                if joints.len() > 1 { "keep" } else { "keeps" }
-            ))
-            .trim_end_matches('.'),
+            "{what} It depends on {}: {predicting} {} % of it.",
             listed(&on, "and"),
             significant(100.0 * r.predicted_share, 2),
         )

@@ -28,16 +28,28 @@ pub(crate) struct Scored {
 }
 
 impl Scored {
-    /// Fair gain and evidence where what is left after a gain is taken as the least that any of `others` leaves on the same joints: one yardstick for all that
-    /// are held against each other. What each leaves is an estimate, and a large gain divided by two that differ by a thousandth is
-    /// two gains that differ by more than any parameter costs.
+    /// Fair gain and evidence where what is left after a gain is taken as the least that any of `others` leaves, of those on the same joints and
+    /// those that are [decided](Self::is_decided_with) beside this one: one yardstick for all that are held against each other. What each
+    /// leaves is an estimate, and a large gain divided by two that differ by a thousandth is two gains that differ by more than any
+    /// parameter costs.
     pub fn held_against<'a>(&self, others: impl Iterator<Item = &'a Scored>) -> (f64, f64) {
         let Some(own) = self.dispersion else {
             return (self.fair_gain, self.evidence);
         };
-        let same = others.filter(|o| o.joints == self.joints).filter_map(|o| o.dispersion);
-        let fair_gain = self.gain / same.fold(own, f64::min);
+        let common = others.filter(|o| o.joints == self.joints || self.is_decided_with(o));
+        let least = common.filter_map(|o| o.dispersion).fold(own, f64::min);
+        let fair_gain = self.gain / least;
         (fair_gain, self.evidence - self.fair_gain + fair_gain)
+    }
+
+    /// Whether one of the two is the better account whatever is taken for noise: on joints in common it gains more and costs no more. What
+    /// few joints keep is next to nothing when it is taken over all of them, which must not put an effect on all joints before one on a
+    /// single joint that gains more.
+    fn is_decided_with(&self, other: &Scored) -> bool {
+        let meets = self.joints.iter().any(|j| other.joints.contains(j));
+        let price = |s: &Scored| s.fair_gain - s.evidence;
+        let better = |a: &Scored, b: &Scored| a.gain >= b.gain && price(a) <= price(b);
+        meets && (better(self, other) || better(other, self))
     }
 }
 

@@ -1,26 +1,83 @@
-//! The last word on every effect, by all samples.
+//! The search for effects, and the last word on each of them, by all samples.
 //!
 //! Effects are looked for on the coarse forms of the data, one sample of the motion to every row. Of long logs that is a tenth of the samples and less, while
 //! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
 
-use super::Term;
 use super::appraise::chance;
-use super::rivals::Contest;
-use super::select::Accepted;
+use super::candidate::Candidate;
+use super::remainder::{self, unaccounted};
+use super::rivals::{Contest, rivals, settled};
+use super::select::{Accepted, Selected, Threshold, extend, select};
 use super::system::{Data, System};
+use super::{AugmentedModel, Remainder, Term};
 use crate::effects::Kind;
 use nalgebra::{DMatrix, DVector};
 
+/// What a search ends with.
+pub(super) struct Searched<'a> {
+    /// All samples, with the noise that the search ended with.
+    pub data: Data<'a>,
+    /// Fitted to them.
+    pub system: System,
+    pub accepted: Vec<Accepted>,
+    /// One per effect of `accepted`.
+    pub contests: Vec<Contest>,
+    pub remainder: Option<Remainder>,
+}
+
+/// Selects on the coarse forms, confirms by all samples, and goes on without the effects that were not confirmed, because they may have stood where another
+/// belongs: every turn has fewer candidates.
+pub(super) fn searched<'a>(
+    coarse: &Data,
+    fine: &Data<'a>,
+    start: AugmentedModel,
+    candidates: &[Candidate],
+    threshold: &Threshold,
+) -> Searched<'a> {
+    let fixed = start.terms.len();
+    let mut open = candidates.to_vec();
+    let mut selected = select(coarse, start, &open, threshold);
+    loop {
+        let (settled, mut contests) = settled(coarse, selected, fixed, &open, threshold);
+        let data = coarse.with_noise(settled.noise.clone());
+        let (examined, remainder) = remainder::examine(&data, settled, fixed, &open, threshold);
+        if remainder.is_some() || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
+            contests = rivals(&data, &examined, fixed, candidates, threshold);
+        }
+        let fine = fine.with_noise(examined.noise.clone());
+        let mut accepted = examined.accepted.clone();
+        let system = fine.fit(examined.system.model.clone());
+        let (system, doubtful) = confirmed(&fine, system, fixed, &mut accepted, &mut contests, threshold.chance);
+        if doubtful.is_empty() || remainder.is_some() {
+            return Searched {
+                remainder: remainder.or_else(|| unaccounted(&fine, &system)),
+                data: fine,
+                system,
+                accepted,
+                contests,
+            };
+        }
+        open.retain(|c| !doubtful.iter().any(|t| c.is_same_effect(t)));
+        let left = Selected {
+            system: data.fit(system.model),
+            accepted,
+            ..examined
+        };
+        selected = extend(&data, left, fixed, &open, threshold);
+    }
+}
+
 /// Takes effects beyond the first `fixed` terms out that the samples do not confirm, the weakest first, until all that are left are: the chance of
-/// `θᵀ C⁻¹ θ` (Wald), θ what the effect adds and C its covariance, is below `limit`. What was tried before is not counted again.
-pub(super) fn confirmed(
+/// `θᵀ C⁻¹ θ` (Wald), θ what the effect adds and C its covariance, is below `limit`. What was tried before is not counted again. Says what went.
+fn confirmed(
     data: &Data,
     mut system: System,
     fixed: usize,
     accepted: &mut Vec<Accepted>,
     contests: &mut Vec<Contest>,
     limit: f64,
-) -> System {
+) -> (System, Vec<Term>) {
+    let mut gone = Vec::new();
     loop {
         let doubts = (0..accepted.len()).map(|i| (i, doubt(&system, fixed + i)));
         match doubts.max_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -28,10 +85,10 @@ pub(super) fn confirmed(
                 accepted.remove(i);
                 contests.remove(i);
                 let mut model = system.model;
-                model.terms.remove(fixed + i);
+                gone.push(model.terms.remove(fixed + i));
                 system = data.fit(model);
             }
-            _ => return system,
+            _ => return (system, gone),
         }
     }
 }

@@ -35,18 +35,29 @@ pub(super) fn with_functions(data: &Data, system: &System) -> Option<System> {
     now
 }
 
-/// The smooth function with the best evidence, if it is beyond chance, on joints whose χ² is five standard deviations above its mean: the
-/// noise's own correlation is an estimate.
-fn best_function(data: &Data, system: &System) -> Option<Smooth> {
-    let n = system.model.robot.joint_count();
-    let excess = |j: usize| system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j);
-    // Five standard deviations of χ², because the noise's own correlation is an estimate.
+/// χ² of a joint above what noise alone leaves.
+fn excess(system: &System, joint: usize) -> f64 {
+    system.joint_chi_square(joint) - system.rows(joint) as f64 + system.spent(joint)
+}
+
+/// Joints on which more is left than measured noise explains, the most first: χ² is five standard deviations above its mean, because the noise's own
+/// correlation is an estimate, and what is left is large enough to act on.
+pub(super) fn left_over(data: &Data, system: &System) -> Vec<usize> {
     let repetitions = data.stretches.iter().map(Stretch::repetitions).max().unwrap_or(1) as f64;
     let least = |j: usize| {
         (5.0 * (2.0 * system.rows(j) as f64).sqrt()).max(LEAST_SIZE * LEAST_SIZE * repetitions * system.rows(j) as f64)
     };
-    let mut rows: Vec<usize> = (0..n).filter(|&j| excess(j) > least(j)).collect();
-    rows.sort_by(|&a, &b| excess(b).total_cmp(&excess(a)));
+    let mut joints: Vec<usize> = (0..system.model.robot.joint_count())
+        .filter(|&j| excess(system, j) > least(j))
+        .collect();
+    joints.sort_by(|&a, &b| excess(system, b).total_cmp(&excess(system, a)));
+    joints
+}
+
+/// The smooth function with the best evidence, if it is beyond chance, on joints where something is [left over](left_over).
+fn best_function(data: &Data, system: &System) -> Option<Smooth> {
+    let n = system.model.robot.joint_count();
+    let mut rows = left_over(data, system);
     rows.truncate(3);
     let jobs = function_jobs(n, &rows);
     let scored: Vec<Smooth> = jobs
@@ -58,7 +69,7 @@ fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     let products = best.term.coefficients.len();
     let beyond_chance =
         chance(best.gain, products).ln() + products as f64 * DICTIONARY.ln() + (jobs.len() as f64).ln() < 1e-3f64.ln();
-    let share = best.gain > 0.05 * excess(best.term.joints[0]);
+    let share = best.gain > 0.05 * excess(system, best.term.joints[0]);
     (best.evidence > PREFERENCE && beyond_chance && share).then_some(best)
 }
 

@@ -6,7 +6,7 @@
 
 use super::appraise::{chance, hypotheses};
 use super::candidate::Candidate;
-use super::function::score;
+use super::function::{left_over, score};
 use super::price::{PREFERENCE, best_with_functions, score_of};
 use super::select::{Selected, Threshold};
 use super::system::{Data, System};
@@ -117,6 +117,28 @@ fn describe(data: &Data, with: &System, from: usize) -> Remainder {
         rms,
         note,
     }
+}
+
+/// What is left where neither effects nor smooth functions were found for it: nobody may read that nothing is missing there. Without measured noise nobody
+/// knows whether anything is left.
+pub(super) fn unaccounted(data: &Data, system: &System) -> Option<Remainder> {
+    let rows = match system.noise_is_measured {
+        true => left_over(data, system),
+        false => Vec::new(),
+    };
+    let name = |&j: &usize| system.model.robot.joints()[j].name.clone();
+    let joints: Vec<String> = rows.iter().map(name).collect();
+    let note = format!(
+        "{} keeps more than its noise, and neither an effect known here nor a smooth function of one or two positions and speeds accounts for it",
+        joints.join(", ")
+    );
+    (!rows.is_empty()).then(|| Remainder {
+        joints,
+        depends_on: Vec::new(),
+        predicted_share: 0.0,
+        rms: rows.iter().map(|&j| rms_above_noise(data, system, j)).collect(),
+        note,
+    })
 }
 
 /// Variables of a function, the one that predicts more alone first.

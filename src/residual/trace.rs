@@ -3,13 +3,12 @@
 use super::between::{self, Separated};
 use super::border::{RivalTerm, border};
 use super::candidate::candidates;
-use super::confirm::confirmed;
+use super::confirm::{Searched, searched};
 use super::findings::{between_findings, findings};
 use super::misfit::{fits, rms};
-use super::remainder;
 use super::report::Outcome;
-use super::rivals::{Contest, rivals, settled};
-use super::select::{Selected, Threshold, select};
+use super::rivals::Contest;
+use super::select::Threshold;
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
 use super::trend::trends;
@@ -72,22 +71,15 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         most_effects: options.most_effects_per_joint * robot.joint_count(),
     };
     let list = candidates(&start, &spans(stretches), prior.is_some());
-    let fixed = start.terms.len();
-    let selected = select(&data, start.clone(), &list, &threshold);
-    let (selected, mut contests) = settled(&data, selected, fixed, &list, &threshold);
-    let data = data.with_noise(selected.noise.clone());
-    let (selected, rest) = remainder::examine(&data, selected, fixed, &list, &threshold);
-    if rest.is_some() || selected.accepted.len() != contests.len() {
-        contests = rivals(&data, &selected, fixed, &list, &threshold);
-    }
-    unsteady.extend(trends(&data, &selected.system, options.chance));
+    let Searched {
+        data,
+        system,
+        accepted,
+        contests,
+        remainder: rest,
+    } = searched(&data, &fine, start.clone(), &list, &threshold);
+    unsteady.extend(trends(&data, &system, options.chance));
     let rest = joined(rest, remainder_of(robot, &unsteady));
-    let data = fine.with_noise(data.noise);
-    let Selected {
-        system, mut accepted, ..
-    } = selected;
-    let system = data.fit(system.model);
-    let system = confirmed(&data, system, fixed, &mut accepted, &mut contests, options.chance);
     let after = fits(&data, &system);
     let verdict = verdict(accepted.len() + between.len(), rest.is_some());
     // What nothing explains was kept from the fits, and stays in the errors.

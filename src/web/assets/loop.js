@@ -118,7 +118,8 @@ function next(context) {
   const pairs = report.findings.flatMap((f) => f.rivals.map((r) => ({ finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } })));
   const [first] = pairs;
   const text = first ? `Open: ${listed(pairs.map((p) => `${called(p.finding, result.joints)} or ${called(p.rival, result.joints)}`), 'and')}. On the motion that was run the two move the torque alike. The next trajectory is made so that they do not.`
-    : report.remainder?.depends_on.every((name) => ['time', 'period'].includes(name)) ? 'What is left changes while the log runs and not with the motion: record again once the arm is warm, and see whether it has gone.'
+    : report.remainder?.depends_on.length && report.remainder.depends_on.every((name) => ['time', 'period'].includes(name)) ? 'What is left changes while the log runs and not with the motion: record again once the arm is warm, and see whether it has gone.'
+    : report.remainder?.depends_on.length === 0 ? 'What is left depends on no one or two positions or speeds: look at it over time below, and record the same motion again to see whether it comes back.'
     : report.remainder ? 'What is left depends on the variables above; a motion that passes through other combinations of them shows more of it.'
       : 'Another motion is the test that these findings must pass: nothing new should be found on it. It is designed for what these logs leave open.';
   const label = first ? 'Design the deciding trajectory' : 'Design the next trajectory';
