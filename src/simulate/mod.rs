@@ -9,6 +9,7 @@ mod fault;
 mod friction;
 mod hidden;
 mod noise;
+mod torque;
 
 pub use experiment::{Experiment, RecordedLog, simulate};
 pub use fault::{LogFault, corrupt};

@@ -11,16 +11,18 @@ mod jobs;
 mod queue;
 mod robots;
 mod shares;
+mod submission;
 mod tokens;
 
 pub use audit::AuditEntry;
 pub use dump::{Amount, backup, restore};
 pub use files::{Files, NewFile, hex, sha256};
 pub use found::{FoundRow, Spent};
-pub use jobs::{JobPlace, JobRow, Key, NewJob, State, Submission, Waiting};
+pub use jobs::{JobPlace, JobRow, State};
 pub use queue::{Claimed, Ended, Renewed};
 pub(super) use robots::unreadable as unreadable_robot;
 pub use shares::{Share, ShareResult};
+pub use submission::{Key, NewJob, Submission, Waiting};
 pub use tokens::{Role, TokenRow};
 
 use crate::app::{Code, Error};

@@ -4,7 +4,7 @@
 //! claimed again by whoever comes first. Everything a worker writes names the number it was given: a worker that was presumed dead and
 //! comes back finds its number outdated and changes nothing, so that every job has exactly one result.
 
-use super::{Dialect, Store, jobs::name_file, now_us, unavailable};
+use super::{Dialect, Store, now_us, submission::name_file, unavailable};
 use crate::app::Error;
 use crate::service::store::jobs::State;
 use crate::service::work::{Class, Kind};

@@ -3,7 +3,7 @@
 //! A share has a lease like a job, and counts if it is handed in while the job still gathers: a share that dies or hangs costs nothing but
 //! its own work. What was handed in stays with the job, also when another worker begins it again.
 
-use super::jobs::name_file;
+use super::submission::name_file;
 use super::{Dialect, Store, unavailable};
 use crate::app::Error;
 use sqlx::Row;

@@ -3,6 +3,8 @@
 mod formula;
 mod html;
 mod parts;
+mod physical;
+mod residual;
 
 use html::{Html, escaped};
 use serde_json::Value;
@@ -30,9 +32,9 @@ pub fn report(result: &Value, circumstances: &Circumstances) -> String {
     parts::logs(&mut page, result);
     parts::parameters(&mut page, result);
     parts::errors(&mut page, result);
-    parts::loop_closed(&mut page, result);
+    residual::loop_closed(&mut page, result);
     parts::torques(&mut page, result);
-    parts::physical(&mut page, result);
+    physical::physical(&mut page, result);
     parts::again(&mut page, result, circumstances);
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\

@@ -1,9 +1,9 @@
-//! The parts of the report, in their order.
+//! The parts of the report, in their order; residual and physical parameters have files of their own.
 
 use super::Circumstances;
 use super::formula;
-use super::html::{Cell, Html, capital, escaped, items, listed, text, words};
-use crate::web::figures::{before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure, unit};
+use super::html::{Cell, Html, capital, escaped, items, text, words};
+use crate::web::figures::{error_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
 
 pub(super) fn heading(page: &mut Html, result: &Value, circumstances: &Circumstances) {
@@ -164,104 +164,6 @@ pub(super) fn errors(page: &mut Html, result: &Value) {
     }
 }
 
-pub(super) fn loop_closed(page: &mut Html, result: &Value) {
-    let residual = &result["residual"];
-    if !residual.is_object() {
-        return;
-    }
-    page.heading(2, "What the model leaves over");
-    page.paragraph("", &format!("Noise floor from: {}.", text(&residual["noise_source"])));
-    let fits = items(&residual["lack_of_fit"])
-        .zip(items(&residual["lack_of_fit_after"]))
-        .zip(items(&residual["noise_floor"]));
-    let row = |((before, after), floor): ((&Value, &Value), &Value)| {
-        vec![
-            text(&before["joint"]),
-            text(floor),
-            text(&before["statistic"]),
-            chance(&before["p_value"]),
-            text(&after["statistic"]),
-            chance(&after["p_value"]),
-        ]
-    };
-    page.table(
-        "Lack of fit: 1 where only noise is left",
-        &["Joint", "#Noise floor", "#Before", "#p", "#After", "#p"],
-        fits.map(row),
-    );
-    for finding in items(&residual["findings"]) {
-        describe(page, result, finding);
-    }
-    let rest = &residual["remainder"];
-    if rest.is_object() {
-        page.heading(3, &format!("Unexplained, on {}", listed(&rest["joints"])));
-        page.paragraph("finding", &text(&rest["sentence"]));
-        page.paragraph("soft", &text(&rest["note"]));
-    }
-    if let Some(figure) = before_after_figure(result) {
-        page.figure(
-            &figure,
-            "Error per joint before and after the effects found, beside the noise floor: of single measurements with all their noise, and of models fitted anew. The errors above are of rows as they were prepared, in which a mean over periods has less noise.",
-        );
-    }
-}
-
-/// Below a millionth of a millionth a chance is none.
-fn chance(p: &Value) -> String {
-    match p.as_f64() {
-        Some(p) if p < 1e-12 => "< 1e−12".into(),
-        _ => text(p),
-    }
-}
-
-fn describe(page: &mut Html, result: &Value, finding: &Value) {
-    page.heading(
-        3,
-        &capital(&format!("{} on {}", words(&finding["effect"]), listed(&finding["joints"]))),
-    );
-    page.paragraph("finding", &text(&finding["sentence"]));
-    if items(&finding["parameters"]).next().is_none() {
-        return;
-    }
-    let row = |p: &Value| {
-        vec![
-            words(&p["name"]),
-            text(&p["value"]),
-            text(&p["std_dev"]),
-            unit(&text(&p["unit"])),
-        ]
-    };
-    page.table(
-        "",
-        &["Parameter", "#Value", "#σ", "Unit"],
-        items(&finding["parameters"]).map(row),
-    );
-    let e = &finding["evidence"];
-    let mut evidence = format!(
-        "Twice the log of the evidence ratio against leaving it out: {}; chance of such a gain without it: {}.",
-        text(&e["log_evidence_ratio"]),
-        chance(&e["p_value"])
-    );
-    if let Some(note) = finding["note"].as_str() {
-        evidence += &format!(" Note: {note}.");
-    }
-    page.paragraph("soft", &evidence);
-    let rival = |r: &Value| vec![words(&r["effect"]), listed(&r["joints"]), text(&r["evidence"])];
-    if items(&finding["rivals"]).next().is_some() {
-        page.table(
-            "Not excluded in its place; twice the log of the odds in favour of the finding",
-            &["Effect", "Joints", "#Evidence"],
-            items(&finding["rivals"]).map(rival),
-        );
-    }
-    if let Some(figure) = finding_figure(result, finding) {
-        page.figure(
-            &figure,
-            "What is left on the joint, with the base parameters alone and with all effects found.",
-        );
-    }
-}
-
 pub(super) fn torques(page: &mut Html, result: &Value) {
     if items(&result["predictions"]).next().is_none() {
         return;
@@ -283,64 +185,6 @@ pub(super) fn torques(page: &mut Html, result: &Value) {
         );
         page.figure(&torque_figure(prediction, if sliding { "N" } else { "N m" }), &caption);
     }
-}
-
-pub(super) fn physical(page: &mut Html, result: &Value) {
-    if items(&result["physical_parameters"]).next().is_none() {
-        return;
-    }
-    page.heading(2, "Physical parameters");
-    let link = |l: &Value| format!("{} {}", text(&l["link"]), text(&l["name"]));
-    // Two tables: all of it in one is wider than a page.
-    let body = |l: &Value| {
-        let c = &l["center_of_mass"];
-        let numbers = [&l["mass"], &c[0], &c[1], &c[2], &l["viscous"], &l["coulomb"]];
-        std::iter::once(link(l)).chain(numbers.map(text)).collect::<Vec<_>>()
-    };
-    page.table(
-        "In the frames of the robot's description",
-        &["Link", "#Mass (kg)", "#x (m)", "#y (m)", "#z (m)", "#Viscous", "#Coulomb"],
-        items(&result["physical_parameters"]).map(body),
-    );
-    let inertia = |l: &Value| {
-        let numbers = ["xx", "yy", "zz", "xy", "xz", "yz"].map(|k| text(&l["inertia"][k]));
-        std::iter::once(link(l)).chain(numbers).collect::<Vec<_>>()
-    };
-    page.table(
-        "Inertia about the centre of mass (kg m²)",
-        &["Link", "#Ixx", "#Iyy", "#Izz", "#Ixy", "#Ixz", "#Iyz"],
-        items(&result["physical_parameters"]).map(inertia),
-    );
-    margins(page, &result["feasibility"]["margins"]);
-}
-
-/// A row per link and a column per constraint.
-fn margins(page: &mut Html, margins: &Value) {
-    let (mut links, mut constraints): (Vec<&Value>, Vec<String>) = (Vec::new(), Vec::new());
-    for m in items(margins) {
-        if !links.contains(&&m["link"]) {
-            links.push(&m["link"]);
-        }
-        if !constraints.contains(&words(&m["constraint"])) {
-            constraints.push(words(&m["constraint"]));
-        }
-    }
-    let of = |link: &Value, constraint: &String| {
-        let found = items(margins).find(|m| m["link"] == *link && words(&m["constraint"]) == *constraint);
-        found.map_or("–".into(), |m| text(&m["margin"]))
-    };
-    let heads: Vec<String> = constraints.iter().map(|c| format!("#{}", capital(c))).collect();
-    let heads: Vec<&str> = std::iter::once("Link").chain(heads.iter().map(String::as_str)).collect();
-    let row = |link: &&Value| {
-        std::iter::once(text(link))
-            .chain(constraints.iter().map(|c| of(link, c)))
-            .collect::<Vec<_>>()
-    };
-    page.table(
-        "Margins to what is physically possible: above zero where it is",
-        &heads,
-        links.iter().map(row),
-    );
 }
 
 pub(super) fn again(page: &mut Html, result: &Value, circumstances: &Circumstances) {

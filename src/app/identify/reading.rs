@@ -1,0 +1,136 @@
+//! Log files, and how they become rows.
+
+use crate::app::{Code, Error};
+use crate::identification::{Log, Observation, PreparedLog, PreprocessOptions, prepare};
+use crate::io::log::{Columns, LogError, LogReport, read_joined_log};
+use crate::model::Robot;
+use crate::parameters::BaseParameters;
+use crate::residual::{DataFault, RawLog, Stretch, leave_out, lost_rows, sample_faults};
+use std::path::{Path, PathBuf};
+
+/// A log file and the name that the answer calls it by.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LogFile {
+    pub name: String,
+    pub path: PathBuf,
+}
+
+impl LogFile {
+    /// Called by its file name.
+    pub fn at(path: &Path) -> Self {
+        let name = path
+            .file_name()
+            .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+        Self {
+            name,
+            path: path.to_path_buf(),
+        }
+    }
+}
+
+/// One log on its way: what was found in the file, what became of it, and its rows.
+#[derive(Debug, Clone)]
+pub struct UsedLog {
+    pub report: LogReport,
+    pub prepared: PreparedLog,
+    pub observation: Observation,
+    /// What tracing needs of the record, where it is asked for.
+    pub stretch: Option<Stretch>,
+    /// Constant, clipped or frozen columns.
+    pub sample_faults: Vec<DataFault>,
+}
+
+/// How log files become rows.
+pub(in super::super) struct Reading<'a> {
+    pub robot: &'a Robot,
+    pub base: &'a BaseParameters,
+    pub columns: &'a Columns,
+    pub preprocess: &'a PreprocessOptions,
+    pub offset: bool,
+    pub trace: bool,
+}
+
+/// Files beside a log: name and path.
+pub(in super::super) type Companions = Vec<(String, PathBuf)>;
+
+/// The logs among `files`, and the files that `columns` puts beside one, by name.
+pub(in super::super) fn split_companions<'a>(
+    columns: &Columns,
+    files: &'a [LogFile],
+) -> Result<(Vec<&'a LogFile>, Companions), Error> {
+    let named = columns.files();
+    let (beside, logs): (Vec<&LogFile>, Vec<&LogFile>) = files.iter().partition(|f| named.contains(&f.name.as_str()));
+    if !named.is_empty() && logs.len() > 1 {
+        let names: Vec<&str> = logs.iter().map(|l| l.name.as_str()).collect();
+        return Err(Error::new(
+            Code::InvalidLog,
+            format!(
+                "`columns` puts {} beside one log, and there are {}: {}",
+                named.join(" and "),
+                logs.len(),
+                names.join(", ")
+            ),
+        )
+        .with_hint("join the files of each recording into one, or identify from one recording at a time"));
+    }
+    if !beside.is_empty() && logs.is_empty() {
+        let detail = format!("{} is given without the log that it stands beside", named.join(" and "));
+        return Err(Error::new(Code::InvalidLog, detail).with_hint("give the file with the positions as a log too"));
+    }
+    Ok((logs, beside.into_iter().map(|f| (f.name.clone(), f.path.clone())).collect()))
+}
+
+/// Reads and prepares one log.
+pub(in super::super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(String, PathBuf)]) -> Result<UsedLog, Error> {
+    let names: Vec<String> = reading.robot.joints().iter().map(|j| j.name.clone()).collect();
+    let invalid = |e: String| Error::new(Code::InvalidLog, e);
+    let (mut log, mut report) =
+        read_joined_log(&file.path, beside, reading.columns, &names).map_err(|e| invalid(called(e, file, beside).to_string()))?;
+    log.name.clone_from(&file.name);
+    report.file.clone_from(&file.name);
+    let sample_faults = if reading.trace {
+        left_out(reading.robot, &mut log)
+    } else {
+        Vec::new()
+    };
+    let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
+    let stretch = reading.trace.then(|| Stretch::new(&prepared, &log));
+    // The record is done with; rows come next.
+    drop(log);
+    let mut observation = Observation::new(reading.robot, reading.base, &prepared);
+    if reading.offset {
+        observation.push_offsets(&prepared);
+    }
+    Ok(UsedLog {
+        report,
+        prepared,
+        observation,
+        stretch,
+        sample_faults,
+    })
+}
+
+/// Faults of the log's samples; the rows that they have spoiled are left out of it.
+fn left_out(robot: &Robot, log: &mut Log) -> Vec<DataFault> {
+    let raw = RawLog {
+        time: Vec::new(),
+        q: log.q.clone(),
+        tau: log.tau.clone(),
+    };
+    let faults = sample_faults(robot, &raw);
+    if !faults.is_empty() {
+        leave_out(log, &lost_rows(&raw));
+    }
+    faults
+}
+
+/// The error with the names that the user knows: an upload is a temporary file with a name of its own.
+fn called(error: LogError, file: &LogFile, beside: &[(String, PathBuf)]) -> LogError {
+    let on_disk = |path: &Path| path.file_name().is_some_and(|n| n.to_string_lossy() == error.file());
+    let name = beside
+        .iter()
+        .find(|(_, path)| on_disk(path))
+        .map_or(&file.name, |(name, _)| name);
+    let name = name.clone();
+    error.named(&name)
+}

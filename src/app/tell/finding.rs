@@ -1,0 +1,165 @@
+//! One finding: what its joints leave over, what explains it, what else it could be, and what remains.
+
+use super::Teller;
+use super::words::{parameters, phrase, sentence};
+use crate::effects::{Kind, by_code};
+use crate::io::{listed, significant};
+use crate::residual::{Finding, RmsPair};
+
+/// Joints that a sentence names; an effect of the whole robot changes more of them.
+const MOST_JOINTS: usize = 3;
+/// Chance of a lack of fit this large from noise, below which structure is said to remain: what single joints are tested at elsewhere.
+const STRUCTURED: f64 = 1e-3;
+
+impl Teller<'_> {
+    pub(super) fn finding(&self, index: usize, f: &Finding) -> String {
+        if f.parameters.is_empty() {
+            // A fault of the data: what was seen, and what to do.
+            return sentence(f.note.as_deref().unwrap_or_default());
+        }
+        let first = index == 0
+            || self.report.findings[..index]
+                .iter()
+                .all(|before| before.parameters.is_empty());
+        let held_out = !f.rms_before.held_out.is_empty();
+        let of = |pair: &RmsPair, j: usize| if held_out { pair.held_out[j] } else { pair.identification[j] };
+        let shown = self.shown(f, &of);
+        let each = |text: &dyn Fn(usize) -> String| listed(&shown.iter().map(|&j| text(j)).collect::<Vec<_>>(), "and");
+        let values = self.with_units(&shown, |j| significant(of(&f.rms_before, j), 3));
+        let errors = each(&|j| {
+            format!(
+                "{} → {}",
+                significant(of(&f.rms_before, j), 3),
+                significant(of(&f.rms_after, j), 3)
+            )
+        });
+        let noise = each(&|j| significant(self.report.noise_floor[j], 2));
+        let unit_of = self.effort(shown[0]);
+        let names: Vec<&str> = shown.iter().map(|&j| self.name(j)).collect();
+        let several = names.len() > 1;
+        let mut text = format!(
+            "{} {} {} {values} that the model{} cannot explain; {} {}: {}. ",
+            if several { "Joints" } else { "Joint" },
+            listed(&names, "and"),
+            if several { "leave" } else { "leaves" },
+            if first { "" } else { " with the effects above" },
+            phrase(&f.effect),
+            self.how_much(f, &shown, &of),
+            parameters(f),
+        );
+        text += &format!(
+            "{} {errors} {unit_of} (noise alone {noise}).",
+            if held_out {
+                "Held-out error"
+            } else {
+                "Error on the same data, as none was held out,"
+            },
+        );
+        text += &self.others(f);
+        text += &self.what_remains(&shown);
+        text
+    }
+
+    /// Joints to name: those of the effect, and of many those whose error changes most, in the order of the arm.
+    fn shown(&self, f: &Finding, of: &dyn Fn(&RmsPair, usize) -> f64) -> Vec<usize> {
+        let gain = |j: usize| 1.0 - of(&f.rms_after, j) / of(&f.rms_before, j).max(f64::MIN_POSITIVE);
+        let mut joints: Vec<usize> = (0..self.robot.joint_count())
+            .filter(|&j| f.joints.iter().any(|n| n == self.name(j)))
+            .collect();
+        joints.sort_by(|&a, &b| gain(b).total_cmp(&gain(a)));
+        joints.truncate(MOST_JOINTS);
+        joints.sort_unstable();
+        joints
+    }
+
+    /// By the share of the variance above the noise that is left: less than a tenth is all, less than half is most.
+    fn how_much(&self, f: &Finding, shown: &[usize], of: &dyn Fn(&RmsPair, usize) -> f64) -> &'static str {
+        let above = |pair: &RmsPair| -> f64 {
+            let one = |&j: &usize| {
+                (of(pair, j).powi(2) - self.report.noise_floor[j].powi(2)).max(0.0) / self.report.noise_floor[j].powi(2)
+            };
+            shown.iter().map(one).sum()
+        };
+        let squares = |pair: &RmsPair| shown.iter().map(|&j| of(pair, j).powi(2)).sum::<f64>();
+        if squares(&f.rms_after) >= squares(&f.rms_before) {
+            return "fits the data that it was found on, but does not lower the error here";
+        }
+        match above(&f.rms_after) / above(&f.rms_before).max(f64::MIN_POSITIVE) {
+            left if left < 0.1 => "explains it",
+            left if left < 0.5 => "explains most of it",
+            _ => "explains a part of it",
+        }
+    }
+
+    /// What else it could be, and what it is easily taken for and is not.
+    fn others(&self, f: &Finding) -> String {
+        let place = |joints: &[String]| {
+            if joints == f.joints {
+                String::new()
+            } else {
+                format!(" on {}", self.at(joints))
+            }
+        };
+        let open: Vec<String> = f
+            .rivals
+            .iter()
+            .map(|r| format!("{}{}", phrase(&r.effect), place(&r.joints)))
+            .collect();
+        let mut text = String::new();
+        if !open.is_empty() {
+            text += &format!(" The data do not exclude {}.", listed(&open, "or"));
+        }
+        let named = |code: &str| {
+            let open = f.rivals.iter().any(|r| r.effect == code);
+            let found = self
+                .report
+                .findings
+                .iter()
+                .any(|g| g.effect == code && g.joints.iter().any(|j| f.joints.contains(j)));
+            // Others are not tried in the place of a finding.
+            let tried = by_code(code).is_some_and(|e| matches!(e.kind(), Kind::Additive | Kind::Distortion));
+            tried && !open && !found
+        };
+        let own = by_code(&f.effect).filter(|e| matches!(e.kind(), Kind::Additive | Kind::Distortion));
+        let taken_for = own.map(|e| e.about().rivals).unwrap_or_default();
+        let excluded: Vec<&str> = taken_for.iter().copied().filter(|code| named(code)).map(phrase).collect();
+        if !excluded.is_empty() {
+            let verb = if excluded.len() > 1 { "are" } else { "is" };
+            text += &format!(" {}", sentence(&format!("{} {verb} excluded", listed(&excluded, "and"))));
+        }
+        text
+    }
+
+    /// With everything found in the model.
+    fn what_remains(&self, shown: &[usize]) -> String {
+        let in_rest = |j: usize| {
+            self.report
+                .remainder
+                .as_ref()
+                .is_some_and(|r| r.joints.iter().any(|n| n == self.name(j)))
+        };
+        let fit = |j: usize| self.report.lack_of_fit_after.get(j);
+        let clean: Vec<&str> = shown
+            .iter()
+            .filter(|&&j| !in_rest(j) && fit(j).is_some_and(|f| f.p_value > STRUCTURED))
+            .map(|&j| self.name(j))
+            .collect();
+        let open: Vec<String> = shown
+            .iter()
+            .filter(|&&j| !in_rest(j))
+            .filter_map(|&j| fit(j).filter(|f| f.p_value <= STRUCTURED).map(|f| (j, f)))
+            .map(|(j, f)| {
+                let beyond = (f.residual_rms.powi(2) - f.expected_rms.powi(2)).max(0.0).sqrt();
+                format!("{} {} on {}", significant(beyond, 2), self.effort(j), self.name(j))
+            })
+            .collect();
+        let mut text = String::new();
+        if !clean.is_empty() {
+            text += &format!(" Nothing structured remains on {}.", listed(&clean, "and"));
+        }
+        if !open.is_empty() {
+            text += &format!(" Beyond the noise there remain {}.", listed(&open, "and"));
+        }
+        text
+    }
+}

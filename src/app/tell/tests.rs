@@ -1,0 +1,116 @@
+//! Sentences as they are read, and that every effect has words.
+
+use super::*;
+use crate::effects::all;
+use crate::io::shipped::Shipped;
+use crate::io::{NamedRobots, RobotDocument};
+use crate::residual::{Evidence, JointFit, ReportedParameter, Rival, RmsPair};
+
+fn robot() -> Robot {
+    let RobotDocument { robot, .. } = Shipped.named("planar_two_link").expect("is shipped");
+    robot
+}
+
+fn parameter(name: &str, value: f64, unit: &str, std_dev: f64) -> ReportedParameter {
+    ReportedParameter {
+        name: name.into(),
+        value,
+        unit: unit.into(),
+        std_dev,
+    }
+}
+
+fn report(robot: &Robot, held_out: bool) -> ResidualReport {
+    let pair = |rms: [f64; 2]| RmsPair {
+        identification: rms.to_vec(),
+        held_out: if held_out { rms.to_vec() } else { Vec::new() },
+    };
+    let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
+    let fit = |joint: &String, p_value: f64| JointFit {
+        joint: joint.clone(),
+        statistic: 1.0,
+        p_value,
+        degrees_of_freedom: [100.0, 300.0],
+        residual_rms: 0.1,
+        expected_rms: 0.1,
+    };
+    let finding = Finding {
+        effect: "joint_spring".into(),
+        joints: vec![names[1].clone()],
+        parameters: vec![
+            parameter("stiffness", 5.9963, "N m/rad", 0.0057),
+            parameter("rest_position", 0.2011, "rad", 0.001),
+        ],
+        rms_before: pair([0.3, 3.32]),
+        rms_after: pair([0.3, 0.2]),
+        evidence: Evidence {
+            gain: 1e4,
+            log_evidence_ratio: 1e4,
+            p_value: 0.0,
+            held_out_blocks: 1.0,
+            held_out_periods: None,
+        },
+        rivals: vec![Rival {
+            effect: "torque_offset".into(),
+            joints: vec![names[1].clone()],
+            evidence: 2.0,
+        }],
+        note: None,
+    };
+    ResidualReport {
+        noise_floor: vec![0.3, 0.195],
+        noise_source: "scatter between periods".into(),
+        lack_of_fit: names.iter().map(|n| fit(n, 0.0)).collect(),
+        verdict: Verdict::Explained,
+        data_faults: Vec::new(),
+        findings: vec![finding],
+        remainder: None,
+        lack_of_fit_after: names.iter().map(|n| fit(n, 0.4)).collect(),
+        rms_before: pair([0.3, 3.32]),
+        rms_after: pair([0.3, 0.2]),
+    }
+}
+
+#[test]
+fn every_effect_has_words() {
+    for effect in all() {
+        assert!(known(effect.code()).is_some(), "{}", effect.code());
+    }
+}
+
+#[test]
+fn a_finding_is_told_with_its_figures() {
+    let robot = robot();
+    let report = report(&robot, true);
+    let mut document = serde_json::to_value(&report).unwrap();
+    tell(&robot, &report, &mut document);
+    let name = &robot.joints()[1].name;
+    let expected = format!(
+        "Joint {name} leaves 3.32 N·m that the model cannot explain; a spring at the joint explains it: stiffness 5.9963 ± 0.0057 N·m/rad \
+         and rest position 0.2011 ± 0.0010 rad. Held-out error 3.32 → 0.2 N·m (noise alone 0.2). The data do not exclude a constant torque \
+         offset. A tilt of the base, an offset of the encoder and a ripple over position are excluded. Nothing structured remains on {name}."
+    );
+    assert_eq!(document["findings"][0]["sentence"], expected);
+    assert_eq!(document["findings"][0]["against"], json!({"joint": name, "variable": "q"}));
+    assert_eq!(document["summary"], "One effect explains what the model leaves over.");
+}
+
+#[test]
+fn what_was_not_seen_is_not_said() {
+    let robot = robot();
+    let mut report = report(&robot, false);
+    report.findings[0].rms_after.identification[1] = 2.0;
+    report.lack_of_fit_after[1].p_value = 0.0;
+    report.lack_of_fit_after[1].residual_rms = 1.0;
+    let mut document = serde_json::to_value(&report).unwrap();
+    tell(&robot, &report, &mut document);
+    let text = document["findings"][0]["sentence"].as_str().unwrap().to_string();
+    assert!(
+        text.contains("explains most of it") && text.contains("as none was held out"),
+        "{text}"
+    );
+    assert!(
+        !text.contains("Nothing structured") && text.contains("Beyond the noise there remain 0.99 N·m"),
+        "{text}"
+    );
+}

@@ -1,0 +1,84 @@
+//! How effects, their parameters and variables are spoken of.
+
+use crate::io::{listed, measured, unit};
+use crate::residual::Finding;
+
+/// How an effect is spoken of.
+pub(super) struct Known {
+    code: &'static str,
+    /// As the subject of a sentence.
+    phrase: &'static str,
+    /// What of its joint it is a function of, for pictures: `q`, `qd`, `qdd`, `tau` or `time`.
+    pub(super) variable: &'static str,
+}
+
+const fn effect(code: &'static str, phrase: &'static str, variable: &'static str) -> Known {
+    Known { code, phrase, variable }
+}
+
+const KNOWN: &[Known] = &[
+    effect("torque_offset", "a constant torque offset", "time"),
+    effect("stribeck_friction", "Stribeck friction", "qd"),
+    effect(
+        "nonlinear_viscous_friction",
+        "viscous friction that is not linear in speed",
+        "qd",
+    ),
+    effect(
+        "asymmetric_viscous_friction",
+        "viscous friction that differs between the directions",
+        "qd",
+    ),
+    effect("load_dependent_friction", "friction that grows with the load", "tau"),
+    effect("presliding_hysteresis", "hysteresis of friction before sliding", "q"),
+    effect("rotor_inertia", "the inertia of the rotor", "qdd"),
+    effect("transmission_coupling", "a coupling of the transmissions", "qd"),
+    effect("joint_spring", "a spring at the joint", "q"),
+    effect("position_ripple", "a ripple over position", "q"),
+    effect("joint_elasticity", "elasticity between motor and link", "tau"),
+    effect("encoder_offset", "an offset of the encoder", "q"),
+    effect("base_tilt", "a tilt of the base", "q"),
+    effect("payload", "a payload at the last link", "tau"),
+    effect("torque_delay", "a delay of the torque signal", "qd"),
+    effect("torque_gain", "a wrong scale of the torque", "tau"),
+    effect("torque_crosstalk", "crosstalk between torques", "tau"),
+    effect("friction_drift", "friction that changes over time", "time"),
+    effect("external_contact", "a contact with something outside", "time"),
+];
+
+pub(super) fn known(code: &str) -> Option<&'static Known> {
+    KNOWN.iter().find(|k| k.code == code)
+}
+
+pub(super) fn phrase(code: &str) -> &str {
+    known(code).map_or(code, |k| k.phrase)
+}
+
+pub(super) fn parameters(f: &Finding) -> String {
+    let one = |p: &crate::residual::ReportedParameter| {
+        let value = format!(
+            "{} {} {}",
+            p.name.replace('_', " "),
+            measured(p.value, p.std_dev),
+            unit(&p.unit)
+        );
+        value.trim_end().to_string()
+    };
+    listed(&f.parameters.iter().map(one).collect::<Vec<_>>(), "and")
+}
+
+/// With a capital and a full stop.
+pub(super) fn sentence(text: &str) -> String {
+    let mut letters = text.trim_end_matches('.').chars();
+    let first: String = letters.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
+}
+
+/// A variable of a remainder as it is said: states of joints by their symbols.
+pub(super) fn variable_in_words(name: &str) -> &str {
+    match name {
+        "time" => "the time of the log, whatever the motion",
+        "period" => "which period of the log it is",
+        symbol => symbol,
+    }
+}

@@ -1,0 +1,120 @@
+//! The observation matrix of a motion, its information, and what is known before.
+
+use super::{Criterion, Given, Problem};
+use crate::dynamics::{ColumnSet, Coulomb, Motion, RowBlocks};
+use crate::excitation::added::Course;
+use crate::excitation::moves::{random_numbers, random_start};
+use crate::excitation::variables::Variables;
+use crate::trajectory::{FourierSeries, Trajectory};
+use nalgebra::DMatrix;
+
+impl Problem {
+    /// What the search adds to the information of a motion; `None` where nothing is.
+    ///
+    /// Between rivals it is what is known of all other parameters: else the best motion could be one that tells them apart only beside the data so
+    /// far, and whatever changed between the two recordings would pass for one of them.
+    pub(in super::super) fn known_before(&self) -> Option<DMatrix<f64>> {
+        match self.spec.criterion {
+            Criterion::RivalEvidence => self.given.is_some().then(|| self.given_of_others()),
+            _ => self.given.clone(),
+        }
+    }
+
+    /// What is given with the two rivals taken out by their Schur complement; zero where nothing is given.
+    pub(in super::super) fn given_of_others(&self) -> DMatrix<f64> {
+        let size = self.columns();
+        let mut left = DMatrix::zeros(size, size);
+        let (Some(given), Some(rivals)) = (&self.given, &self.spec.knowledge.rivals) else {
+            return left;
+        };
+        let base = self.base.len();
+        let of_rivals = |c: &usize| {
+            *c >= base && (rivals.finding.columns.contains(&(c - base)) || rivals.rival.columns.contains(&(c - base)))
+        };
+        let (two, others): (Vec<usize>, Vec<usize>) = (0..size).partition(of_rivals);
+        let part = |rows: &[usize], columns: &[usize]| given.select_rows(rows).select_columns(columns);
+        let cross = part(&others, &two);
+        let inverse = pseudo_inverse(&part(&two, &two));
+        let rest = part(&others, &others) - &cross * inverse * cross.transpose();
+        for (r, &row) in others.iter().enumerate() {
+            others
+                .iter()
+                .enumerate()
+                .for_each(|(c, &column)| left[(row, column)] = rest[(r, c)]);
+        }
+        left
+    }
+
+    /// `WᵀW` of all that is known already; `None` where nothing is.
+    pub(in super::super) fn given(&self) -> Option<&DMatrix<f64>> {
+        self.given.as_ref()
+    }
+
+    /// Whether one rival is a special case of the other: nothing of it is left over on any motion, two random ones for example.
+    pub(super) fn look_for_nesting(&mut self) {
+        let Some(rivals) = &self.spec.knowledge.rivals else { return };
+        let variables = Variables::new(self);
+        let series = (0..2).map(|index| variables.series(&random_start(&variables, &mut random_numbers(0, 0, index))));
+        let grams: Vec<DMatrix<f64>> = series.map(|s| self.information_of(&s)).collect();
+        let nested = rivals.nested_on(&grams, self.base.len());
+        if let Some(rivals) = &mut self.spec.knowledge.rivals {
+            rivals.nested = nested;
+        }
+    }
+
+    pub(super) fn sum_of_given(&self) -> Option<DMatrix<f64>> {
+        let information = |given: &Given| match given {
+            Given::Motion { series, periods } => self.information_of(series) * *periods,
+            Given::Information(matrix) => matrix.clone(),
+        };
+        self.spec.knowledge.given.iter().map(information).reduce(|a, b| a + b)
+    }
+
+    /// `[Y_b, C]` of one period on the asked samples, with the true sign; rows go joint by joint within a sample.
+    pub(in super::super) fn observation_matrix(&self, series: &FourierSeries) -> DMatrix<f64> {
+        self.rows_along(&series.sample(self.spec.sample_rate_hz), 1.0 / self.spec.sample_rate_hz, true)
+    }
+
+    /// The same along any motion.
+    pub(in super::super) fn rows_along(&self, motion: &Motion, interval: f64, periodic: bool) -> DMatrix<f64> {
+        let columns = ColumnSet::new(&self.spec.robot, &self.layout, &self.base.kept);
+        let mut rows = RowBlocks::new(&columns, motion.samples());
+        rows.fill(&self.chain, &columns, motion, Coulomb::Sign);
+        let y_b = rows.observation_matrix(&columns);
+        let Some(added) = &self.spec.knowledge.added else { return y_b };
+        let course = Course {
+            motion,
+            interval,
+            periodic,
+            coulomb: Coulomb::Sign,
+        };
+        let beside = added.observation_matrix(&course);
+        let mut all = y_b.resize_horizontally(self.columns(), 0.0);
+        all.columns_mut(self.base.len(), beside.ncols()).copy_from(&beside);
+        all
+    }
+
+    /// `WᵀW` of one period of a series, every row over the noise of its joint.
+    pub(in super::super) fn information_of(&self, series: &FourierSeries) -> DMatrix<f64> {
+        let noise = self.torque_noise();
+        let mut rows = self.observation_matrix(series);
+        for (r, mut row) in rows.row_iter_mut().enumerate() {
+            row /= noise[r % noise.len()];
+        }
+        rows.tr_mul(&rows)
+    }
+}
+
+/// Of a positive semidefinite matrix scaled to a unit diagonal; directions below 1e-10 of the largest are those in which rivals are the same.
+fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let scale = matrix.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)] * scale[r] * scale[c]);
+    let eigen = scaled.symmetric_eigen();
+    let least = 1e-10 * eigen.eigenvalues.amax();
+    let inverse = eigen.eigenvalues.map(|v| if v > least { 1.0 / v } else { 0.0 });
+    let mut out = &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.transpose();
+    for r in 0..out.nrows() {
+        (0..out.ncols()).for_each(|c| out[(r, c)] *= scale[r] * scale[c]);
+    }
+    out
+}

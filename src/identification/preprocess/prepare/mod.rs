@@ -1,0 +1,148 @@
+//! The chain from log to [`PreparedLog`].
+
+mod derivatives;
+mod record;
+mod rows;
+
+use super::{FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, Scatter};
+use crate::dynamics::Motion;
+use crate::identification::Log;
+use crate::identification::filter::{LowPass, Padding};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Velocities nearer to zero than three of their standard deviations have no known sign.
+const SIGN_SIGMAS: f64 = 3.0;
+
+/// Prepares `log` for a robot with `joints` joints.
+///
+/// # Errors
+/// Wrong number of joints, a period that the log does not hold, filters that the sample rate does not allow, options out of range.
+pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<PreparedLog, PreprocessError> {
+    if log.joints() != joints || log.tau.len() != joints {
+        return Err(PreprocessError::WrongJoints {
+            log: log.name.clone(),
+            expected: joints,
+            actual: log.joints().min(log.tau.len()),
+        });
+    }
+    let chain = Chain { log, options };
+    chain.check()?;
+    let mut choices = Vec::new();
+    let record = chain.record(&mut choices)?;
+    let (mut motion, velocity_std) = chain.differentiate(&record, &mut choices)?;
+    let still = hold_still(&mut motion, &velocity_std);
+    let row_filter = chain.row_filter(&record, &mut choices)?;
+    let dead_zone = chain.dead_zone(&velocity_std, &still, &mut choices);
+    let samples = record.usable.len();
+    let rows = row_filter.rows(samples).len();
+    if rows < 8 {
+        return Err(PreprocessError::NothingLeft {
+            log: log.name.clone(),
+            rows,
+            samples,
+        });
+    }
+    let first = record.periods.as_ref().map_or(0, |p| p.first);
+    Ok(PreparedLog {
+        name: log.name.clone(),
+        rate_hz: record.rate_hz,
+        start_s: log.start_s + first as f64 / log.rate_hz,
+        motion: Arc::new(motion),
+        torque: record.tau.into_owned(),
+        usable: record.usable,
+        periods: record.periods,
+        scatter: record.scatter,
+        row_filter,
+        dead_zone,
+        choices,
+    })
+}
+
+/// Joints whose velocity is noise and nothing else are taken to stand still: their friction must not be fitted to noise.
+fn hold_still(motion: &mut Motion, velocity_std: &[f64]) -> Vec<bool> {
+    let samples = motion.samples();
+    let still = |(j, std): (usize, &f64)| {
+        let square: f64 = motion.velocities(j).iter().map(|v| v * v).sum();
+        (square / samples as f64).sqrt() <= SIGN_SIGMAS * std
+    };
+    let still: Vec<bool> = velocity_std.iter().enumerate().map(still).collect();
+    for j in (0..still.len()).filter(|&j| still[j]) {
+        let mean = motion.positions(j).iter().sum::<f64>() / samples as f64;
+        (0..samples).for_each(|s| motion.set(j, s, [mean, 0.0, 0.0]));
+    }
+    still
+}
+
+/// One stretch or one mean period, before derivatives.
+struct Record<'a> {
+    rate_hz: f64,
+    q: Cow<'a, [Vec<f64>]>,
+    /// As logged.
+    qd: Option<Cow<'a, [Vec<f64>]>>,
+    tau: Cow<'a, [Vec<f64>]>,
+    usable: Vec<bool>,
+    periods: Option<Periods>,
+    /// Highest harmonic of the excitation, where known.
+    order: Option<usize>,
+    /// Variance of the mean positions, where periods scatter.
+    position_variance: Option<Vec<f64>>,
+    scatter: Option<Scatter>,
+}
+
+struct Chain<'a> {
+    log: &'a Log,
+    options: &'a PreprocessOptions,
+}
+
+impl Chain<'_> {
+    fn check(&self) -> Result<(), PreprocessError> {
+        let refuse = |field, value, problem| {
+            Err(PreprocessError::Option {
+                log: self.log.name.clone(),
+                field,
+                value,
+                problem,
+            })
+        };
+        if let Period::Known { period_s, .. } = self.options.period
+            && !(period_s.is_finite() && period_s > 0.0)
+        {
+            return refuse("period_s", period_s, "not a positive time");
+        }
+        if let Some(v) = self.options.discard_edges_s.filter(|v| !(v.is_finite() && *v >= 0.0)) {
+            return refuse("discard_edges_s", v, "not a time");
+        }
+        if let Some(v) = self.options.dead_zone.filter(|v| !(v.is_finite() && *v >= 0.0)) {
+            return refuse("dead_zone", v, "not a speed");
+        }
+        if self.options.decimation == Some(0) {
+            return refuse("decimation", 0.0, "not a count: 1 keeps every row");
+        }
+        Ok(())
+    }
+
+    fn method(&self, record: &Record) -> Method {
+        match self.options.method {
+            Method::Automatic if record.periods.is_some() => Method::FourierFit,
+            Method::Automatic => Method::ParallelFilter,
+            chosen => chosen,
+        }
+    }
+
+    fn design(&self, spec: FilterSpec, rate_hz: f64, what: &'static str) -> Result<LowPass, PreprocessError> {
+        LowPass::butterworth(spec.order, spec.cutoff_hz, rate_hz).map_err(|source| PreprocessError::Filter {
+            log: self.log.name.clone(),
+            what,
+            source,
+        })
+    }
+}
+
+fn padding(periodic: bool) -> Padding {
+    if periodic { Padding::Periodic } else { Padding::Odd }
+}
+
+fn describe(spec: FilterSpec) -> String {
+    format!("zero-phase Butterworth, order {} at {:.3} Hz", spec.order, spec.cutoff_hz)
+}

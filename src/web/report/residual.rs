@@ -1,0 +1,103 @@
+//! The part of the report on what the model leaves over, finding by finding.
+
+use super::html::{Html, capital, items, listed, text, words};
+use crate::web::figures::{before_after_figure, finding_figure, unit};
+use serde_json::Value;
+
+pub(super) fn loop_closed(page: &mut Html, result: &Value) {
+    let residual = &result["residual"];
+    if !residual.is_object() {
+        return;
+    }
+    page.heading(2, "What the model leaves over");
+    page.paragraph("", &format!("Noise floor from: {}.", text(&residual["noise_source"])));
+    let fits = items(&residual["lack_of_fit"])
+        .zip(items(&residual["lack_of_fit_after"]))
+        .zip(items(&residual["noise_floor"]));
+    let row = |((before, after), floor): ((&Value, &Value), &Value)| {
+        vec![
+            text(&before["joint"]),
+            text(floor),
+            text(&before["statistic"]),
+            chance(&before["p_value"]),
+            text(&after["statistic"]),
+            chance(&after["p_value"]),
+        ]
+    };
+    page.table(
+        "Lack of fit: 1 where only noise is left",
+        &["Joint", "#Noise floor", "#Before", "#p", "#After", "#p"],
+        fits.map(row),
+    );
+    for finding in items(&residual["findings"]) {
+        describe(page, result, finding);
+    }
+    let rest = &residual["remainder"];
+    if rest.is_object() {
+        page.heading(3, &format!("Unexplained, on {}", listed(&rest["joints"])));
+        page.paragraph("finding", &text(&rest["sentence"]));
+        page.paragraph("soft", &text(&rest["note"]));
+    }
+    if let Some(figure) = before_after_figure(result) {
+        page.figure(
+            &figure,
+            "Error per joint before and after the effects found, beside the noise floor: of single measurements with all their noise, and of models fitted anew. The errors above are of rows as they were prepared, in which a mean over periods has less noise.",
+        );
+    }
+}
+
+/// Below a millionth of a millionth a chance is none.
+fn chance(p: &Value) -> String {
+    match p.as_f64() {
+        Some(p) if p < 1e-12 => "< 1e−12".into(),
+        _ => text(p),
+    }
+}
+
+fn describe(page: &mut Html, result: &Value, finding: &Value) {
+    page.heading(
+        3,
+        &capital(&format!("{} on {}", words(&finding["effect"]), listed(&finding["joints"]))),
+    );
+    page.paragraph("finding", &text(&finding["sentence"]));
+    if items(&finding["parameters"]).next().is_none() {
+        return;
+    }
+    let row = |p: &Value| {
+        vec![
+            words(&p["name"]),
+            text(&p["value"]),
+            text(&p["std_dev"]),
+            unit(&text(&p["unit"])),
+        ]
+    };
+    page.table(
+        "",
+        &["Parameter", "#Value", "#σ", "Unit"],
+        items(&finding["parameters"]).map(row),
+    );
+    let e = &finding["evidence"];
+    let mut evidence = format!(
+        "Twice the log of the evidence ratio against leaving it out: {}; chance of such a gain without it: {}.",
+        text(&e["log_evidence_ratio"]),
+        chance(&e["p_value"])
+    );
+    if let Some(note) = finding["note"].as_str() {
+        evidence += &format!(" Note: {note}.");
+    }
+    page.paragraph("soft", &evidence);
+    let rival = |r: &Value| vec![words(&r["effect"]), listed(&r["joints"]), text(&r["evidence"])];
+    if items(&finding["rivals"]).next().is_some() {
+        page.table(
+            "Not excluded in its place; twice the log of the odds in favour of the finding",
+            &["Effect", "Joints", "#Evidence"],
+            items(&finding["rivals"]).map(rival),
+        );
+    }
+    if let Some(figure) = finding_figure(result, finding) {
+        page.figure(
+            &figure,
+            "What is left on the joint, with the base parameters alone and with all effects found.",
+        );
+    }
+}
