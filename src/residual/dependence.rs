@@ -92,6 +92,11 @@ fn score(
     (count > 0).then(|| free.tr_mul(&left))
 }
 
+/// Mean square of that many whitened rows from which they keep more than noise.
+pub(super) fn misfit_from(rows: usize) -> f64 {
+    1.0 + 4.0 * (2.0 / rows.max(1) as f64).sqrt()
+}
+
 impl System {
     /// Covariance of term `at` where rows go together: `A⁻¹ (Σ gᵦ gᵦᵀ) A⁻¹` over stretches of time, no deviation smaller than independent rows
     /// of what is left would give.
@@ -150,6 +155,6 @@ impl System {
     /// Whether these joints keep more than the measured noise, by four standard deviations of χ²; without measured noise always.
     pub fn has_misfit(&self, joints: &[usize]) -> bool {
         let rows: usize = joints.iter().map(|&j| self.rows(j)).sum();
-        !self.noise_is_measured || self.mean_square(joints) > 1.0 + 4.0 * (2.0 / rows.max(1) as f64).sqrt()
+        !self.noise_is_measured || self.mean_square(joints) > misfit_from(rows)
     }
 }

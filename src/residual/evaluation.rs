@@ -3,6 +3,7 @@
 use super::{AugmentedModel, Stretch, Term};
 use crate::dynamics::{Coulomb, Motion};
 use crate::effects::{Column, Scene};
+use rayon::prelude::*;
 
 /// A model's rows over one stretch.
 pub(crate) struct Evaluated {
@@ -77,14 +78,13 @@ impl AugmentedModel {
             coulomb: Coulomb::Sign,
         };
         let mut torque = here.declared.clone();
-        for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| !t.is_distortion()) {
-            let columns = term.effect.columns(term.form, &scene, &term.joints, &term.shape);
-            add_columns(&mut torque, &columns, &term.coefficients);
-            if base.is_some() {
-                let derivatives = shape_derivatives(term, &scene);
-                push_columns(&mut jacobian, &columns, self.offset_of(t), stretch, &world.gain);
-                let at = self.offset_of(t) + term.coefficients.len();
-                push_columns(&mut jacobian, &derivatives, at, stretch, &world.gain);
+        let effects: Vec<usize> = (0..self.terms.len()).filter(|&t| !self.terms[t].is_distortion()).collect();
+        let of = |&t: &usize| self.contribution(t, &scene, stretch, base.map(|_| &world.gain[..]));
+        let contributions: Vec<Contribution> = effects.par_iter().map(of).collect();
+        for (t, (columns, derivatives)) in effects.into_iter().zip(contributions) {
+            add_columns(&mut torque, &columns, &self.terms[t].coefficients);
+            for (j, at, values) in derivatives {
+                jacobian[j].push((at, values));
             }
         }
         let gained = torque.into_iter().zip(&world.gain);
@@ -106,19 +106,32 @@ impl AugmentedModel {
     }
 }
 
+/// Columns of a term over the samples, and per joint and parameter its derivatives over the rows.
+type Contribution = (Vec<Column>, Vec<(usize, usize, Vec<f64>)>);
+
+impl AugmentedModel {
+    /// Columns of term `at`, and with the `gain` of every joint their derivatives.
+    fn contribution(&self, at: usize, scene: &Scene, stretch: &Stretch, gain: Option<&[f64]>) -> Contribution {
+        let term = &self.terms[at];
+        let columns = term.effect.columns(term.form, scene, &term.joints, &term.shape);
+        let derivatives = gain.map_or(Vec::new(), |gain| {
+            let shapes = shape_derivatives(term, scene);
+            let all = columns.iter().chain(&shapes).zip(self.offset_of(at)..);
+            let rows = all.flat_map(|(column, at)| column.rows.iter().map(move |(j, values)| (*j, at, values)));
+            let gained = |(j, at, values): (usize, usize, &Vec<f64>)| {
+                let gained = values.iter().map(|v| v * gain[j]).collect();
+                (j, at, stretch.shaped(gained))
+            };
+            rows.map(gained).collect()
+        });
+        (columns, derivatives)
+    }
+}
+
 fn add_columns(torque: &mut [Vec<f64>], columns: &[Column], coefficients: &[f64]) {
     for (column, &c) in columns.iter().zip(coefficients) {
         for (j, values) in &column.rows {
             torque[*j].iter_mut().zip(values).for_each(|(t, v)| *t += c * v);
-        }
-    }
-}
-
-fn push_columns(jacobian: &mut ShapedRows, columns: &[Column], at: usize, stretch: &Stretch, gain: &[f64]) {
-    for (i, column) in columns.iter().enumerate() {
-        for (j, values) in &column.rows {
-            let gained = values.iter().map(|v| v * gain[*j]).collect();
-            jacobian[*j].push((at + i, stretch.shaped(gained)));
         }
     }
 }

@@ -9,6 +9,7 @@ use super::select::Accepted;
 use super::system::{Data, System};
 use super::{AugmentedModel, Evidence, Finding, ReportedParameter, RmsPair, Stretch};
 use crate::model::Robot;
+use rayon::prelude::*;
 
 /// Drift and contacts as findings; the error before is that of the data as measured.
 pub(super) fn between_findings(
@@ -32,7 +33,8 @@ pub(super) fn between_findings(
         .collect()
 }
 
-/// One finding per accepted effect; before and after by fitting the model with the effects up to it. Errors are those on the stretches told.
+/// One finding per accepted effect; before and after by fitting the model with the effects up to it, from `start` to `last`. `told` are the stretches that
+/// errors are told of.
 pub(super) fn findings(
     data: &Data,
     told: [&[Stretch]; 2],
@@ -42,17 +44,21 @@ pub(super) fn findings(
     contests: &[Contest],
 ) -> Vec<Finding> {
     let fixed = start.terms.len();
-    let errors = |model: AugmentedModel| rms(&data.fit(model).model, told[0], told[1]);
-    let mut before = errors(start.clone());
-    let mut list = Vec::new();
-    for (i, a) in accepted.iter().enumerate() {
+    let with = |count: usize| {
+        if count == accepted.len() {
+            return last.model.clone();
+        }
         let mut model = start.clone();
-        model.terms.extend(last.model.terms[fixed..=fixed + i].iter().cloned());
-        let after = errors(model);
-        list.push(finding(last, fixed + i, a, &contests[i], before, after.clone()));
-        before = after;
-    }
-    list
+        model.terms.extend(last.model.terms[fixed..fixed + count].iter().cloned());
+        data.fit(model).model
+    };
+    let errors: Vec<RmsPair> = (0..accepted.len() + 1)
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|count| rms(&with(count), told[0], told[1]))
+        .collect();
+    let one = |(i, a): (usize, &Accepted)| finding(last, fixed + i, a, &contests[i], errors[i].clone(), errors[i + 1].clone());
+    accepted.iter().enumerate().map(one).collect()
 }
 
 fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms_before: RmsPair, rms_after: RmsPair) -> Finding {

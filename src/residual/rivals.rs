@@ -2,6 +2,7 @@
 
 use super::appraise::{Scored, appraise, hypotheses};
 use super::candidate::{Candidate, reach};
+use super::dependence::misfit_from;
 use super::findings::joint_names;
 use super::judge::judge;
 use super::scan::{LINEAR_GAIN, scan};
@@ -31,13 +32,14 @@ pub(crate) fn rivals(
     candidates: &[Candidate],
     threshold: &Threshold,
 ) -> Vec<Contest> {
-    contests(data, selected, fixed, candidates, threshold)
+    contests(data, selected, fixed, candidates, threshold, false)
         .into_iter()
         .map(|c| c.0)
         .collect()
 }
 
-/// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left.
+/// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left; none are told where misfit is left all the same, since
+/// these effects may be taken back.
 ///
 /// An effect that was named early may have stood in for one that was not there yet: beside the later ones another may explain its part better, and
 /// takes its place; then the search goes on. Every exchange raises the evidence by [`NOT_EXCLUDED`], so that none comes back.
@@ -55,8 +57,15 @@ pub(crate) fn settled(
             return (selected, Vec::new());
         }
         let data = data.with_noise(selected.noise.clone());
-        let (contests, better): (Vec<Contest>, Vec<Option<Better>>) =
-            contests(&data, &selected, fixed, candidates, threshold).into_iter().unzip();
+        let joints = selected.system.model.robot.joint_count();
+        let unsettled = selected.system.noise_is_measured && (0..joints).any(|j| selected.system.has_misfit(&[j]));
+        let (mut contests, better): (Vec<Contest>, Vec<Option<Better>>) =
+            contests(&data, &selected, fixed, candidates, threshold, unsettled)
+                .into_iter()
+                .unzip();
+        if unsettled {
+            contests.clear();
+        }
         let best = better
             .into_iter()
             .enumerate()
@@ -80,9 +89,10 @@ fn contests(
     fixed: usize,
     candidates: &[Candidate],
     threshold: &Threshold,
+    better_alone: bool,
 ) -> Vec<(Contest, Option<Better>)> {
     (0..selected.accepted.len())
-        .map(|i| contest(data, selected, fixed + i, candidates, threshold))
+        .map(|i| contest(data, selected, fixed + i, candidates, threshold, better_alone))
         .collect()
 }
 
@@ -117,12 +127,14 @@ fn said_against(finding: &Scored, rival: &Scored, fitted: &System) -> f64 {
     }
 }
 
+/// The rivals of term `at`, and the one to take its place; with `better_alone` only those that could.
 fn contest(
     data: &Data,
     selected: &Selected,
     at: usize,
     candidates: &[Candidate],
     threshold: &Threshold,
+    better_alone: bool,
 ) -> (Contest, Option<Better>) {
     let mut model = selected.system.model.clone();
     let own = model.terms.remove(at);
@@ -141,7 +153,13 @@ fn contest(
     let others: Vec<Candidate> = candidates.iter().filter(meets).cloned().collect();
     let others = scan(data, &without, &others);
     // The linearised gain errs by a fraction, and before a fit nobody knows what it leaves: what gains nearly as much is fitted properly.
-    let mut near: Vec<_> = others.iter().filter(|s| s.gain > LINEAR_GAIN * loss).collect();
+    let could_settle = |s: &Scored| {
+        let joints = reach(&s.candidate, joints);
+        let rows: usize = joints.iter().map(|&j| without.rows(j)).sum();
+        without.mean_square(&joints) - s.gain / LINEAR_GAIN / rows.max(1) as f64 <= misfit_from(rows)
+    };
+    let wanted = |s: &&Scored| s.gain > LINEAR_GAIN * loss && (!better_alone || could_settle(s));
+    let mut near: Vec<_> = others.iter().filter(wanted).collect();
     near.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     near.truncate(6);
     let mut found: Vec<(Rival, Term, DVector<f64>, Option<Better>)> = near

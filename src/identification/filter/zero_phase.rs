@@ -52,18 +52,41 @@ fn padded(x: &[f64], pad: usize) -> Vec<f64> {
     y
 }
 
-/// Direct form II transposed, section by section, from the steady state of the first sample.
+/// Sections that run through the record together: each waits for its own last output, so several at once take no longer than one, as long as their states
+/// stay in registers.
+const TOGETHER: usize = 4;
+
+/// Direct form II transposed, from the steady state of the first sample.
 fn forwards(sections: &[Section], x: &mut [f64]) {
-    for section in sections {
-        let ([b0, b1, b2], [a1, a2]) = (section.b, section.a);
-        // Every section passes a constant unchanged, so all of them see the same steady input.
-        let steady = x[0];
-        let mut s2 = (b2 - a2) * steady;
-        let mut s1 = (b1 - a1) * steady + s2;
-        for v in x.iter_mut() {
-            let y = b0 * *v + s1;
-            s1 = b1 * *v - a1 * y + s2;
-            s2 = b2 * *v - a2 * y;
+    for some in sections.chunks(TOGETHER) {
+        match some {
+            [a] => together(&[a], x),
+            [a, b] => together(&[a, b], x),
+            [a, b, c] => together(&[a, b, c], x),
+            [a, b, c, d] => together(&[a, b, c, d], x),
+            _ => unreachable!("chunks of at most four"),
+        }
+    }
+}
+
+fn together<const K: usize>(sections: &[&Section; K], x: &mut [f64]) {
+    // Every section passes a constant unchanged, so all of them see the same steady input.
+    let steady = x[0];
+    let mut states = sections.map(
+        |Section {
+             b: [_, b1, b2],
+             a: [a1, a2],
+         }| {
+            let s2 = (b2 - a2) * steady;
+            ((b1 - a1) * steady + s2, s2)
+        },
+    );
+    for v in x.iter_mut() {
+        for (section, (s1, s2)) in sections.iter().zip(&mut states) {
+            let ([b0, b1, b2], [a1, a2]) = (section.b, section.a);
+            let y = b0 * *v + *s1;
+            *s1 = b1 * *v - a1 * y + *s2;
+            *s2 = b2 * *v - a2 * y;
             *v = y;
         }
     }
