@@ -15,8 +15,11 @@ pub struct Coarse {
     pub stretch: Box<Stretch>,
 }
 
-/// Rows that a period keeps at least: with turns of some tens of harmonics, a hundred to the fastest.
-const FEWEST_ROWS: usize = 4000;
+/// Rows that a period keeps at least: two hundred a second, which is what the slower controllers record and friction and ripples are seen by, but no fewer
+/// than a hundred to the fastest of twenty harmonics, and of long periods no more than twice that.
+fn fewest_rows(period_s: f64) -> usize {
+    (200.0 * period_s).clamp(2000.0, 4000.0) as usize
+}
 
 /// Samples per row that the coarse form keeps: with four rows to the period of the cut-off, twenty samples.
 const COARSE_SAMPLES: usize = 5;
@@ -45,7 +48,8 @@ impl Stretch {
     /// alike, so that nothing changes but the number of rows. The coarse form has the samples in the middle of the bins.
     pub(super) fn in_bins(self) -> Self {
         let samples = self.motion.samples();
-        let step = (2..=samples / FEWEST_ROWS).rev().find(|d| samples.is_multiple_of(*d));
+        let fewest = fewest_rows(samples as f64 * self.interval);
+        let step = (2..=samples / fewest).rev().find(|d| samples.is_multiple_of(*d));
         let Some(step) = step.filter(|_| self.filter.is_none() && !self.periods.is_empty()) else {
             return self;
         };

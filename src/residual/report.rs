@@ -117,7 +117,7 @@ pub struct Remainder {
 /// The `residual` part of an answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResidualReport {
-    /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has more than 4000 of them,
+    /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has many more of them than it has turns,
     /// here as in the errors.
     pub noise_floor: Vec<f64>,
     /// How the floor was found.
