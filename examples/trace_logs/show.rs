@@ -33,6 +33,13 @@ pub fn show(r: &ResidualReport) {
     if let Some(x) = &r.remainder {
         println!("  REMAINDER {x:?}");
     }
+    for u in &r.undetected {
+        let p = &u.parameter;
+        println!(
+            "  no {} on {}: {:.4} ± {:.4} {}",
+            u.effect, u.joint, p.value, p.std_dev, p.unit
+        );
+    }
     println!(
         "  identification {:.3?} -> {:.3?}\n  held out {:.3?} -> {:.3?}",
         r.rms_before.identification, r.rms_after.identification, r.rms_before.held_out, r.rms_after.held_out

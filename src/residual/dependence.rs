@@ -49,16 +49,7 @@ pub(crate) fn chance_of(system: &System, columns: &Whitened) -> f64 {
         return 1.0;
     }
     let along = base.tr_mul(&right);
-    let hidden = &system.covariance * system.cross(columns);
-    let scores: Vec<(usize, DVector<f64>)> = pieces(system)
-        .into_iter()
-        .map(|(log, rows)| {
-            let sum = (0..system.blocks[log].len())
-                .filter_map(|j| score(&system.blocks[log][j], part(columns, log, j), &hidden, &base, &along, &rows))
-                .fold(DVector::zeros(k), |a, b| a + b);
-            (log, sum)
-        })
-        .collect();
+    let scores = scores(system, columns, &base, &along);
     let Some(inverse) = covariance(&scores, k).try_inverse() else {
         return 1.0;
     };
@@ -66,6 +57,35 @@ pub(crate) fn chance_of(system: &System, columns: &Whitened) -> f64 {
     let second = FREEDOM - k as f64 + 1.0;
     let f = hotelling * second / (k as f64 * FREEDOM);
     FisherSnedecor::new(k as f64, second).map_or(1.0, |d| d.sf(f.max(0.0)))
+}
+
+/// Scores of the directions `base` over every stretch of time, at what the columns gain `along` them.
+fn scores(system: &System, columns: &Whitened, base: &DMatrix<f64>, along: &DVector<f64>) -> Vec<(usize, DVector<f64>)> {
+    let hidden = &system.covariance * system.cross(columns);
+    let of = |(log, rows): (usize, std::ops::Range<usize>)| {
+        let sum = (0..system.blocks[log].len())
+            .filter_map(|j| score(&system.blocks[log][j], part(columns, log, j), &hidden, base, along, &rows))
+            .fold(DVector::zeros(base.ncols()), |a, b| a + b);
+        (log, sum)
+    };
+    pieces(system).into_iter().map(of).collect()
+}
+
+/// Coefficient of a single column on the row of `joint` beside the model, and its standard deviation; `None` where the model hides it. Where rows go together
+/// it is that of [`System::spread`], and what the joint keeps beyond measured noise widens it by `doubt`.
+pub(crate) fn estimate(system: &System, columns: &Whitened, joint: usize, doubt: f64) -> Option<(f64, f64)> {
+    let (own, rest, right) = system.projected(columns);
+    let base = directions(&own, &rest);
+    if base.shape() != (1, 1) {
+        return None;
+    }
+    let along = base.tr_mul(&right);
+    let variance = if system.noise_is_measured {
+        doubt
+    } else {
+        covariance(&scores(system, columns, &base, &along), 1)[0].max(system.mean_square(&[joint]))
+    };
+    Some((base[0] * along[0], base[0].abs() * variance.sqrt()))
 }
 
 fn part(columns: &Whitened, log: usize, joint: usize) -> Option<&DMatrix<f64>> {

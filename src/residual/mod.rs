@@ -42,6 +42,7 @@ mod stretch;
 mod system;
 mod trace;
 mod trend;
+mod undetected;
 mod unsteady;
 
 pub use border::RivalTerm;
@@ -50,7 +51,9 @@ pub use faults::{DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, 
 pub(crate) use model::reported;
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
-pub use report::{Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Verdict};
+pub use report::{
+    Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
+};
 pub use stretch::Stretch;
 pub use system::Prior;
 

@@ -114,6 +114,15 @@ pub struct Remainder {
     pub note: String,
 }
 
+/// An effect that every robot may have and that was not found: what the data say of its size all the same.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Undetected {
+    pub effect: String,
+    pub joint: String,
+    /// Beside the final model and alone; not beyond chance, or it would be a finding.
+    pub parameter: ReportedParameter,
+}
+
 /// The `residual` part of an answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResidualReport {
@@ -128,6 +137,8 @@ pub struct ResidualReport {
     pub data_faults: Vec<DataFault>,
     pub findings: Vec<Finding>,
     pub remainder: Option<Remainder>,
+    /// Offsets and rotor inertias that were looked for and not found, with the sizes that the data leave them.
+    pub undetected: Vec<Undetected>,
     /// Lack of fit with all findings in the model.
     pub lack_of_fit_after: Vec<JointFit>,
     /// RMS of the declared model and of the final one.

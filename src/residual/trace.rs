@@ -12,6 +12,7 @@ use super::select::Threshold;
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
 use super::trend::trends;
+use super::undetected::undetected;
 use super::unsteady::{joined, remainder_of};
 use super::{AugmentedModel, Finding, NoiseModel, NoiseSource, ResidualReport, Rival, Stretch, Term, Verdict};
 use crate::model::Robot;
@@ -96,6 +97,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         data_faults: Vec::new(),
         findings: all,
         remainder: rest,
+        undetected: undetected(&data, &system, &list),
         lack_of_fit_after: after,
         rms_before: before_rms,
         rms_after: rms(&system.model, stretches, held_out),

@@ -86,6 +86,29 @@ fn prop_additive_effects_are_found() {
     );
 }
 
+/// Standardised errors of what is not there, over three robots: a variance of one within the four deviations that chance gives some forty values, and of what is there
+/// nothing is told.
+#[test]
+fn prop_what_was_not_found_is_told_with_honest_deviations() {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for (i, robot) in robots().iter().enumerate() {
+        for seed in 0..3 {
+            let report = traced(robot, &[], &sensor_noise(robot.joint_count()), 700 + 10 * i as u64 + seed).report;
+            for p in report.undetected.iter().map(|u| &u.parameter) {
+                squares += (p.value / p.std_dev).powi(2);
+                count += 1.0;
+            }
+        }
+    }
+    assert!(count > 30.0, "{count}");
+    let spread = 4.0 * (2.0f64 / count).sqrt();
+    assert!((squares / count - 1.0).abs() < spread, "{} of {count}", squares / count);
+    let report = seven(&[HiddenEffect::TorqueOffset { joint: 2, offset: 0.4 }], 1).report;
+    let offsets = report.undetected.iter().filter(|u| u.effect == "torque_offset");
+    let joints: Vec<&str> = offsets.map(|u| u.joint.as_str()).collect();
+    assert!(!joints.contains(&"J3") && joints.contains(&"J4"), "{joints:?}");
+}
+
 #[test]
 fn prop_distortions_are_found() {
     only(

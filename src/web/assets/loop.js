@@ -19,9 +19,9 @@ async function show(id) {
   }
   const drawn = result.provenance ? await postJson('/motion', { robot: result.provenance.robot }) : null;
   const context = { result, report, effort: result.joints.map((_, j) => unit(drawn?.joints[j].effort_unit ?? 'N m')), position: result.joints.map((_, j) => drawn?.joints[j].position_unit ?? 'rad') };
-  const parts = [['summary', 'Verdict'], ['findings', 'Findings'], ['bars', 'Before and after'], ['dependence', 'Dependence'], ['floor', 'Noise floor'], ['next', 'Next']];
+  const parts = [['summary', 'Verdict'], ['findings', 'Findings'], ['bars', 'Before and after'], ['dependence', 'Dependence'], ['floor', 'Noise floor'], ...(report.undetected?.length ? [['undetected', 'Not found']] : []), ['next', 'Next']];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts' }, parts.map(([name, text]) => h('a', { href: `#${name}` }, text))),
-    summary(context), findings(context), bars(context), residualPlot(context), floor(context), next(context));
+    summary(context), findings(context), bars(context), residualPlot(context), floor(context), undetected(context), next(context));
 }
 
 function summary({ result, report, effort: units }) {
@@ -111,6 +111,17 @@ function floor({ result, report, effort }) {
     { head: 'Lack of fit', number: true, cell: (r) => number(r.fit.statistic, 3), sort: (r) => r.fit.statistic }, { head: 'p', number: true, cell: (r) => p(r.fit.p_value), sort: (r) => r.fit.p_value },
     { head: 'After', number: true, cell: (r) => number(r.after?.statistic, 3), sort: (r) => r.after?.statistic }, { head: 'p', number: true, cell: (r) => p(r.after?.p_value), sort: (r) => r.after?.p_value },
   ], rows, { caption: 'Per joint' }));
+}
+
+/** What every robot may have and these logs do not show: how large it could be. */
+function undetected({ report }) {
+  if (!report.undetected?.length) return null;
+  const size = (p) => Math.abs(p.value) + 3 * p.std_dev;
+  return section('undetected', 'Looked for and not found', h('p', { class: 'soft' }, 'What every robot may have, each by itself beside the final model. None of these is beyond chance; a value of several deviations may be there all the same, and a longer log would tell. Where the base parameters hold it already, it is not listed.'), table([
+    { head: 'Effect', cell: (r) => words(r.effect), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
+    { head: 'Value', number: true, cell: (r) => number(r.parameter.value, 2), sort: (r) => r.parameter.value }, { head: 'Deviation', number: true, cell: (r) => number(r.parameter.std_dev, 2), sort: (r) => r.parameter.std_dev, title: 'Standard deviation' },
+    { head: 'No larger than', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter), title: 'Its value and three standard deviations' }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) },
+  ], report.undetected, { caption: 'Not beyond chance' }));
 }
 
 function next(context) {

@@ -38,10 +38,35 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
         page.paragraph("finding", &text(&rest["sentence"]));
         page.paragraph("soft", &text(&rest["note"]));
     }
+    undetected(page, &residual["undetected"]);
     if let Some(figure) = before_after_figure(result) {
         page.figure(
             &figure,
             "Error per joint before and after the effects found, beside the noise floor: of single measurements with all their noise, and of models fitted anew. The errors above are of rows as they were prepared, in which a mean over periods has less noise.",
+        );
+    }
+}
+
+/// What every robot may have and the logs do not show.
+fn undetected(page: &mut Html, list: &Value) {
+    let row = |one: &Value| {
+        let parameter = &one["parameter"];
+        let [value, deviation] = ["value", "std_dev"].map(|key| parameter[key].as_f64().unwrap_or(f64::NAN));
+        vec![
+            capital(&words(&one["effect"])),
+            text(&one["joint"]),
+            text(&parameter["value"]),
+            text(&parameter["std_dev"]),
+            text(&(value.abs() + 3.0 * deviation).into()),
+            unit(parameter["unit"].as_str().unwrap_or_default()),
+        ]
+    };
+    let rows: Vec<Vec<String>> = items(list).map(row).collect();
+    if !rows.is_empty() {
+        page.table(
+            "Looked for and not found: not beyond chance, each by itself beside the final model",
+            &["Effect", "Joint", "#Value", "#Deviation", "#No larger than", "Unit"],
+            rows.into_iter(),
         );
     }
 }
