@@ -79,6 +79,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let mut document = files::parse_json(&arguments.request)?.value;
     let mut problems = Vec::new();
     number_joints(&mut document, &robot, "", &mut problems);
+    if problems.is_empty() {
+        readable::<HiddenEffect>(&document, "effects", &mut problems);
+        readable::<LogFault>(&document, "faults", &mut problems);
+    }
     let invalid = |problems| files::in_file(&arguments.request, Error::invalid("the simulation request", problems));
     if !problems.is_empty() {
         return Err(invalid(problems));
@@ -117,6 +121,15 @@ fn robot(name_or_file: &str) -> Result<Robot, Error> {
         _ => robot_document(&parsed).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors))?,
     };
     Ok(robot)
+}
+
+/// Entries of a list that cannot be read, each by its place.
+fn readable<T: serde::de::DeserializeOwned>(document: &Value, list: &str, problems: &mut Vec<FieldProblem>) {
+    let entries = document[list].as_array().into_iter().flatten().enumerate();
+    problems.extend(entries.filter_map(|(i, entry)| {
+        let problem = T::deserialize(entry).err()?;
+        Some(FieldProblem::new(format!("/{list}/{i}"), problem.to_string()))
+    }));
 }
 
 /// Joints are named in documents and counted inside: `joint`, `from` and `joints` of effects and faults.

@@ -35,6 +35,19 @@ fn simulate(folder: &Folder, robot: &str, name: &str, phase: f64, seed: u64) -> 
 }
 
 #[test]
+fn what_is_wrong_with_an_effect_is_told_at_its_place() {
+    let folder = Folder::new("simulate");
+    let effects = json!([{"effect": "torque_offset", "joint": "J1", "offset": 0.1}, {"effect": "torque_delay"}]);
+    let request = json!({"trajectory": trajectory(0.3), "effects": effects, "faults": [{"fault": "sparks"}]});
+    let request = folder.write("request.json", &request.to_string());
+    let output = run(&["simulate", "--robot", &robot(&folder), "--request", &request]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    for words in ["/effects/1", "missing field `seconds`", "/faults/0", "sparks"] {
+        assert!(stderr(&output).contains(words), "`{words}` in {}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_simulated_log_is_identified_and_its_model_validates() {
     let folder = Folder::new("identify");
     let truth = robot(&folder);
