@@ -36,6 +36,10 @@ pub enum Code {
     FileUnreadable,
     FileUnwritable,
     AddressUnavailable,
+    DrawingFailed,
+    JobCrashed,
+    MemoryLimit,
+    TimeLimit,
     Internal,
 }
 
@@ -44,7 +48,7 @@ pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 
 impl Code {
-    pub const ALL: [Code; 31] = {
+    pub const ALL: [Code; 35] = {
         use Code::*;
         [
             MalformedDocument,
@@ -77,6 +81,10 @@ impl Code {
             FileUnreadable,
             FileUnwritable,
             AddressUnavailable,
+            DrawingFailed,
+            JobCrashed,
+            MemoryLimit,
+            TimeLimit,
             Internal,
         ]
     };
@@ -159,6 +167,25 @@ impl Code {
                 EXIT_BAD_INPUT,
                 "The server cannot listen at this address",
             ),
+            Code::DrawingFailed => (
+                "drawing_failed",
+                500,
+                EXIT_INTERNAL,
+                "A picture, a report or its series cannot be made",
+            ),
+            Code::JobCrashed => (
+                "job_crashed",
+                500,
+                EXIT_INTERNAL,
+                "The process that did the work ended before it was done",
+            ),
+            Code::MemoryLimit => (
+                "memory_limit",
+                422,
+                EXIT_INTERNAL,
+                "The work needs more memory than it may take",
+            ),
+            Code::TimeLimit => ("time_limit", 422, EXIT_INTERNAL, "The work takes longer than it may"),
             Code::Internal => ("internal", 500, EXIT_INTERNAL, "Something went wrong inside"),
         }
     }

@@ -21,4 +21,5 @@ pub use inspect::inspect;
 pub use motion::motion;
 pub use problem::{FieldError, Problem};
 pub use process::{hand_back_memory, settle_process};
-pub use validate::validate;
+pub use series::drawn;
+pub use validate::{Validated, validate};

@@ -66,6 +66,7 @@ pub(super) fn document(
             .collect(),
         residual: None,
         predictions: Vec::new(),
+        predictions_error: None,
         notes: request.notes.clone(),
         provenance: None,
     }

@@ -1,12 +1,26 @@
 //! Measured and predicted torques over time, for plots.
 
 use super::identify::UsedLog;
+use super::{Code, Error};
 use crate::identification::predictions as predict;
 use crate::io::PredictionDocument;
 use crate::model::Robot;
-use crate::residual::AugmentedModel;
+use crate::residual::{AugmentedModel, Stretch};
 use nalgebra::DVector;
 use serde_json::Value;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What is made for pictures, after the result: if it cannot be made, `what` says so, and the result is as good without it.
+///
+/// # Errors
+/// `drawing_failed`
+pub fn drawn<T>(what: &str, make: impl FnOnce() -> T) -> Result<T, Error> {
+    let failed = |_| {
+        Error::new(Code::DrawingFailed, format!("{what} cannot be made"))
+            .with_hint("the result is complete without; please report this")
+    };
+    catch_unwind(AssertUnwindSafe(make)).map_err(failed)
+}
 
 /// What predicts.
 pub(super) struct Predictors<'a> {
@@ -17,21 +31,28 @@ pub(super) struct Predictors<'a> {
     pub residual: Option<&'a Value>,
 }
 
-/// One series per log and joint.
+/// One series per log and joint; none where no points are asked for.
 pub(super) fn predictions<'a>(
     robot: &Robot,
     logs: impl Iterator<Item = &'a UsedLog>,
     by: &Predictors,
     most: usize,
 ) -> Vec<PredictionDocument> {
+    if most == 0 {
+        return Vec::new();
+    }
     logs.flat_map(|log| of_log(robot, log, by, most)).collect()
 }
 
 fn of_log(robot: &Robot, log: &UsedLog, by: &Predictors, most: usize) -> Vec<PredictionDocument> {
-    let augmented = by
-        .augmented
-        .zip(log.stretch.as_ref())
-        .map(|(model, stretch)| model.predict(stretch));
+    let augmented = by.augmented.zip(log.stretch.as_ref()).map(|(model, traced)| {
+        // Rows of tracing are means over several samples where a period has many; these are the rows that least squares has.
+        let motion = Stretch::of_motion(traced.motion.clone(), traced.interval, traced.periodic);
+        let samples = model.predict(&motion).into_iter();
+        samples
+            .map(|torque| log.prepared.row_filter.column_rows(&torque))
+            .collect::<Vec<_>>()
+    });
     let sets: Vec<&DVector<f64>> = std::iter::once(by.base).chain(by.physical).collect();
     predict(&log.observation, &sets, most)
         .into_iter()

@@ -1,20 +1,48 @@
 //! Hold a model against logs.
 
-use super::identify::{LogFile, Reading, split_companions, use_log};
+use super::identify::{LogFile, Reading, UsedLog, split_companions, use_log};
 use super::report::errors;
-use super::series::{Predictors, predictions};
+use super::series::{Predictors, drawn, predictions};
 use super::trace::residual;
 use super::{CancelFlag, Code, Error};
 use crate::identification::validate as prediction_errors;
-use crate::io::{LogDocument, ValidateDocument, ValidateRequest, ValidatedLog};
+use crate::io::{LogDocument, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
 use crate::parameters::{BaseParameters, Layout};
 use nalgebra::DVector;
 
-/// Predicts every log with the model.
+/// A finished validation.
+#[derive(Debug, Clone)]
+pub struct Validated {
+    pub document: ValidateDocument,
+    pub logs: Vec<UsedLog>,
+    /// The model's columns: base parameters, then offsets.
+    values: DVector<f64>,
+}
+
+impl Validated {
+    /// Measured and predicted torques over time, as many points of every joint as the request asks for; no part of [`validate`], so that the
+    /// errors can be stored before anything is made for pictures.
+    ///
+    /// # Errors
+    /// `drawing_failed`: the result is as good without them.
+    pub fn predictions(&self, request: &ValidateRequest) -> Result<Vec<PredictionDocument>, Error> {
+        let by = Predictors {
+            base: &self.values,
+            physical: None,
+            augmented: None,
+            residual: None,
+        };
+        drawn("the predictions", || {
+            predictions(&request.robot, self.logs.iter(), &by, request.prediction_points)
+        })
+    }
+}
+
+/// Predicts every log with the model. The document has no predictions yet: see [`Validated::predictions`].
 ///
 /// # Errors
 /// `invalid_log` with what is wrong with which file.
-pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -> Result<ValidateDocument, Error> {
+pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -> Result<Validated, Error> {
     if logs.is_empty() {
         return Err(
             Error::new(Code::InvalidLog, "there is no log to validate with").with_hint("send at least one part called `log`")
@@ -44,6 +72,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         logs: Vec::new(),
         log_report: Vec::new(),
         predictions: Vec::new(),
+        predictions_error: None,
         residual: None,
     };
     let (logs, beside) = split_companions(&request.columns, logs)?;
@@ -64,19 +93,13 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         document
             .log_report
             .push(LogDocument::new(&log.report, "validation", &log.prepared.choices));
-        if request.prediction_points > 0 {
-            let by = Predictors {
-                base: &values,
-                physical: None,
-                augmented: None,
-                residual: None,
-            };
-            let series = predictions(robot, std::iter::once(&log), &by, request.prediction_points);
-            document.predictions.extend(series);
-        }
         used.push(log);
     }
     let existing = request.existing.clone();
     document.residual = existing.map(|model| residual(robot, &used, &[], Some(model)).0);
-    Ok(document)
+    Ok(Validated {
+        document,
+        logs: used,
+        values,
+    })
 }

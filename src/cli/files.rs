@@ -26,6 +26,14 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
     written.inspect_err(|_| drop(std::fs::remove_file(&part))).map_err(unwritable)
 }
 
+/// Writes a result that is not yet all that goes into its file; not to pipes and devices, which get it once.
+pub fn write_early(path: Option<&Path>, document: &impl Serialize) -> Result<(), Error> {
+    match path.filter(|path| !path.exists() || path.is_file()) {
+        Some(path) => write(path, pretty(document)),
+        None => Ok(()),
+    }
+}
+
 pub fn parse_json(path: &Path) -> Result<Parsed, Error> {
     parse(&read(path)?).map_err(|e| in_file(path, e.into()))
 }

@@ -3,13 +3,14 @@
 use super::excite::{cancel_on_interrupt, put_robot};
 use super::plots::{PictureKind, pictures, write_picture};
 use super::{Ending, files, render};
-use crate::app::{Code, Error, Identified, LogFile, identify};
+use crate::app::{Code, Error, Identified, LogFile, drawn, identify};
 use crate::io::shipped::Shipped;
 use crate::io::{IdentifyRequest, NoExcitations, Parsed, read_identify_request};
+use crate::web::figures::Figure;
 use crate::web::{Circumstances, report};
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::json;
-use std::path::PathBuf;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -66,7 +67,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         },
     );
     bar.finish_and_clear();
-    write_results(arguments, json, &found?)?;
+    write_results(arguments, json, found?, &request)?;
     Ok(Ending::Done)
 }
 
@@ -94,49 +95,64 @@ fn read_request(arguments: &Arguments) -> Result<IdentifyRequest, Error> {
     Ok(request)
 }
 
-fn write_results(arguments: &Arguments, json: bool, found: &Identified) -> Result<(), Error> {
+/// Files first: what fails after that is a picture, and costs nothing but itself.
+fn write_results(arguments: &Arguments, json: bool, mut found: Identified, request: &IdentifyRequest) -> Result<(), Error> {
+    files::write_early(arguments.out.as_deref(), &found.document)?;
+    let model = write_model(arguments, &found);
+    let predicted = found.predictions(request);
+    found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
+    let failed = predicted.map(|series| found.document.predictions = series).err();
     let document = files::pretty(&found.document);
     match &arguments.out {
         Some(out) => files::write(out, &document)?,
         None if json => files::print(&document)?,
         None => {}
     }
-    if arguments.model.is_some() || arguments.urdf.is_some() {
-        let model = found.model()?;
-        if let Some(path) = &arguments.model {
-            files::write(path, files::pretty(&model.json))?;
-        }
-        if let Some(path) = &arguments.urdf {
-            files::write(path, &model.urdf)?;
-        }
-    }
-    draw(arguments, found)?;
+    let pictures = draw(arguments, &found);
     if !json {
         files::print(&render::identification(&found.document))?;
+    }
+    model.and(failed.map_or(Ok(()), Err)).and(pictures)
+}
+
+fn write_model(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
+    if arguments.model.is_none() && arguments.urdf.is_none() {
+        return Ok(());
+    }
+    let model = found.model()?;
+    if let Some(path) = &arguments.model {
+        files::write(path, files::pretty(&model.json))?;
+    }
+    if let Some(path) = &arguments.urdf {
+        files::write(path, &model.urdf)?;
     }
     Ok(())
 }
 
-/// The report and the pictures that were asked for.
+/// The report and the pictures that were asked for. One that fails does not keep the others from being made; the first error is told.
 fn draw(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
-    if arguments.report.is_none() && arguments.plots.is_none() {
-        return Ok(());
-    }
-    let document = serde_json::to_value(&found.document).expect("documents are plain data");
-    if let Some(path) = &arguments.report {
-        let page = report(
-            &document,
-            &Circumstances {
-                design: document["provenance"]["request"]
-                    .get("excitation")
-                    .filter(|e| e.is_object())
-                    .cloned(),
-                ..Circumstances::default()
-            },
-        );
-        files::write(path, page)?;
-    }
-    let Some(folder) = &arguments.plots else { return Ok(()) };
+    let document = || serde_json::to_value(&found.document).expect("documents are plain data");
+    let report = match &arguments.report {
+        Some(path) => write_report(path, &document()),
+        None => Ok(()),
+    };
+    let plots = match &arguments.plots {
+        Some(folder) => write_pictures(folder, arguments.plot_format, &document()),
+        None => Ok(()),
+    };
+    report.and(plots)
+}
+
+fn write_report(path: &Path, document: &Value) -> Result<(), Error> {
+    let executed = document["provenance"]["request"].get("excitation");
+    let circumstances = Circumstances {
+        design: executed.filter(|e| e.is_object()).cloned(),
+        ..Circumstances::default()
+    };
+    files::write(path, drawn("the report", || report(document, &circumstances))?)
+}
+
+fn write_pictures(folder: &Path, kind: PictureKind, document: &Value) -> Result<(), Error> {
     let unwritable = |e: std::io::Error| {
         Error::new(
             Code::FileUnwritable,
@@ -144,8 +160,11 @@ fn draw(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
         )
     };
     std::fs::create_dir_all(folder).map_err(unwritable)?;
-    for (name, figure) in pictures(&document) {
-        write_picture(&folder.join(name), arguments.plot_format, &figure)?;
-    }
-    Ok(())
+    let write = |(name, figure): (String, Figure)| {
+        drawn(&format!("the picture {name}"), || {
+            write_picture(&folder.join(&name), kind, &figure)
+        })?
+    };
+    let all = drawn("the pictures", || pictures(document))?;
+    all.into_iter().map(write).fold(Ok(()), Result::and)
 }

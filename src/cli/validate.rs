@@ -45,13 +45,19 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let request = read_validate_request(&parsed, &Shipped, &NoExcitations)
         .map_err(|errors| files::in_file(&arguments.model, Error::invalid("the validation request", errors)))?;
     let logs: Vec<LogFile> = arguments.log.iter().map(|p| LogFile::at(p)).collect();
-    let found = validate(&request, &logs, &cancel_on_interrupt()?)?;
-    let document = files::pretty(&found);
+    let mut found = validate(&request, &logs, &cancel_on_interrupt()?)?;
+    // The errors are safe before anything is made for pictures.
+    files::write_early(arguments.out.as_deref(), &found.document)?;
+    let predicted = found.predictions(&request);
+    let document = &mut found.document;
+    document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
+    document.predictions = predicted.unwrap_or_default();
+    let text = files::pretty(document);
     match &arguments.out {
-        Some(out) => files::write(out, &document)?,
-        None if json => return files::print(&document).map(|()| Ending::Done),
+        Some(out) => files::write(out, &text)?,
+        None if json => return files::print(&text).map(|()| Ending::Done),
         None => {}
     }
-    files::print(&if json { document } else { render::validation(&found) })?;
+    files::print(&if json { text } else { render::validation(document) })?;
     Ok(Ending::Done)
 }

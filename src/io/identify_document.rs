@@ -27,6 +27,9 @@ pub struct IdentifyDocument {
     #[cfg_attr(feature = "service", schema(value_type = Option<Object>))]
     pub residual: Option<Value>,
     pub predictions: Vec<PredictionDocument>,
+    /// Why there are no predictions although they were asked for; all else is complete without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predictions_error: Option<String>,
     pub notes: Vec<String>,
     /// Request, robot, version and logs: what is needed to do it again.
     pub provenance: Option<Provenance>,

@@ -122,6 +122,9 @@ pub struct ValidateDocument {
     pub logs: Vec<ValidatedLog>,
     pub log_report: Vec<LogDocument>,
     pub predictions: Vec<PredictionDocument>,
+    /// Why there are no predictions although they were asked for; all else is complete without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predictions_error: Option<String>,
     /// What has changed since the model was made: noise floor, findings, rivals, before and after; null where the model does not say how well
     /// it is known, or tracing was turned off.
     #[cfg_attr(feature = "service", schema(value_type = Option<Object>))]

@@ -157,10 +157,19 @@ impl Request {
                 Ok(Outcome::Excited(Box::new(excited)))
             }
             Self::Identify(request) => {
-                let found = identify(request, logs, validation, cancel, &|s| tell(Told::Step(s.clone())))?;
+                let mut found = identify(request, logs, validation, cancel, &|s| tell(Told::Step(s.clone())))?;
+                let predicted = found.predictions(request);
+                found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
+                found.document.predictions = predicted.unwrap_or_default();
                 Ok(Outcome::Identified(Box::new(found)))
             }
-            Self::Validate(request) => Ok(Outcome::Validated(Box::new(validate(request, logs, cancel)?))),
+            Self::Validate(request) => {
+                let mut found = validate(request, logs, cancel)?;
+                let predicted = found.predictions(request);
+                found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
+                found.document.predictions = predicted.unwrap_or_default();
+                Ok(Outcome::Validated(Box::new(found.document)))
+            }
         }
     }
 }

@@ -28,6 +28,11 @@ pub fn truth(layout: &Layout) -> Vec<f64> {
 
 /// A log of the planar arm: three periods of 5 s at 100 Hz, with a pseudo-random torque noise of ±0.01 N m.
 pub fn log(phase: f64) -> String {
+    log_at(phase, 100.0, 3.0)
+}
+
+/// The same at another rate, for as many periods.
+pub fn log_at(phase: f64, rate_hz: f64, periods: f64) -> String {
     let robot = Shipped.named("planar_two_link").unwrap().robot;
     let layout = Layout::standard(&robot);
     let coefficient = |j: usize, l: usize, p: f64| 0.5 * (p + 1.3 * j as f64 + 2.1 * l as f64).sin();
@@ -37,11 +42,12 @@ pub fn log(phase: f64) -> String {
         b: DMatrix::from_fn(2, 3, |j, l| coefficient(j, l, phase + 1.0)),
         offset: vec![0.1, -0.2],
     };
-    let motion = series.sample(100.0);
+    let motion = series.sample(rate_hz);
     let tau = inverse_dynamics_batch(&Chain::new(&robot), &layout, &truth(&layout), &motion, Coulomb::Sign);
     let mut text = "time,q1,q2,tau1,tau2\n".to_string();
-    for s in 0..1500 {
-        let at = s % 500;
+    let of_period = (5.0 * rate_hz) as usize;
+    for s in 0..(periods * 5.0 * rate_hz) as usize {
+        let at = s % of_period;
         let noise = |j: usize| 0.01 * ((s * 7919 + j * 104_729) as f64 * 0.618).sin();
         let (q, t) = (
             |j: usize| motion.positions(j)[at],
@@ -49,8 +55,8 @@ pub fn log(phase: f64) -> String {
         );
         writeln!(
             text,
-            "{:.2},{:.9},{:.9},{:.7},{:.7}",
-            s as f64 / 100.0,
+            "{:.3},{:.9},{:.9},{:.7},{:.7}",
+            s as f64 / rate_hz,
             q(0),
             q(1),
             t(0),

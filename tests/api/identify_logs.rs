@@ -1,6 +1,6 @@
 //! Logs as laboratories have them: other headers, several files, periods known by name, motions that say too little.
 
-use crate::identify::{log, post};
+use crate::identify::{log, log_at, post};
 use crate::server::Server;
 use dynident::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
 use dynident::io::{NamedRobots, shipped::Shipped};
@@ -244,5 +244,34 @@ fn every_choice_is_explained() {
         let said = choice(&found, 0, what);
         assert!(said["value"].as_str().unwrap().contains(value), "{what}: {said}");
         assert_eq!(said["why"], "given", "{what}");
+    }
+}
+
+/// Rates of controllers, with periods and without, drawn over HTTP: series of the length that was asked for, and a report.
+#[test]
+fn logs_of_every_rate_have_series_to_draw_and_a_report() {
+    let server = Server::start();
+    for (rate, periods) in [100, 200, 500, 1000].into_iter().flat_map(|rate| [(rate, 3.0), (rate, 1.4)]) {
+        let text = log_at(0.3, f64::from(rate), periods);
+        let found = identified(
+            &server,
+            json!({"robot": ARM, "prediction_points": 1500}),
+            &[("run.csv", &text)],
+        );
+        let series = found["predictions"].as_array().unwrap();
+        assert_eq!(
+            series.len(),
+            2,
+            "{rate} Hz, {periods} periods: {}",
+            found["predictions_error"]
+        );
+        for one in series {
+            let points = one["time"].as_array().unwrap().len();
+            assert!(points > 400, "{rate} Hz, {periods} periods: {points}");
+            assert_eq!(one["augmented"].as_array().map(Vec::len), Some(points));
+        }
+        let report = server.get(&format!("/identify/{}/report", found["id"].as_str().unwrap()));
+        assert_eq!(report.status, 200, "{rate} Hz, {periods} periods");
+        assert!(report.text.contains("Measured and predicted torque"));
     }
 }

@@ -342,6 +342,103 @@ fn an_identification_is_a_table_pictures_and_a_report() {
     assert!(page.contains("Joint spring on J2") && page.contains("SHA-256") && page.ends_with("</html>\n"));
 }
 
+/// Rates of controllers, with periods and without: from 400 Hz on, tracing has fewer rows than the estimate that is drawn beside it.
+#[test]
+fn logs_of_every_rate_are_drawn_and_what_the_found_effects_predict_fits() {
+    let folder = Folder::new("rates");
+    for (rate, periods) in [100, 200, 500, 1000].into_iter().flat_map(|rate| [(rate, 3), (rate, 1)]) {
+        let simulation = json!({
+            "trajectory": {"fourier": {"fundamental_hz": 0.2, "a": [[0.5, -0.3, 0.2], [0.2, 0.4, -0.6]], "b": [[0.1, 0.4, -0.3], [-0.4, 0.2, 0.3]]}},
+            "periods": periods, "sample_rate_hz": rate, "noise": {"torque": [0.05, 0.03]}, "seed": 1,
+            "effects": [{"effect": "joint_spring", "joint": "J2", "stiffness": 20.0, "rest": 0.1}]
+        });
+        let case = format!("{rate}-{periods}");
+        let request = folder.write(&format!("{case}.json"), &simulation.to_string());
+        let [log, report, plots, result] =
+            ["csv", "html", "plots", "result.json"].map(|end| folder.file(&format!("{case}.{end}")));
+        let simulated = run(&["simulate", "--robot", "planar_two_link", "--request", &request, "--out", &log]);
+        assert!(simulated.status.success(), "{}", stderr(&simulated));
+        let output = run(&[
+            "identify",
+            "--robot",
+            "planar_two_link",
+            "--log",
+            &log,
+            "--out",
+            &result,
+            "--report",
+            &report,
+            "--plots",
+            &plots,
+        ]);
+        assert!(output.status.success(), "{case}: {}", stderr(&output));
+        assert!(
+            std::fs::metadata(format!("{plots}/torque_log1_joint2.svg")).unwrap().len() > 2000,
+            "{case}"
+        );
+        assert!(folder.read(&format!("{case}.html")).ends_with("</html>\n"), "{case}");
+        let found: Value = serde_json::from_str(&folder.read(&format!("{case}.result.json"))).unwrap();
+        let predictions = found["predictions"].as_array().unwrap();
+        assert_eq!(predictions.len(), 2, "{case}");
+        let numbers = |v: &Value| serde_json::from_value::<Vec<f64>>(v.clone()).unwrap();
+        for (series, noise) in predictions.iter().zip([0.05, 0.03]) {
+            let (measured, augmented) = (numbers(&series["measured"]), numbers(&series["augmented"]));
+            // A log without periods is filtered, and has rows as its cut-off needs them.
+            assert!(measured.len() > if periods > 1 { 400 } else { 100 }, "{case}: {}", measured.len());
+            // The spring moves the second torque by some 20 N m, and predictions at other samples than their own by a tenth of that. What is drawn
+            // keeps the peaks of the noise, so that its own mean square may be a few times that of all rows.
+            let squares: f64 = measured.iter().zip(&augmented).map(|(m, a)| (m - a).powi(2)).sum();
+            let rms = (squares / measured.len() as f64).sqrt();
+            assert!(rms < 3.0 * noise, "{case}: {rms} beside a noise of {noise}");
+        }
+    }
+}
+
+/// A place where no picture can be written costs the picture: result and model are there.
+#[test]
+fn results_are_written_before_anything_is_drawn() {
+    let folder = Folder::new("stored-first");
+    let simulation = json!({
+        "trajectory": {"fourier": {"fundamental_hz": 0.2, "a": [[0.5, -0.3, 0.2], [0.2, 0.4, -0.6]], "b": [[0.1, 0.4, -0.3], [-0.4, 0.2, 0.3]]}},
+        "periods": 3, "sample_rate_hz": 100, "noise": {"torque": [0.05, 0.03]}, "seed": 1
+    });
+    let request = folder.write("simulation.json", &simulation.to_string());
+    let log = folder.file("log.csv");
+    assert!(
+        run(&["simulate", "--robot", "planar_two_link", "--request", &request, "--out", &log])
+            .status
+            .success()
+    );
+    // A file in the place of the folder.
+    let plots = folder.write("plots", "");
+    let [out, model, report] = ["result.json", "model.json", "report.html"].map(|name| folder.file(name));
+    let output = run(&[
+        "identify",
+        "--robot",
+        "planar_two_link",
+        "--log",
+        &log,
+        "--out",
+        &out,
+        "--model",
+        &model,
+        "--report",
+        &report,
+        "--plots",
+        &plots,
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("error[file_unwritable]: cannot make the folder"),
+        "{}",
+        stderr(&output)
+    );
+    let found: Value = serde_json::from_str(&folder.read("result.json")).unwrap();
+    assert_eq!(found["quality"]["verdict"], "good");
+    assert!(folder.read("model.json").contains("\"robot\"") && folder.read("report.html").ends_with("</html>\n"));
+    assert!(stdout(&output).contains("RMS error"), "{}", stdout(&output));
+}
+
 #[test]
 fn a_design_is_drawn_as_svg_or_png() {
     let folder = Folder::new("drawn");

@@ -10,12 +10,12 @@ pub(super) use reading::{Reading, split_companions, use_log};
 use self::model::model_files;
 use super::provenance::provenance;
 use super::report::{document, physical_columns};
-use super::series::{Predictors, predictions};
+use super::series::{Predictors, drawn, predictions};
 use super::trace::{add_effects, residual};
 use super::{CancelFlag, Code, Error};
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
 use crate::identification::{Estimate, Observation, PreparedLog, Quality, estimate_from, normal_equations, quality};
-use crate::io::{IdentifyDocument, IdentifyRequest};
+use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
 use crate::residual::AugmentedModel;
@@ -57,9 +57,28 @@ impl Identified {
         };
         self.model.as_ref().ok_or_else(none)
     }
+
+    /// Measured and predicted torques over time, as many points of every joint as the request asks for. They are no part of [`identify`]: what was
+    /// identified can be stored before anything is made for pictures.
+    ///
+    /// # Errors
+    /// `drawing_failed`: the result is as good without them.
+    pub fn predictions(&self, request: &IdentifyRequest) -> Result<Vec<PredictionDocument>, Error> {
+        let columns = self.physical.as_ref().map(|fit| physical_columns(&self.base, fit.model()));
+        let by = Predictors {
+            base: &self.estimate.values,
+            physical: columns.as_ref(),
+            augmented: self.augmented.as_ref(),
+            residual: self.document.residual.as_ref(),
+        };
+        let logs = || self.identification.iter().chain(&self.validation);
+        drawn("the predictions", || {
+            predictions(&request.robot, logs(), &by, request.prediction_points)
+        })
+    }
 }
 
-/// Reads the logs, estimates, validates.
+/// Reads the logs, estimates, validates. The document has no predictions yet: see [`Identified::predictions`].
 ///
 /// # Errors
 /// `invalid_log` with what is wrong with which file; nothing else that the request could have caused.
@@ -158,16 +177,6 @@ fn identified(
     let mut model = model;
     if let (Some(files), Some(traced)) = (&mut model, &traced) {
         add_effects(files, traced);
-    }
-    if request.prediction_points > 0 {
-        let columns = physical.as_ref().map(|fit| physical_columns(&base, fit.model()));
-        let by = Predictors {
-            base: &found.values,
-            physical: columns.as_ref(),
-            augmented: traced.as_ref().map(|t| &t.model),
-            residual: document.residual.as_ref(),
-        };
-        document.predictions = predictions(&request.robot, used.iter().chain(&held_out), &by, request.prediction_points);
     }
     Ok(Identified {
         document,

@@ -7,7 +7,7 @@ export function residualPlot(context) {
   const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, 'What is left, against what explains it'));
   const series = result.predictions;
   if (!series.length || !series[0].augmented) {
-    card.append(h('p', { class: 'soft' }, 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
+    card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
     return card;
   }
   const [first] = suggestions(result, report);
