@@ -384,7 +384,11 @@ fn logs_of_every_rate_are_drawn_and_what_the_found_effects_predict_fits() {
         for (series, noise) in predictions.iter().zip([0.05, 0.03]) {
             let (measured, augmented) = (numbers(&series["measured"]), numbers(&series["augmented"]));
             // A log without periods is filtered, and has rows as its cut-off needs them.
-            assert!(measured.len() > if periods > 1 { 400 } else { 100 }, "{case}: {}", measured.len());
+            assert!(
+                measured.len() > if periods > 1 { 400 } else { 100 },
+                "{case}: {}",
+                measured.len()
+            );
             // The spring moves the second torque by some 20 N m, and predictions at other samples than their own by a tenth of that. What is drawn
             // keeps the peaks of the noise, so that its own mean square may be a few times that of all rows.
             let squares: f64 = measured.iter().zip(&augmented).map(|(m, a)| (m - a).powi(2)).sum();
