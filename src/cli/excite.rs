@@ -11,6 +11,7 @@ use crate::web::figures::design_figure;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 #[derive(Debug, clap::Args)]
@@ -125,7 +126,12 @@ pub(super) fn put_robot(request: &mut Parsed, robot: Parsed) {
 
 /// The first Ctrl-C (or SIGTERM) ends the search and keeps the best found, the second ends the program.
 pub(super) fn cancel_on_interrupt() -> Result<CancelFlag, Error> {
-    let cancel = CancelFlag::default();
+    // A process has one handler, also where it runs several commands.
+    static SET: OnceLock<CancelFlag> = OnceLock::new();
+    if let Some(cancel) = SET.get() {
+        return Ok(cancel.clone());
+    }
+    let cancel = SET.get_or_init(CancelFlag::default).clone();
     let flag = cancel.clone();
     let set = ctrlc::set_handler(move || {
         if flag.is_cancelled() {

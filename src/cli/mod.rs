@@ -110,6 +110,25 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Runs the program with these arguments, the first of which is its name, and returns the exit status: for whoever runs many commands in one
+/// process. Ctrl-C ends all of them.
+///
+/// # Errors
+/// What the program would print as an error; its exit status is that of the code.
+pub fn run_with<I>(arguments: I) -> Result<u8, Error>
+where
+    I: IntoIterator,
+    I::Item: Into<std::ffi::OsString> + Clone,
+{
+    match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => run(arguments).map(Ending::exit_status),
+        Err(usage) => {
+            let _ = usage.print();
+            Ok(u8::try_from(usage.exit_code()).unwrap_or(2))
+        }
+    }
+}
+
 fn run(arguments: Arguments) -> Result<Ending, Error> {
     let json = arguments.json;
     match arguments.command {

@@ -1,0 +1,385 @@
+//! The documents and logs that mutations start from: small, valid, and between them with every field that readers know.
+
+use super::case::{Document, Draft};
+use super::json::Node;
+use super::table::Table;
+use super::target::Target;
+use super::xml::Element;
+use dynident::cli::run_with;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Names of parts, which are the names of the files that the program gets.
+pub const ROBOT: &str = "robot";
+pub const REQUEST: &str = "request.json";
+pub const LOG: &str = "log.csv";
+pub const VALIDATION: &str = "validation.csv";
+pub const MODEL: &str = "model";
+pub const GIVEN: &str = "given.json";
+pub const SETTINGS: &str = "settings.toml";
+
+/// Every base of a target. Logs and models are made by the program itself.
+pub fn of(target: Target) -> Vec<Draft> {
+    let maker = Maker::new();
+    match target {
+        Target::BaseParameters => robots().into_iter().map(|robot| Draft::new(vec![(ROBOT, robot)])).collect(),
+        Target::Excite => excitations(&maker),
+        Target::Identify => identifications(&maker),
+        Target::Inspect => identifications(&maker),
+        Target::Validate => validations(&maker),
+        Target::Simulate => simulations(),
+        Target::Motion => motions(),
+        Target::Settings => vec![Draft::new(vec![(SETTINGS, Document::Toml(Node::of(&settings())))])],
+        Target::Itself => ["", "panic", "abort", "endless", "deep", "memory", "internal"]
+            .iter()
+            .map(|what| Draft::new(vec![("what", Document::Plain(what.as_bytes().to_vec()))]))
+            .collect(),
+    }
+}
+
+fn shipped(name: &str) -> Value {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/robots/{name}.json"));
+    serde_json::from_str(&std::fs::read_to_string(path).expect("the shipped robot is there")).expect("it is JSON")
+}
+
+fn planar() -> Value {
+    let mut robot = shipped("planar_two_link");
+    for (j, joint) in robot["joints"].as_array_mut().expect("has joints").iter_mut().enumerate() {
+        joint["limits"]["effort"] = json!(60 - 20 * j);
+        joint["limits"]["jerk"] = json!(200);
+        joint["prior"]["inertia"] = json!({"xx": 0.01, "xy": 0, "xz": 0, "yy": 0.1, "yz": 0, "zz": 0.1});
+        joint["prior"]["viscous"] = json!(0.3);
+        joint["prior"]["coulomb"] = json!(0.5);
+    }
+    robot
+}
+
+fn scara() -> Value {
+    let mut robot = shipped("scara");
+    for joint in robot["joints"].as_array_mut().expect("has joints") {
+        joint["prior"] = json!({"mass": 2, "center_of_mass": [0.1, 0, 0.05], "viscous": 1, "coulomb": 2,
+            "inertia": {"xx": 0.01, "xy": 0, "xz": 0, "yy": 0.02, "yz": 0, "zz": 0.02}});
+    }
+    robot
+}
+
+/// Placements instead of DH parameters, and bounds.
+fn placed() -> Value {
+    let joint = |name: &str, kind: &str, xyz: [f64; 3], rpy: [f64; 3]| {
+        json!({"name": name, "kind": kind, "placement": {"xyz": xyz, "rpy": rpy, "axis": [0, 0, 1]},
+            "limits": {"position": [-2, 2], "velocity": 1.5, "acceleration": 8, "jerk": null, "effort": 100},
+            "prior": {"mass": 3, "center_of_mass": [0, 0.1, 0.1], "inertia": {"xx": 0.05, "xy": 0, "xz": 0, "yy": 0.05, "yz": 0, "zz": 0.02}, "viscous": 0.1, "coulomb": 0.1}})
+    };
+    json!({"name": "placed", "gravity": [0, 0, -9.81], "friction": ["viscous", "coulomb"],
+        "joints": [joint("A1", "revolute", [0.0, 0.0, 0.3], [0.0, 0.0, 0.0]), joint("A2", "revolute", [0.0, 0.0, 0.0], [1.571, 0.0, 0.0]),
+            joint("A3", "prismatic", [0.4, 0.0, 0.0], [0.0, -1.57, 0.0])]})
+}
+
+const URDF: &str = r#"<robot name="two">
+<link name="base"/>
+<link name="l1"><inertial><origin xyz="0 0 0.2" rpy="0 0 0"/><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="l2"><inertial><origin xyz="0.2 0 0"/><mass value="1"/><inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><geometry><mesh filename="package://x/y.stl"/></geometry></visual></link>
+<link name="tool"><inertial><origin xyz="0 0 0.1"/><mass value="0.5"/><inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j1" type="revolute"><origin xyz="0 0 0.1"/><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="2" effort="50"/><dynamics damping="0.1" friction="0.2"/></joint>
+<joint name="j2" type="continuous"><origin xyz="0 0 0.4" rpy="-1.5707963267948966 0 0"/><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/><limit velocity="2" effort="50"/></joint>
+<joint name="fix" type="fixed"><origin xyz="0.4 0 0"/><parent link="l2"/><child link="tool"/></joint>
+</robot>"#;
+
+const GRIPPER: &str = r#"<robot name="g"><link name="b"/><link name="l1"><inertial><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="f1"/><link name="f2"/>
+<joint name="j1" type="revolute"><parent link="b"/><child link="l1"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="2" effort="50"/></joint>
+<joint name="g1" type="prismatic"><parent link="l1"/><child link="f1"/><axis xyz="0 1 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/></joint>
+<joint name="g2" type="prismatic"><parent link="l1"/><child link="f2"/><axis xyz="0 -1 0"/><mimic joint="g1" multiplier="-1"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/></joint></robot>"#;
+
+fn robots() -> Vec<Document> {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/iiwa14.urdf");
+    let iiwa = std::fs::read_to_string(example).expect("the shipped robot is there");
+    let with_tip = json!({"urdf": GRIPPER, "tip": "f1", "gravity": [0, 0, -9.81], "friction": ["viscous"], "source": "x"});
+    let mut all: Vec<Document> = [planar(), scara(), placed(), with_tip]
+        .iter()
+        .map(|v| Document::Json(Node::of(v)))
+        .collect();
+    all.extend([URDF, GRIPPER, &iiwa].map(|xml| Document::Xml(Element::parse(xml))));
+    all
+}
+
+fn document(value: Value) -> Document {
+    Document::Json(Node::of(&value))
+}
+
+/// Two links of 3 kg and 1 kg with friction, in the order of standard parameters.
+const TRUTH: [f64; 24] = [
+    3.0, 0.6, 0.03, 0.0, 0.02, 0.0, 0.0, 0.2, 0.0, 0.2, 0.3, 0.5, 1.0, 0.2, -0.01, 0.0, 0.01, 0.0, 0.0, 0.06, 0.0, 0.06, 0.1, 0.2,
+];
+
+fn planar_motion(phase: f64) -> Value {
+    let row = |j: f64| {
+        (0..2)
+            .map(|l| 0.5 * (phase + 1.3 * j + 2.1 * l as f64).sin())
+            .collect::<Vec<f64>>()
+    };
+    json!({"fundamental_hz": 0.5, "a": [row(0.0), row(1.0)], "b": [row(2.0), row(3.0)], "offset": [0.1, -0.2]})
+}
+
+fn scara_motion() -> Value {
+    json!({"fundamental_hz": 0.5, "a": [[0.4, 0.2], [0.3, -0.4], [0.05, 0.02], [1, -0.5]],
+        "b": [[-0.2, 0.3], [0.5, 0.1], [0.02, -0.04], [-0.8, 0.9]], "offset": [0, 0.2, 0.05, 0]})
+}
+
+fn planar_experiment(phase: f64, effects: Value) -> Value {
+    json!({"parameters": TRUTH, "trajectory": {"fourier": planar_motion(phase)}, "periods": 3, "sample_rate_hz": 60,
+        "noise": {"torque": [0.05, 0.03], "position": 1e-5}, "effects": effects, "seed": 1})
+}
+
+/// Runs the program to make logs and models.
+struct Maker {
+    folder: PathBuf,
+}
+
+impl Drop for Maker {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+impl Maker {
+    fn new() -> Self {
+        let folder = std::env::temp_dir().join(format!("dynident-bases-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("temporary folders can be made");
+        Self { folder }
+    }
+
+    fn file(&self, name: &str, content: &Value) -> String {
+        let path = self.folder.join(name);
+        std::fs::write(&path, content.to_string()).expect("temporary files can be written");
+        path.display().to_string()
+    }
+
+    fn run(&self, arguments: &[&str]) {
+        let ended = run_with(std::iter::once("dynident").chain(arguments.iter().copied()));
+        assert!(matches!(ended, Ok(0)), "{arguments:?} ends with {ended:?}");
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.folder.join(name)).expect("the program wrote it")
+    }
+
+    /// The log that the virtual robot writes.
+    fn log(&self, robot: &Value, experiment: &Value) -> Table {
+        let (robot, request) = (self.file("r.json", robot), self.file("x.json", experiment));
+        let out = self.folder.join("log.csv").display().to_string();
+        self.run(&["simulate", "--robot", &robot, "--request", &request, "--out", &out]);
+        let text = self.read("log.csv");
+        let mut lines = text.lines();
+        let header: Vec<String> = lines.next().expect("a header").split(',').map(str::to_string).collect();
+        let mut columns = vec![Vec::new(); header.len()];
+        for line in lines {
+            let cells = line.split(',').map(|cell| cell.parse::<f64>().expect("a number"));
+            columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
+        }
+        Table::new(header, columns)
+    }
+
+    fn planar_log(&self, phase: f64) -> Table {
+        self.log(&planar(), &planar_experiment(phase, json!([])))
+    }
+
+    /// A log with something to find.
+    fn sprung_log(&self) -> Table {
+        let effects = json!([{"effect": "joint_spring", "joint": 1, "stiffness": 4, "rest": 0.1},
+            {"effect": "torque_offset", "joint": 0, "offset": 2}]);
+        self.log(&planar(), &planar_experiment(0.0, effects))
+    }
+
+    fn scara_log(&self) -> Table {
+        let experiment = json!({"trajectory": {"fourier": scara_motion()}, "periods": 2.5, "sample_rate_hz": 50,
+            "noise": {"torque": [0.1, 0.1, 0.2, 0.02]}, "seed": 2});
+        self.log(&scara(), &experiment)
+    }
+
+    /// The model identified from a log, as JSON and as URDF.
+    fn model(&self, log: &Table) -> (Value, String) {
+        let path = self.folder.join("sprung.csv");
+        std::fs::write(&path, log.render()).expect("temporary files can be written");
+        let (robot, log) = (self.file("r.json", &planar()), path.display().to_string());
+        let [model, urdf] = ["model.json", "model.urdf"].map(|name| self.folder.join(name).display().to_string());
+        let out = self.folder.join("out.json").display().to_string();
+        self.run(&[
+            "identify", "--robot", &robot, "--log", &log, "--model", &model, "--urdf", &urdf, "--out", &out,
+        ]);
+        let json = serde_json::from_str(&self.read("model.json")).expect("the model is JSON");
+        (json, self.read("model.urdf"))
+    }
+}
+
+fn identifications(maker: &Maker) -> Vec<Draft> {
+    let bounds = json!({"method": "consistent", "prior_weight": 0.01, "least_eigenvalue": 1e-6, "least_viscous": 0.001,
+        "bounds": [{"link": 1, "mass": [0.1, 10], "center_of_mass": [[-1, 1], [-1, 1], [-1, 1]], "inertia": {"xx": [0, 1], "zz": [0, 2]},
+            "viscous": [0, 5], "coulomb": [0, 5]}]});
+    let paper =
+        json!({"method": "both", "starts": 2, "seed": 3, "slender_axes": ["x", null], "gazebo": true, "triangle": "diagonal"});
+    let columns = json!({"time": "time", "time_unit": "s", "position": {"headers": ["q1", "q2"], "unit": "rad", "sign": [1, 1], "offset": [0, 0]},
+        "torque": {"headers": ["tau1", "tau2"], "unit": "N m", "scale": [1, 1], "matrix": [[1, 0], [0, 1]]}});
+    let filters = json!({"method": "parallel_filter", "average": false, "position_filter": {"order": 4, "cutoff_hz": 12},
+        "torque_filter": {"order": 2, "cutoff_hz": 8}, "discard_edges_s": 0.1, "decimation": 3, "dead_zone": 0.01});
+    let (log, held_out, sprung) = (maker.planar_log(0.0), maker.planar_log(1.0), maker.sprung_log());
+    let planar_requests = [
+        (json!({}), &log),
+        (json!({}), &sprung),
+        (
+            json!({"period_s": 2, "estimator": "wls", "offset": true, "prediction_points": 200}),
+            &sprung,
+        ),
+        (
+            json!({"excitation": {"fundamental_hz": 0.5, "coefficients": {"a": [[0, 0], [0, 0]]}}, "feasible": bounds}),
+            &log,
+        ),
+        (
+            json!({"estimator": "robust", "feasible": {"method": "none"}, "columns": columns}),
+            &sprung,
+        ),
+        (json!({"preprocess": filters, "feasible": paper, "estimator": "ols"}), &log),
+        (
+            json!({"preprocess": {"method": "fourier_fit"}, "columns": {"coupling": [[1, 0], [1, 1]], "sample_rate_hz": 60}}),
+            &log,
+        ),
+        (
+            json!({"preprocess": {"method": "paper"}, "trace": false, "estimator": "wls"}),
+            &sprung,
+        ),
+    ];
+    let mut all = Vec::new();
+    for (request, table) in planar_requests {
+        let parts = vec![
+            (ROBOT, document(planar())),
+            (REQUEST, document(request)),
+            (LOG, Document::Table(table.clone())),
+            (VALIDATION, Document::Table(held_out.clone())),
+        ];
+        all.push(Draft::new(parts));
+    }
+    let scara_parts = vec![
+        (ROBOT, document(scara())),
+        (REQUEST, document(json!({}))),
+        (LOG, Document::Table(maker.scara_log())),
+    ];
+    all.push(Draft::new(scara_parts).with_arguments(&["--plot-format", "png"]));
+    let urdf_parts = vec![
+        (ROBOT, Document::Xml(Element::parse(URDF))),
+        (REQUEST, document(json!({}))),
+        (LOG, Document::Table(sprung)),
+    ];
+    all.push(Draft::new(urdf_parts));
+    all
+}
+
+fn validations(maker: &Maker) -> Vec<Draft> {
+    let (log, sprung) = (maker.planar_log(0.5), maker.sprung_log());
+    let (model, urdf) = maker.model(&sprung);
+    let request =
+        json!({"period_s": 2, "prediction_points": 100, "trace": true, "preprocess": {"average": true, "decimation": 2}});
+    let parts = |model: Document, request: Value, log: &Table| {
+        Draft::new(vec![
+            (MODEL, model),
+            (REQUEST, document(request)),
+            (LOG, Document::Table(log.clone())),
+        ])
+    };
+    vec![
+        parts(document(model.clone()), json!({}), &sprung),
+        parts(document(model), request, &log),
+        parts(Document::Xml(Element::parse(&urdf)), json!({}), &log),
+        parts(document(planar()), json!({"trace": false}), &log),
+    ]
+}
+
+fn excitations(maker: &Maker) -> Vec<Draft> {
+    let (model, _) = maker.model(&maker.sprung_log());
+    let search = json!({"seed": 1, "starts": 2, "time_limit_s": 0.2, "max_evaluations": 30, "jobs_per_round": 2});
+    let request = |more: Value| {
+        let mut all = json!({"fourier": {"order": 2, "fundamental_hz": 0.5}, "sample_rate_hz": 30, "search": search});
+        let fields = all.as_object_mut().expect("an object");
+        fields.extend(more.as_object().expect("an object").clone());
+        document(all)
+    };
+    let motion = planar_motion(0.3);
+    let earlier =
+        json!({"coefficients": {"a": motion["a"], "b": motion["b"]}, "offset": motion["offset"], "fundamental_hz": 0.5});
+    let space = json!({"clearance": 0.02, "half_spaces": [{"name": "floor", "normal": [0, 1, 0], "offset": -3}],
+        "boxes": [{"name": "table", "center": [3, 0, 0], "size": [0.5, 0.5, 0.5]}], "self_collision": {"ignore": [["J1", "J2"]]}});
+    let exact = json!({"form": "exact", "start": "free", "start_position": [0.1, 0.2], "torque": {"limits": [60, 40], "safety_factor": 0.9}});
+    let effect = json!({"effect": "joint_spring", "joints": ["J2"]});
+    let on_planar = [
+        request(json!({"criterion": "condition_number", "constraints": {"form": "paper", "start": "zero"}, "backoff": 0.5})),
+        request(json!({"criterion": "d_optimality", "constraints": exact, "torque_noise": [0.1, 0.2], "periods": 3})),
+        request(json!({"criterion": "i_optimality", "constraints": {"form": "exact", "space": space}, "warm_start": earlier})),
+        request(
+            json!({"criterion": "a_optimality", "fourier": {"order": 3, "fundamental_hz": [0.3, 0.5], "harmonics": [[1, 3], [2, 3]]}, "given": [earlier], "trajectories": 2}),
+        ),
+        request(json!({"criterion": "scaled_condition_number", "model": model, "given": [model]})),
+        request(json!({"criterion": "rival_evidence", "model": model, "rivals": {"finding": effect, "rival": 0}})),
+    ];
+    let mut all: Vec<Draft> = on_planar
+        .into_iter()
+        .map(|r| Draft::new(vec![(ROBOT, document(planar())), (REQUEST, r)]))
+        .collect();
+    all.push(Draft::new(vec![(REQUEST, request(json!({}))), (MODEL, document(model))]));
+    all.push(Draft::new(vec![
+        (ROBOT, document(scara())),
+        (REQUEST, request(json!({"backoff": 0.3}))),
+    ]));
+    let given =
+        json!({"coefficients": earlier["coefficients"], "offset": earlier["offset"], "fundamental_hz": 0.5, "periods": 4});
+    all.push(Draft::new(vec![
+        (ROBOT, Document::Xml(Element::parse(URDF))),
+        (REQUEST, request(json!({}))),
+        (GIVEN, document(given)),
+    ]));
+    all
+}
+
+fn simulations() -> Vec<Draft> {
+    let effects = json!([
+        {"effect": "torque_offset", "joint": 0, "offset": 1}, {"effect": "stribeck_friction", "joint": 1, "amplitude": 1, "velocity": 0.1, "exponent": 1},
+        {"effect": "presliding_hysteresis", "joint": 0, "amplitude": 1, "width": 0.01}, {"effect": "joint_spring", "joint": 1, "stiffness": 4, "rest": 0.1},
+        {"effect": "position_ripple", "joint": 0, "amplitude": 1, "cycles": 12, "phase": 0.2}, {"effect": "base_tilt", "roll": 0.02, "pitch": -0.01},
+        {"effect": "payload", "mass": 1, "center_of_mass": [0, 0, 0.1], "inertia": [[0.01, 0, 0], [0, 0.01, 0], [0, 0, 0.01]]},
+        {"effect": "torque_delay", "seconds": 0.01}, {"effect": "torque_crosstalk", "joint": 0, "from": 1, "coefficient": 0.05},
+        {"effect": "friction_drift", "joint": 0, "viscous": 1, "coulomb": 1, "time_constant": 3},
+        {"effect": "external_contact", "start": 1, "end": 2, "torque": [3, 1]}, {"effect": "torque_drift", "joint": 1, "torque": 1, "time_constant": 2}]);
+    let faults = json!([{"fault": "flipped_torque", "joints": [1]}, {"fault": "degrees", "joints": [0]}, {"fault": "swapped_torques", "joints": [0, 1]},
+        {"fault": "constant_torque", "joint": 1}, {"fault": "clipped_torque", "joint": 0, "limit": 5}, {"fault": "frozen", "start": 1, "duration": 0.5},
+        {"fault": "repeated_times", "count": 3}, {"fault": "garbage_rows", "count": 2}]);
+    let elastic = json!([{"effect": "joint_elasticity", "joint": 1, "stiffness": 500}, {"effect": "encoder_offset", "joint": 0, "offset": 0.02}]);
+    let points = json!({"way_points": {"positions": [[0, 0], [1, 0.5], [0, 0]], "durations": [1, 1.5]}});
+    let sines = json!({"sines": {"terms": [[[0.5, 1]], [[0.3, 2], [0.1, 3]]], "duration": 3}});
+    let noise = json!({"torque": [0.1, 0.1], "torque_correlation": 0.5, "position": 1e-4, "position_step": 1e-4, "torque_step": 0.01, "jitter": 1e-4});
+    let requests = [
+        json!({"parameters": TRUTH, "trajectory": {"fourier": planar_motion(0.0)}, "periods": 2, "sample_rate_hz": 100, "noise": noise, "effects": effects, "faults": faults, "seed": 4}),
+        json!({"trajectory": points, "periods": 1.5, "effects": elastic}),
+        json!({"trajectory": sines, "sample_rate_hz": 50}),
+    ];
+    requests
+        .map(|r| Draft::new(vec![(ROBOT, document(planar())), (REQUEST, document(r))]))
+        .into()
+}
+
+fn motions() -> Vec<Draft> {
+    let motion = scara_motion();
+    let series = json!({"fundamental_hz": 0.5, "coefficients": {"a": motion["a"], "b": motion["b"]}, "offset": motion["offset"]});
+    let requests = [
+        json!({"robot": scara(), "trajectory": series, "samples": 200}),
+        json!({"robot": "scara", "trajectory": series}),
+        json!({"robot": {"urdf": GRIPPER, "tip": "f1", "gravity": [0, 0, -9.81], "friction": ["coulomb"]}}),
+        json!({"robot": placed(), "samples": 20}),
+    ];
+    requests.map(|r| Draft::new(vec![(REQUEST, document(r))])).into()
+}
+
+fn settings() -> Value {
+    json!({"listen": "127.0.0.1:8080", "data": "here", "auth": "auto", "open_to_anyone": false, "concurrent_jobs": 1, "short_jobs": 2,
+        "shortest_long_s": 5.0, "running_per_robot": 2, "waiting_jobs": 10, "lease_s": 10.0, "longest_wait_s": 30.0, "longest_search_s": 600.0,
+        "most_joints": 20, "highest_order": 30, "most_rows": 100_000, "largest_document": 1_000_000, "requests_per_second": 5, "request_burst": 9,
+        "log": "info", "log_format": "json", "database_url": "postgres://a:b@c/d"})
+}

@@ -1,0 +1,53 @@
+//! Numbers that no person can read in what people read.
+
+use super::child::files_of;
+use super::target::Folders;
+use std::path::Path;
+
+/// More digits in a row than a double has, its exponent written out: a number that nobody formatted.
+const MOST_DIGITS: usize = 40;
+
+/// The first `NaN`, infinity or endless number in the results, unless the input has it as well; or a picture that is no XML.
+pub fn unprintable(folders: &Folders) -> Option<String> {
+    let mut input: Option<String> = None;
+    walk(&folders.output).into_iter().find_map(|(name, content)| {
+        if name.ends_with(".png") {
+            return None;
+        }
+        let text = String::from_utf8_lossy(&content);
+        if name.ends_with(".svg")
+            && let Err(e) = roxmltree::Document::parse(&text)
+        {
+            return Some(format!("unprintable: {name} is no XML: {e}"));
+        }
+        let token = odd_word(&text)?;
+        let given = input.get_or_insert_with(|| all_text(&folders.input));
+        (!given.contains(token)).then(|| format!("unprintable: {name} has {token}"))
+    })
+}
+
+fn all_text(folder: &Path) -> String {
+    let texts = files_of(folder)
+        .into_iter()
+        .map(|(_, content)| String::from_utf8_lossy(&content).into_owned());
+    texts.collect()
+}
+
+fn walk(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = files_of(folder);
+    let plots = folder.join("plots");
+    if plots.is_dir() {
+        all.extend(files_of(&plots));
+    }
+    all
+}
+
+/// A word that stands for no number, or a number that is too long.
+fn odd_word(text: &str) -> Option<&str> {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric());
+    let is_odd = |word: &&str| {
+        let digits = || word.len() > MOST_DIGITS && word.bytes().all(|b| b.is_ascii_digit());
+        matches!(*word, "NaN" | "inf" | "Infinity") || digits()
+    };
+    words.into_iter().find(is_odd)
+}
