@@ -35,6 +35,7 @@ pub fn serve(work: &Path) {
             .map(|l| format!("{}:{}", l.file(), l.line()))
             .unwrap_or_default();
         let message = info.payload_as_str().unwrap_or("no message");
+        eprintln!("panic: {place}: {message}");
         let mut first = PANIC.lock().unwrap_or_else(|e| e.into_inner());
         first.get_or_insert_with(|| format!("panic: {place}: {message}"));
     }));
@@ -103,7 +104,11 @@ fn tried(target: Target, folders: &Folders) -> Value {
     let (cpu_s, peak) = (cpu_seconds() - before, peak_bytes());
     let panicked = PANIC.lock().unwrap_or_else(|e| e.into_inner()).take();
     let failure = panicked.or(ended.as_ref().err().cloned()).or_else(|| unprintable(folders));
-    json!({"accepted": ended == Ok(Taken::Accepted), "failure": failure, "peak": peak, "cpu_s": cpu_s})
+    let refused = match &ended {
+        Ok(Taken::Refused(words)) => words.as_str(),
+        _ => "",
+    };
+    json!({"refused": refused, "accepted": ended == Ok(Taken::Accepted), "failure": failure, "peak": peak, "cpu_s": cpu_s})
 }
 
 fn cpu_seconds() -> f64 {

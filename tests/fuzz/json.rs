@@ -83,8 +83,12 @@ impl Node {
         }
     }
 
-    /// Changes one place.
+    /// Changes one place. Half of all changes put another number in the place of one: what is asked stays a question, and is not refused at the
+    /// door.
     pub fn mutate(&mut self, dice: &mut Dice) {
+        if dice.chance(0.5) {
+            return self.change_number(dice);
+        }
         let mut other = self.clone();
         let leaves = dice.chance(0.65);
         let elsewhere = dice.chance(0.5);
@@ -97,6 +101,26 @@ impl Node {
         let mut index = dice.below(count);
         if let Some(node) = self.at(leaves, &mut index) {
             node.change(piece.unwrap_or(Node::List(Vec::new())), dice);
+        }
+    }
+
+    fn change_number(&mut self, dice: &mut Dice) {
+        let mut numbers = Vec::new();
+        self.numbers(&mut numbers);
+        let at = dice.below(numbers.len());
+        let Some(token) = numbers.get_mut(at) else { return };
+        **token = match token.parse::<f64>() {
+            Ok(value) if dice.chance(0.7) => tokens::shortest(tokens::changed(value, dice)),
+            _ => tokens::number(dice),
+        };
+    }
+
+    fn numbers<'a>(&'a mut self, into: &mut Vec<&'a mut String>) {
+        match self {
+            Self::Raw(token) if token.parse::<f64>().is_ok() => into.push(token),
+            Self::List(items) => items.iter_mut().for_each(|n| n.numbers(into)),
+            Self::Fields(fields) => fields.iter_mut().for_each(|(_, n)| n.numbers(into)),
+            _ => {}
         }
     }
 

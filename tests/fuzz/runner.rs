@@ -26,6 +26,8 @@ const MEMORY_PER_BYTE: u64 = 10;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Verdict {
     pub accepted: bool,
+    /// What the program said where it refused the input.
+    pub refused: String,
     /// Kind and detail, as in `panic: src/x.rs:3: …`.
     pub failure: Option<String>,
     pub peak: u64,
@@ -111,6 +113,7 @@ impl Process {
                 ("RAYON_NUM_THREADS", "1"),
                 ("OPENBLAS_NUM_THREADS", "1"),
                 ("MALLOC_ARENA_MAX", "1"),
+                ("RUST_BACKTRACE", "0"),
             ])
             .env_remove("DATABASE_URL")
             .env_remove("DYNIDENT_CONFIG")
@@ -200,6 +203,7 @@ fn judged(value: &Value, size: u64) -> Verdict {
     Verdict {
         accepted: value["accepted"].as_bool().unwrap_or(false),
         failure: failure.or(hungry),
+        refused: value["refused"].as_str().unwrap_or_default().to_string(),
         peak,
         cpu_s: value["cpu_s"].as_f64().unwrap_or(0.0),
         size,

@@ -55,10 +55,11 @@ impl Target {
 }
 
 /// How the program took an input.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Taken {
     Accepted,
-    Refused,
+    /// With these words.
+    Refused(String),
 }
 
 /// Where the parts of an input are, and where results go.
@@ -90,10 +91,12 @@ pub fn run(target: Target, folders: &Folders) -> Result<Taken, String> {
         Target::Itself => itself(&folders.read("what")),
         _ => {
             let ended = command(&arguments(target, folders))?;
-            if target == Target::Identify && ended == Taken::Accepted {
-                read_again(folders)?;
+            if target != Target::Identify {
+                return Ok(ended);
             }
-            Ok(ended)
+            read_again(folders)?;
+            // There is a result, if no model of bodies.
+            Ok(if folders.output.join("result.json").exists() { Taken::Accepted } else { ended })
         }
     }
 }
@@ -101,7 +104,7 @@ pub fn run(target: Target, folders: &Folders) -> Result<Taken, String> {
 fn command(arguments: &[String]) -> Result<Taken, String> {
     match run_with(std::iter::once("dynident").chain(arguments.iter().map(String::as_str))) {
         Ok(0 | 3 | 4) => Ok(Taken::Accepted),
-        Ok(2) => Ok(Taken::Refused),
+        Ok(2) => Ok(Taken::Refused("usage".into())),
         Ok(status) => Err(format!("internal: exit status {status}")),
         Err(error) => taken(Err(error)),
     }
@@ -110,9 +113,14 @@ fn command(arguments: &[String]) -> Result<Taken, String> {
 fn taken(result: Result<(), Error>) -> Result<Taken, String> {
     match result {
         Ok(()) => Ok(Taken::Accepted),
-        Err(error) if error.code.exit_status() == 2 => Ok(Taken::Refused),
+        Err(error) if error.code.exit_status() == 2 => Ok(Taken::Refused(words_of(&error))),
         Err(error) => Err(format!("internal: {error}")),
     }
+}
+
+fn words_of(error: &Error) -> String {
+    let fields: Vec<String> = error.errors.iter().map(ToString::to_string).collect();
+    format!("{}; {}", error.detail, fields.join("; "))
 }
 
 /// The command line for the parts that are there.
@@ -235,8 +243,8 @@ fn read_again(folders: &Folders) -> Result<(), String> {
     let urdf = folders.output.join("model.urdf");
     if urdf.exists() {
         let arguments = ["base-parameters", "--robot", &urdf.display().to_string()].map(str::to_string);
-        if command(&arguments)? == Taken::Refused {
-            return Err(unreadable("URDF", String::new()));
+        if let Taken::Refused(words) = command(&arguments)? {
+            return Err(unreadable("URDF", words));
         }
     }
     Ok(())
@@ -249,15 +257,11 @@ fn itself(what: &[u8]) -> Result<Taken, String> {
         b"endless" => loop {
             std::hint::spin_loop();
         },
-        b"deep" => Ok(if deep(1) > 0 { Taken::Accepted } else { Taken::Refused }),
+        b"deep" => Ok(Taken::Refused(deep(1).to_string())),
         b"memory" => {
             // Written to, or the system never hands it out.
             let all = std::hint::black_box(vec![1u8; 400 << 20]);
-            Ok(if all[all.len() / 2] == 1 {
-                Taken::Accepted
-            } else {
-                Taken::Refused
-            })
+            Ok(Taken::Refused(all[all.len() / 2].to_string()))
         }
         b"internal" => Err("internal: as asked".into()),
         _ => Ok(Taken::Accepted),

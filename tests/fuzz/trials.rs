@@ -24,6 +24,7 @@ const INPUTS: [(Target, u64); 8] = [
 pub fn all() -> Vec<Trial> {
     let mut trials = vec![
         Trial::test("the_harness_sees_what_it_looks_for", faults_are_seen),
+        Trial::test("what_is_changed_is_accepted_unchanged", bases_are_accepted),
         Trial::test("the_same_seed_is_the_same_input", seeds_repeat),
         Trial::test("a_failed_input_shrinks_to_what_it_needs", failures_shrink),
         Trial::test("http_bodies", http::bodies),
@@ -110,6 +111,30 @@ fn faults_are_seen() -> Result<(), Failed> {
         }
     }
     Ok(())
+}
+
+/// A base that is refused for a fault of its own would hide what its changes do.
+fn bases_are_accepted() -> Result<(), Failed> {
+    let mut runner = Runner::new();
+    let mut refused = Vec::new();
+    for target in Target::ALL {
+        for base in 0..super::bases::of(target).len() as u64 {
+            let recipe = Recipe {
+                target,
+                base,
+                genes: Vec::new(),
+            };
+            let verdict = runner.run(&Order::Recipe(&recipe));
+            if !verdict.accepted || verdict.failure.is_some() {
+                refused.push(format!("{} {base}: {verdict:?}", target.name()));
+            }
+        }
+    }
+    if refused.is_empty() {
+        Ok(())
+    } else {
+        Err(refused.join("\n").into())
+    }
 }
 
 fn seeds_repeat() -> Result<(), Failed> {
