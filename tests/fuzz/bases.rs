@@ -188,8 +188,7 @@ impl Maker {
     /// A log in which the second joint hardly moves, so that a torque offset and a spring look alike.
     fn undecided_log(&self) -> Table {
         let mut experiment = planar_experiment(0.0, json!([{"effect": "torque_offset", "joint": "J2", "offset": 3}]));
-        experiment["trajectory"]["fourier"] =
-            json!({"fundamental_hz": 0.5, "a": [[0.3, 0.2], [0.15, 0.075]], "b": [[0.2, -0.3], [0.05, -0.15]], "offset": [0.1, -0.2]});
+        experiment["trajectory"]["fourier"] = json!({"fundamental_hz": 0.5, "a": [[0.3, 0.2], [0.15, 0.075]], "b": [[0.2, -0.3], [0.05, -0.15]], "offset": [0.1, -0.2]});
         self.log(&planar(), &experiment)
     }
 

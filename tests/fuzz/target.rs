@@ -96,7 +96,11 @@ pub fn run(target: Target, folders: &Folders) -> Result<Taken, String> {
             }
             read_again(folders)?;
             // There is a result, if no model of bodies.
-            Ok(if folders.output.join("result.json").exists() { Taken::Accepted } else { ended })
+            Ok(if folders.output.join("result.json").exists() {
+                Taken::Accepted
+            } else {
+                ended
+            })
         }
     }
 }
