@@ -70,15 +70,11 @@ pub(crate) fn appraise(
             candidate.shapes.len()
         };
     let joints = reach(candidate, system.model.robot.joint_count());
-    let dispersion = system.noise_is_measured.then(|| dispersion(system, &joints, gain, after));
-    let (fair_gain, rows) = match dispersion {
-        Some(dispersion) => {
-            let rows = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum::<usize>() as f64;
-            (gain / dispersion, rows)
-        }
-        None => likelihood_gain(system, &joints, gain, after),
-    };
-    let evidence = fair_gain - cost as f64 * rows.ln() - 2.0 * (tried as f64).ln();
+    let Weighed {
+        fair_gain,
+        evidence,
+        dispersion,
+    } = weigh(system, &joints, gain, cost, tried as f64, after);
     Scored {
         candidate: candidate.clone(),
         term,
@@ -89,6 +85,31 @@ pub(crate) fn appraise(
         evidence,
         dispersion,
         joints,
+    }
+}
+
+/// A gain in units of what is left, and the evidence that it makes.
+pub(crate) struct Weighed {
+    pub fair_gain: f64,
+    pub evidence: f64,
+    /// What the gain was divided by; none without measured noise.
+    dispersion: Option<f64>,
+}
+
+/// Weighs a gain on `joints` against the `cost` in parameters, with `tried` choices made.
+pub(crate) fn weigh(system: &System, joints: &[usize], gain: f64, cost: usize, tried: f64, after: Option<&System>) -> Weighed {
+    let dispersion = system.noise_is_measured.then(|| dispersion(system, joints, gain, after));
+    let (fair_gain, rows) = match dispersion {
+        Some(dispersion) => {
+            let rows = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum::<usize>() as f64;
+            (gain / dispersion, rows)
+        }
+        None => likelihood_gain(system, joints, gain, after),
+    };
+    Weighed {
+        fair_gain,
+        evidence: fair_gain - cost as f64 * rows.ln() - 2.0 * tried.ln(),
+        dispersion,
     }
 }
 

@@ -7,20 +7,21 @@ use super::dependence::chance_of;
 use super::select::{Accepted, Threshold};
 use super::system::{Data, System};
 
-/// Whether a fitted candidate has earned its place.
+/// Whether a fitted candidate, term `at` of the model `after`, has earned its place.
 pub(crate) fn judge(
     data: &Data,
     before: &System,
     scored: &Scored,
     after: &System,
+    at: usize,
     threshold: &Threshold,
     tried: f64,
 ) -> Option<Accepted> {
-    let promising = scored.evidence > 0.0 && explains_a_share(before, scored, threshold.share) && is_physical(after);
+    let promising = scored.evidence > 0.0 && explains_a_share(before, scored, threshold.share) && is_physical(after, at);
     if !promising {
         return None;
     }
-    let term = after.model.terms.last().expect("the candidate was added");
+    let term = &after.model.terms[at];
     let columns = columns_of(data, before, &scored.candidate, std::slice::from_ref(&term.shape));
     let single = if before.noise_is_measured {
         chance(scored.fair_gain, scored.cost)
@@ -59,9 +60,8 @@ pub(crate) fn judge(
     })
 }
 
-/// Whether the last term's parameters lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
-fn is_physical(system: &System) -> bool {
-    let at = system.model.terms.len() - 1;
+/// Whether the parameters of term `at` lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
+fn is_physical(system: &System, at: usize) -> bool {
     let term = &system.model.terms[at];
     let covariance = if system.noise_is_measured {
         system.term_covariance(at)

@@ -20,6 +20,7 @@ mod deviations;
 mod distortion;
 mod drift;
 mod evaluation;
+mod family;
 mod faults;
 mod findings;
 mod fit;

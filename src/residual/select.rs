@@ -4,6 +4,7 @@ use super::appraise::{Scored, appraise, chance, hypotheses};
 use super::candidate::Candidate;
 use super::confirm::wald;
 use super::crossval::HeldOutGain;
+use super::family::best_family;
 use super::judge::{is_simpler, judge, stands_in};
 use super::price::Rivalling;
 use super::scan::scan;
@@ -68,17 +69,27 @@ pub(crate) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &
             break;
         }
         let scored = scan(&data, &now.system, &open);
-        now.given_up = rivalling.functions_are_cheaper(&data, &now, fixed, candidates, &scored);
+        let family = best_family(&data, &now.system, &open, &scored, threshold);
+        // Functions imitate several effects of a kind as they imitate anything: as long as those are open, the search goes on.
+        now.given_up = family.is_none() && rivalling.functions_are_cheaper(&data, &now, fixed, candidates, &scored);
         if now.given_up {
             break;
         }
-        let Some(step) = step(&data, &now.system, &open, &scored, threshold) else {
-            break;
-        };
-        now.system = step.system;
-        now.accepted.push(step.accepted);
-        if let Some(other) = step.instead_of {
-            open.retain(|c| c.effect.code() != other.effect.code() || c.joints != other.joints);
+        let step = step(&data, &now.system, &open, &scored, threshold);
+        let single = step.as_ref().map_or(f64::NEG_INFINITY, |s| s.accepted.evidence);
+        match (family, step) {
+            (Some(family), _) if family.evidence > single => {
+                now.system = family.system;
+                now.accepted.extend(family.accepted);
+            }
+            (_, Some(step)) => {
+                now.system = step.system;
+                now.accepted.push(step.accepted);
+                if let Some(other) = step.instead_of {
+                    open.retain(|c| c.effect.code() != other.effect.code() || c.joints != other.joints);
+                }
+            }
+            _ => break,
         }
         if !now.system.noise_is_measured {
             data = data.with_noise(data.left_as_noise(&now.system));
@@ -132,7 +143,8 @@ fn best_of(data: &Data, system: &System, group: &[&Scored], candidates: &[Candid
     order.sort_by(|&a, &b| evidences[b].total_cmp(&evidences[a]));
     let judged = |f: &Fitted| {
         let tried = hypotheses(candidates, f.scored.candidate.effect.code());
-        judge(data, system, &f.scored, &f.system, threshold, tried)
+        let at = f.system.model.terms.len() - 1;
+        judge(data, system, &f.scored, &f.system, at, threshold, tried)
     };
     let (best, accepted) = order.iter().find_map(|&i| Some((i, judged(&fitted[i])?)))?;
     let simpler = order.iter().find_map(|&i| {
@@ -207,13 +219,8 @@ fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &
             continue;
         }
         let term: Term = now.system.model.terms[at].clone();
-        // What is left was taken for noise before the last effect was found: only where that is measured can a loss be weighed by it alone.
-        let doubt = match now.system.noise_is_measured {
-            true => 1.0,
-            false => now.system.persistence(&reached(&term, now.system.model.robot.joint_count())),
-        };
         let tried = hypotheses(candidates, term.effect.code());
-        let superfluous = |loss: f64, parameters: usize| chance(loss / doubt, parameters) * tried > threshold.chance;
+        let superfluous = |loss: f64, parameters: usize| chance_of_loss(&now.system, at, loss, parameters) * tried > threshold.chance;
         // A fit without the effect says what is lost; where the linear model says many times what is needed, it need not be made.
         let (linear, _) = wald(&term, &now.system.term_covariance(at));
         if !superfluous(LINEAR_SHARE * linear, term.parameters()) {
@@ -228,6 +235,16 @@ fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &
             now.accepted.remove(at - fixed);
         }
     }
+}
+
+/// Chance of losing as much without term `at`, if there were no such effect. What is left was taken for noise before the last effect was found: only where
+/// noise is measured can a loss be weighed by it alone.
+pub(super) fn chance_of_loss(system: &System, at: usize, loss: f64, parameters: usize) -> f64 {
+    let doubt = match system.noise_is_measured {
+        true => 1.0,
+        false => system.persistence(&reached(&system.model.terms[at], system.model.robot.joint_count())),
+    };
+    chance(loss / doubt, parameters)
 }
 
 /// Shapes and distortions of the others bend when an effect goes, and take over a part of what it explained: of what the linear model says, a
