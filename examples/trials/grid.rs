@@ -7,7 +7,7 @@ use dynident::simulate::{HiddenEffect, Noise};
 use std::collections::BTreeMap;
 
 /// What was found: codes with joints, or `nothing`, or `unexplained`.
-fn found(outcome: &Outcome) -> Vec<String> {
+pub fn found(outcome: &Outcome) -> Vec<String> {
     let mut list: Vec<String> = outcome
         .report
         .findings

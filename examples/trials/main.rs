@@ -5,6 +5,7 @@
 //! - `trials confusion [REPEATS] [CODE…]`: what is found for what was hidden.
 //! - `trials nothing COUNT [FIRST]`: logs with nothing in them.
 //! - `trials grid [CODE…]`: every effect on three joints at three sizes. `trials pairs [COUNT [FIRST]]`.
+//! - `trials mountings [SEEDS [FIRST]]`: gravity along the axes and space diagonals. `trials rotors [SEEDS [FIRST]]`: a rotor inertia on every joint.
 
 #[path = "../../tests/effects/bench/mod.rs"]
 mod bench;
@@ -12,6 +13,7 @@ mod detect;
 mod family;
 mod grid;
 mod judge;
+mod mountings;
 mod visible;
 
 fn main() {
@@ -26,6 +28,8 @@ fn main() {
         Some("nothing") => grid::nothing(number(0, 200), number(1, 0)),
         Some("grid") => grid::grid(&words),
         Some("pairs") => grid::pairs(number(0, 20), number(1, 0)),
-        _ => eprintln!("usage: trials family|detect|confusion|nothing|grid|pairs [COUNT [FIRST]] [CODE…]"),
+        Some("mountings") => mountings::mountings(number(0, 5), number(1, 0)),
+        Some("rotors") => mountings::rotors(number(0, 2), number(1, 0)),
+        _ => eprintln!("usage: trials family|detect|confusion|nothing|grid|pairs|mountings|rotors [COUNT [FIRST]] [CODE…]"),
     }
 }

@@ -2,13 +2,15 @@
 
 use super::identify::{ModelFiles, UsedLog};
 use super::tell::tell;
+use crate::dynamics::Motion;
 use crate::io::log::{FindingKind, LogReport};
 use crate::io::traced_value;
 use crate::model::Robot;
 use crate::residual::{
-    AugmentedModel, DataFault, Evidence, FaultKind, Finding, Prior, Remedy, ResidualReport, RmsPair, Stretch, TraceOptions,
-    Traced, column_faults, trace,
+    AugmentedModel, DataFault, Evidence, FaultKind, Finding, Gravity, Mounting, Prior, Remedy, ReportedParameter, ResidualReport,
+    RmsPair, Stretch, TraceOptions, Traced, column_faults, mounting, trace, trace_mounted,
 };
+use nalgebra::Vector3;
 use serde_json::Value;
 
 /// Traces the identification logs; the validation logs only measure.
@@ -16,30 +18,39 @@ use serde_json::Value;
 /// Inverted torque signs are named and then undone, so that what else is there can be seen. With joints in another order, mixed-up units or a
 /// column that was not recorded nothing physical can be said: the faults are all that comes back.
 ///
-/// With an `existing` model the question is what has changed since it was made.
+/// With `offsets` a torque offset of every joint belongs to the declared model. With an `existing` model the question is what has changed since it was made.
 pub(super) fn residual(
     robot: &Robot,
     identification: &[UsedLog],
     validation: &[UsedLog],
     existing: Option<(AugmentedModel, Prior)>,
+    offsets: bool,
 ) -> (Value, Traced) {
     let stretches = |logs: &[UsedLog]| logs.iter().filter_map(|l| l.stretch.clone()).collect::<Vec<_>>();
     let (mut measured, mut held_out) = (stretches(identification), stretches(validation));
+    let mounted = match existing.is_none() {
+        true => mounted(robot, identification),
+        false => None,
+    };
+    let declared = robot;
+    let corrected = mounted.map(|m| declared.with_gravity(m.gravity));
+    let robot = corrected.as_ref().unwrap_or(declared);
     let faults = faults(robot, identification);
     let beyond_repair = faults.iter().any(|f| f.remedy == Remedy::Nothing);
     let options = TraceOptions {
         existing,
+        offsets,
         ..TraceOptions::default()
     };
     let nothing_added = TraceOptions {
         most_effects_per_joint: 0,
         ..options.clone()
     };
-    let as_recorded = match faults.is_empty() {
+    let as_recorded = match faults.is_empty() && mounted.is_none() {
         true => None,
-        false => Some(trace(robot, &measured, &held_out, &nothing_added)),
+        false => Some(trace(declared, &measured, &held_out, &nothing_added)),
     };
-    for fault in faults.iter().filter(|f| f.remedy == Remedy::Turn) {
+    for fault in faults.iter().filter(|f| f.fault == FaultKind::TorqueSign) {
         let joints = robot
             .joints()
             .iter()
@@ -49,21 +60,69 @@ pub(super) fn residual(
             measured.iter_mut().chain(&mut held_out).for_each(|s| invert(s, j));
         }
     }
-    let traced = trace(
-        robot,
-        &measured,
-        &held_out,
-        if beyond_repair { &nothing_added } else { &options },
-    );
+    let options = if beyond_repair { &nothing_added } else { &options };
+    let (traced, gravity) = match mounted {
+        None => (trace(robot, &measured, &held_out, options), None),
+        Some(_) => {
+            let (traced, gravity) = trace_mounted(robot, &measured, &held_out, options);
+            (traced, Some(gravity))
+        }
+    };
     let mut report = traced.report.clone();
+    let mounting = gravity.map(|g| (mounting_fault(declared, &g), g));
     if let Some(before) = as_recorded {
+        let first = mounting
+            .iter()
+            .map(|(fault, g)| gravity_finding(fault, g, &before.report, &report));
         let named = faults.iter().map(|f| fault_finding(f, &before.report, &report));
-        report.findings = named.chain(report.findings.iter().cloned()).collect();
+        report.findings = first.chain(named).chain(report.findings.iter().cloned()).collect();
     }
-    report.data_faults = faults;
+    report.data_faults = mounting.into_iter().map(|(fault, _)| fault).chain(faults).collect();
     let mut document = serde_json::to_value(&report).expect("plain numbers and words");
     tell(robot, &report, &mut document);
     (document, traced)
+}
+
+/// Where the logs say that gravity points, if that is another mounting than the declared one.
+fn mounted(robot: &Robot, logs: &[UsedLog]) -> Option<Mounting> {
+    let read: Vec<(&Motion, &[Vec<f64>])> = logs.iter().map(|l| (&*l.prepared.motion, &l.prepared.torque[..])).collect();
+    // Positions in degrees or exchanged say nothing of gravity.
+    let misread = logs.iter().any(|l| {
+        let faults = column_faults(robot, &l.prepared.motion, &l.prepared.torque);
+        faults.iter().any(|f| f.fault == FaultKind::UnitMismatch)
+    });
+    if misread { None } else { mounting(robot, &read) }
+}
+
+/// The direction as a fault of what was declared.
+fn mounting_fault(declared: &Robot, gravity: &Gravity) -> DataFault {
+    let vector = |v: Vector3<f64>| format!("[{}]", v.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join(", "));
+    let angle = declared.gravity().angle(&gravity.value).to_degrees();
+    DataFault {
+        fault: FaultKind::GravityDirection,
+        joints: Vec::new(),
+        detail: format!(
+            "gravity points along {} m/s² in the base frame, {angle:.0}° from the declared {}: the arm is mounted otherwise than its description says; \
+             set `gravity` of the robot to that. Everything below is with that direction",
+            vector(gravity.value),
+            vector(declared.gravity())
+        ),
+        remedy: Remedy::Turn,
+    }
+}
+
+/// The fault in the form of a finding, with the vector to use.
+fn gravity_finding(fault: &DataFault, gravity: &Gravity, before: &ResidualReport, after: &ResidualReport) -> Finding {
+    let component = |(i, axis): (usize, &str)| ReportedParameter {
+        name: format!("gravity_{axis}"),
+        value: gravity.value[i],
+        unit: "m/s^2".into(),
+        std_dev: gravity.std_dev[i],
+    };
+    Finding {
+        parameters: ["x", "y", "z"].into_iter().enumerate().map(component).collect(),
+        ..fault_finding(fault, before, after)
+    }
 }
 
 /// Writes the effects found into the model files: all of it into the JSON, what a URDF cannot hold as a comment into that.

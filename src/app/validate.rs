@@ -96,7 +96,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         used.push(log);
     }
     let existing = request.existing.clone();
-    document.residual = existing.map(|model| residual(robot, &used, &[], Some(model)).0);
+    document.residual = existing.map(|model| residual(robot, &used, &[], Some(model), false).0);
     Ok(Validated {
         document,
         logs: used,

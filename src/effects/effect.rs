@@ -129,6 +129,13 @@ pub struct Span {
     pub interval: f64,
 }
 
+/// Positions that a joint can take [rad or m]: its limits, or what it was seen to take where it has none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Travel {
+    pub low: f64,
+    pub high: f64,
+}
+
 /// What a reader is told about an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct About {
@@ -213,6 +220,16 @@ pub trait Effect: Sync + Send {
     /// 2004: Ia and offset). Where the data do not decide, such an effect is the likelier one.
     fn is_everyday(&self) -> bool {
         false
+    }
+
+    /// Where the shape parameters, or the parameters of a distortion, lie on robots ([`ranges`](super::ranges)); empty where nothing is known.
+    fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {
+        Vec::new()
+    }
+
+    /// Whether these coefficients are those of a real thing, as far as `covariance` lets it be seen, on a joint that can be anywhere in `travel`.
+    fn is_plausible(&self, _coefficients: &[f64], _covariance: &DMatrix<f64>, _travel: Travel) -> bool {
+        true
     }
 
     /// Codes of the effects on the same joints that it comes to where its parameters go to a limit: it fits no worse than those, whatever the cause.

@@ -1,5 +1,6 @@
 //! An encoder whose zero is not where the model has it.
 
+use super::ranges::{ENCODER_OFFSET_M, ENCODER_OFFSET_RAD, by_kind};
 use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
@@ -38,6 +39,11 @@ impl Effect for EncoderOffset {
 
     fn steps(&self) -> &'static [f64] {
         &[1e-5]
+    }
+
+    fn ranges(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {
+        let most = by_kind(robot, joints[0], ENCODER_OFFSET_RAD, ENCODER_OFFSET_M);
+        vec![[-most, most]]
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

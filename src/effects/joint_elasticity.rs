@@ -1,6 +1,7 @@
 //! A gear that winds up between the encoder and the link.
 
 use super::interpolation::derivatives;
+use super::ranges::{COMPLIANCE_M, COMPLIANCE_RAD, by_kind};
 use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
@@ -53,6 +54,11 @@ impl Effect for JointElasticity {
 
     fn positive(&self, _form: usize) -> &'static [usize] {
         &[0]
+    }
+
+    fn ranges(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {
+        let most = by_kind(robot, joints[0], COMPLIANCE_RAD, COMPLIANCE_M);
+        vec![[-most, most]]
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

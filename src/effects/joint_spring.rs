@@ -1,6 +1,6 @@
 //! A spring across a joint.
 
-use super::{About, Column, Effect, ParameterInfo, Scene, own_joint, times_position_unit};
+use super::{About, Column, Effect, ParameterInfo, Scene, Travel, own_joint, times_position_unit};
 use crate::model::Robot;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -38,6 +38,25 @@ impl Effect for JointSpring {
             ParameterInfo::new("stiffness", times_position_unit(robot, joints[0], "/rad")),
             ParameterInfo::new("rest_position", robot.joints()[joints[0]].position_unit()),
         ]
+    }
+
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
+    /// Stiff beyond doubt (three standard deviations), and at rest where the joint can be, as far as the data tell: otherwise it is a torque offset.
+    fn is_plausible(&self, coefficients: &[f64], covariance: &DMatrix<f64>, travel: Travel) -> bool {
+        let [k, c] = [coefficients[0], coefficients[1]];
+        if k < 3.0 * covariance[(0, 0)].max(0.0).sqrt() {
+            return false;
+        }
+        // The rest is −c/k.
+        let (rest, slope) = (-c / k, [c / (k * k), -1.0 / k]);
+        let variance: f64 = (0..2)
+            .map(|a| (0..2).map(|b| slope[a] * slope[b] * covariance[(a, b)]).sum::<f64>())
+            .sum();
+        let doubt = 3.0 * variance.max(0.0).sqrt();
+        rest + doubt > travel.low && rest - doubt < travel.high
     }
 
     /// A soft spring with its rest far away is a constant.

@@ -1,7 +1,9 @@
 //! Friction that grows with the torque carried.
 
-use super::{About, Column, Effect, ParameterInfo, Reads, Scene};
+use super::ranges::LOAD_FRICTION;
+use super::{About, Column, Effect, ParameterInfo, Reads, Scene, Travel};
 use crate::model::Robot;
+use nalgebra::DMatrix;
 
 /// `tau_j += μ |tau_rigid,j| sign qd`.
 pub struct LoadDependentFriction;
@@ -42,6 +44,10 @@ impl Effect for LoadDependentFriction {
 
     fn positive(&self, _form: usize) -> &'static [usize] {
         &[0]
+    }
+
+    fn is_plausible(&self, coefficients: &[f64], _covariance: &DMatrix<f64>, _travel: Travel) -> bool {
+        coefficients[0] < LOAD_FRICTION[1]
     }
 
     fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {

@@ -19,6 +19,7 @@ mod nonlinear_viscous_friction;
 mod payload;
 mod position_ripple;
 mod presliding_hysteresis;
+pub mod ranges;
 mod rotor_inertia;
 mod stribeck_friction;
 mod torque_crosstalk;
@@ -28,7 +29,8 @@ mod torque_offset;
 mod transmission_coupling;
 mod unexplained;
 
-pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, World};
+pub(crate) use base_tilt::tilted;
+pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, Travel, World};
 pub(crate) use effect::{own_joint, times_position_unit};
 pub use payload::consistent_payload;
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};

@@ -1,5 +1,6 @@
 //! Friction that grows faster or slower than the speed.
 
+use super::ranges::VISCOUS_EXPONENT;
 use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint, times_position_unit};
 use crate::model::Robot;
 
@@ -35,8 +36,8 @@ impl Effect for NonlinearViscousFriction {
     fn shapes(&self, form: usize, _joints: &[usize], _spans: &[Span]) -> Vec<Shape> {
         // 0 and 1 are columns of the declared model; next to them the coefficient is determined by rounding alone.
         let free = Shape {
-            low: 0.15,
-            high: 5.0,
+            low: VISCOUS_EXPONENT[0],
+            high: VISCOUS_EXPONENT[1],
             grid: vec![0.25, 0.35, 0.7, 0.85, 1.25, 1.6, 2.5, 4.0],
         };
         if form == 3 { vec![free] } else { Vec::new() }

@@ -1,5 +1,6 @@
 //! Friction that builds up over a distance after reversal instead of jumping.
 
+use super::ranges::{PRESLIDING_WIDTH_M, PRESLIDING_WIDTH_RAD, by_kind};
 use super::{About, Column, Effect, ParameterInfo, Reads, Scene, Shape, Span};
 use crate::model::Robot;
 
@@ -34,6 +35,10 @@ impl Effect for PreslidingHysteresis {
             .max(1e-5 * span.range)
             .max(f64::MIN_POSITIVE);
         vec![Shape::geometric(narrow, span.range.max(2.0 * narrow), 18)]
+    }
+
+    fn ranges(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {
+        vec![by_kind(robot, joints[0], PRESLIDING_WIDTH_RAD, PRESLIDING_WIDTH_M)]
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {

@@ -1,5 +1,6 @@
 //! Friction that falls with speed just after breaking away.
 
+use super::ranges::{STRIBECK_EXPONENT, STRIBECK_VELOCITY_M, STRIBECK_VELOCITY_RAD, by_kind};
 use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint};
 use crate::model::Robot;
 
@@ -35,12 +36,21 @@ impl Effect for StribeckFriction {
         let mut shapes = vec![Shape::geometric(0.01 * speed, speed, 14)];
         if form == 2 {
             shapes.push(Shape {
-                low: 0.4,
-                high: 4.0,
+                low: STRIBECK_EXPONENT[0],
+                high: STRIBECK_EXPONENT[1],
                 grid: vec![0.5, 1.5, 3.0],
             });
         }
         shapes
+    }
+
+    fn ranges(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {
+        let velocity = by_kind(robot, joints[0], STRIBECK_VELOCITY_RAD, STRIBECK_VELOCITY_M);
+        if form == 2 {
+            vec![velocity, STRIBECK_EXPONENT]
+        } else {
+            vec![velocity]
+        }
     }
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {

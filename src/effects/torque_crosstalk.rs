@@ -1,7 +1,9 @@
 //! A torque sensor that feels its neighbour.
 
-use super::{About, Column, Effect, ParameterInfo, Reads, Scene};
+use super::ranges::CROSSTALK;
+use super::{About, Column, Effect, ParameterInfo, Reads, Scene, Travel};
 use crate::model::Robot;
+use nalgebra::DMatrix;
 
 /// `tau_j += c tau_i`; the joints of a finding are the disturbed one and the one it comes from.
 pub struct TorqueCrosstalk;
@@ -37,6 +39,10 @@ impl Effect for TorqueCrosstalk {
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         vec![Column::on(joints[0], scene.declared[joints[1]].clone())]
+    }
+
+    fn is_plausible(&self, coefficients: &[f64], _covariance: &DMatrix<f64>, _travel: Travel) -> bool {
+        coefficients[0].abs() < CROSSTALK
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

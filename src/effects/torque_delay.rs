@@ -1,6 +1,7 @@
 //! A torque stream that is late.
 
 use super::interpolation::at_time;
+use super::ranges::DELAY;
 use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
@@ -52,6 +53,10 @@ impl Effect for TorqueDelay {
     fn steps(&self) -> &'static [f64] {
         // A tenth of a millisecond: the motion is smooth over that, and sign changes within it are left out of the fit.
         &[1e-4]
+    }
+
+    fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {
+        vec![[-DELAY, DELAY]]
     }
 
     fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {

@@ -1,5 +1,6 @@
 //! A torque channel with the wrong scale.
 
+use super::ranges::GAIN;
 use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
 use crate::model::Robot;
 
@@ -43,6 +44,10 @@ impl Effect for TorqueGain {
 
     fn steps(&self) -> &'static [f64] {
         &[1e-4]
+    }
+
+    fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {
+        vec![[-GAIN, GAIN]]
     }
 
     fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {

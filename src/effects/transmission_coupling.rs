@@ -1,5 +1,6 @@
 //! A motor that turns with two joints at once.
 
+use super::ranges::COUPLING_RATIO;
 use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span};
 use crate::model::Robot;
 
@@ -29,10 +30,10 @@ impl Effect for TransmissionCoupling {
         }
     }
 
+    /// Neighbours: joints that are coupled share a housing. Further apart no gear or belt runs, but base parameters that are missing imitate one.
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
-        let n = robot.joint_count();
-        (0..n)
-            .flat_map(|i| (i + 1..n).map(move |j| vec![i, j]))
+        (1..robot.joint_count())
+            .map(|j| vec![j - 1, j])
             .filter(|pair| kinds_agree(robot, pair))
             .collect()
     }
@@ -45,13 +46,13 @@ impl Effect for TransmissionCoupling {
         // Near zero the second joint takes no part, and what is left is the first joint's own inertia.
         match form {
             2 => vec![Shape {
-                low: 0.25,
-                high: 3.0,
+                low: COUPLING_RATIO[0],
+                high: COUPLING_RATIO[1],
                 grid: vec![0.4, 0.7, 1.4, 2.0],
             }],
             3 => vec![Shape {
-                low: -3.0,
-                high: -0.25,
+                low: -COUPLING_RATIO[1],
+                high: -COUPLING_RATIO[0],
                 grid: vec![-2.0, -1.4, -0.7, -0.4],
             }],
             _ => Vec::new(),

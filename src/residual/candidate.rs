@@ -14,6 +14,8 @@ pub(crate) struct Candidate {
     pub form: usize,
     pub joints: Vec<usize>,
     pub shapes: Vec<Shape>,
+    /// Of the parameters of a distortion.
+    pub bounds: Vec<[f64; 2]>,
 }
 
 /// All candidates for this model and data.
@@ -30,19 +32,35 @@ pub(crate) fn candidates(model: &AugmentedModel, spans: &[Span], against_model: 
         }
         for joints in effect.places(&model.robot) {
             for form in 0..effect.forms() {
-                let shapes = effect.shapes(form, &joints, spans);
+                let bounds = effect.ranges(form, &model.robot, &joints);
+                let shapes = within(effect.shapes(form, &joints, spans), &bounds);
                 if shapes.iter().all(|s| !s.grid.is_empty()) {
                     list.push(Candidate {
                         effect,
                         form,
                         joints: joints.clone(),
                         shapes,
+                        bounds,
                     });
                 }
             }
         }
     }
     list
+}
+
+/// Shapes searched only where they lie on robots. A grid that has no point left there gets the middle of what is left, by ratio; nothing is left of one
+/// that cannot be seen there.
+fn within(mut shapes: Vec<Shape>, ranges: &[[f64; 2]]) -> Vec<Shape> {
+    for (shape, [low, high]) in shapes.iter_mut().zip(ranges) {
+        (shape.low, shape.high) = (shape.low.max(*low), shape.high.min(*high));
+        let inside = shape.low..=shape.high;
+        shape.grid.retain(|v| inside.contains(v));
+        if shape.grid.is_empty() && shape.low < shape.high {
+            shape.grid = vec![(shape.low * shape.high).sqrt()];
+        }
+    }
+    shapes
 }
 
 impl Candidate {
@@ -78,7 +96,10 @@ impl Candidate {
             (coefficients, shape)
         };
         let bounds = if distortion {
-            vec![[f64::NEG_INFINITY, f64::INFINITY]; shape.len()]
+            let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
+            (0..shape.len())
+                .map(|i| self.bounds.get(i).copied().unwrap_or(unlimited))
+                .collect()
         } else {
             self.shapes.iter().map(|s| [s.low, s.high]).collect()
         };

@@ -6,12 +6,15 @@ use crate::identification::filter::LowPass;
 use crate::identification::preprocess::RowFilter;
 use std::sync::Arc;
 
-/// Every `step`-th sample from `first`, and a filter of the same cut-off at that rate: good to a few percent of a jump of the sign, ten
+/// Every `step`-th sample from `first` (or the mean of it and the next), and a filter of the same cut-off at that rate: good to a few percent of a jump of the sign, ten
 /// times cheaper, and used to find what is worth fitting.
 #[derive(Debug, Clone)]
 pub struct Coarse {
     pub first: usize,
     pub step: usize,
+    /// Samples that the mean is taken over: one, or the two in the middle of a bin of an even number. One of them alone would be half a sample early or late, and
+    /// that is a delay.
+    pub width: usize,
     pub stretch: Box<Stretch>,
 }
 
@@ -25,10 +28,20 @@ fn fewest_rows(period_s: f64) -> usize {
 const COARSE_SAMPLES: usize = 5;
 
 impl Stretch {
-    /// Samples of the motion that the coarse form stands on; all of them where there is none.
-    pub(crate) fn coarse_samples(&self) -> Vec<usize> {
-        let (first, step) = self.coarse.as_ref().map_or((0, 1), |c| (c.first, c.step));
-        (first..self.motion.samples()).step_by(step).collect()
+    /// Values over the motion on the samples that the coarse form stands on; all of them where there is none.
+    pub(crate) fn coarse_values(&self, values: &[f64]) -> Vec<f64> {
+        let (first, step, width) = self.coarse.as_ref().map_or((0, 1, 1), |c| (c.first, c.step, c.width));
+        let mean = |s: usize| values[s..s + width].iter().sum::<f64>() / width as f64;
+        (first..values.len() + 1 - width).step_by(step).map(mean).collect()
+    }
+
+    /// A motion on those samples.
+    pub(crate) fn coarse_motion(&self, motion: &Motion) -> Motion {
+        let of = |rows: fn(&Motion, usize) -> &[f64]| -> Vec<Vec<f64>> {
+            (0..self.joints()).map(|j| self.coarse_values(rows(motion, j))).collect()
+        };
+        let (q, qd, qdd) = (of(Motion::positions), of(Motion::velocities), of(Motion::accelerations));
+        Motion::from_fn(self.joints(), q[0].len(), |j, s| [q[j][s], qd[j][s], qdd[j][s]])
     }
 
     pub(crate) fn coarse_form(&self) -> &Stretch {
@@ -59,17 +72,28 @@ impl Stretch {
                 .collect()
         };
         let all = |rows: &Vec<Vec<f64>>| rows.iter().map(|r| mean(r)).collect::<Vec<_>>();
+        let whole = |row: &Vec<bool>| {
+            row.chunks_exact(step)
+                .map(|bin| bin.iter().all(|v| *v))
+                .collect::<Vec<bool>>()
+        };
+        let bins = |rows: &Vec<Vec<bool>>| rows.iter().map(whole).collect::<Vec<_>>();
         let rows = samples / step;
-        let first = step / 2;
+        let (first, width) = if step % 2 == 0 { (step / 2 - 1, 2) } else { (step / 2, 1) };
+        let middle_of = |values: &[f64], s: usize| {
+            let from = first + s * step;
+            values[from..from + width].iter().sum::<f64>() / width as f64
+        };
+        let state = |j: usize, s: usize| {
+            let m = &self.motion;
+            [m.positions(j), m.velocities(j), m.accelerations(j)].map(|v| middle_of(v, s))
+        };
         let middle = Self {
-            motion: Motion::from_fn(self.joints(), rows, |j, s| self.motion.get(j, first + s * step)),
+            motion: Motion::from_fn(self.joints(), rows, state),
             torque: all(&self.torque),
             periods: self.periods.iter().map(all).collect(),
-            usable: self
-                .usable
-                .iter()
-                .map(|u| u.chunks_exact(step).map(|bin| bin.iter().all(|v| *v)).collect())
-                .collect(),
+            usable: bins(&self.usable),
+            resting: bins(&self.resting),
             interval: self.interval * step as f64,
             ..self.clone()
         };
@@ -77,10 +101,12 @@ impl Stretch {
             torque: middle.torque.clone(),
             periods: middle.periods.clone(),
             usable: middle.usable.clone(),
+            resting: middle.resting.clone(),
             filter: Some(Arc::new(mean)),
             coarse: Some(Coarse {
                 first,
                 step,
+                width,
                 stretch: Box::new(middle),
             }),
             ..self
@@ -103,7 +129,12 @@ impl Stretch {
             periods: Vec::new(),
             ..self.clone()
         });
-        Coarse { first, step, stretch }
+        Coarse {
+            first,
+            step,
+            width: 1,
+            stretch,
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use super::crossval::held_out_gain;
 use super::dependence::chance_of;
 use super::select::{Accepted, Threshold};
 use super::system::{Data, System};
+use crate::effects::Travel;
 
 /// Whether a fitted candidate, term `at` of the model `after`, has earned its place.
 pub(crate) fn judge(
@@ -81,7 +82,27 @@ fn is_physical(system: &System, at: usize) -> bool {
     });
     let significant = |i: usize| values[i] > -3.0 * covariance[(i, i)].max(0.0).sqrt();
     let positive = term.effect.positive(term.form);
-    inside && positive.iter().all(|&i| significant(i)) && positive.iter().any(|&i| values[i] > 0.0) | positive.is_empty()
+    let plausible = term.joints.iter().all(|&j| {
+        let own = covariance.view((0, 0), (k, k)).into_owned();
+        term.effect.is_plausible(&term.coefficients, &own, travel(system, j))
+    });
+    inside
+        && plausible
+        && positive.iter().all(|&i| significant(i))
+        && positive.iter().any(|&i| values[i] > 0.0) | positive.is_empty()
+}
+
+/// Where a joint can be: its limits, or where it was.
+fn travel(system: &System, joint: usize) -> Travel {
+    let limits = system.model.robot.joints()[joint].limits.position;
+    let [low, high] = limits.unwrap_or_else(|| {
+        let positions = system
+            .evaluated
+            .iter()
+            .flat_map(|e| e.motion.positions(joint).iter().copied());
+        positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], q| [l.min(q), h.max(q)])
+    });
+    Travel { low, high }
 }
 
 /// An effect that explains a sliver of a large misfit is a part of an approximation, not its cause.

@@ -1,7 +1,9 @@
 //! Lack of fit and errors of a model, joint by joint.
 
+use super::report::AtRest;
 use super::system::{Data, System};
 use super::{AugmentedModel, JointFit, RmsPair, Stretch};
+use crate::dynamics::Motion;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Lack of fit per joint: F of the whitened residual's mean square against the noise.
@@ -49,12 +51,44 @@ pub(super) fn rms(model: &AugmentedModel, identification: &[Stretch], held_out: 
     }
 }
 
+/// Errors where joints [rest](super::stretch::at_rest), of the model to start from and of the last; `None` where none rests.
+pub(super) fn at_rest(
+    first: &AugmentedModel,
+    last: &AugmentedModel,
+    identification: &[Stretch],
+    held_out: &[Stretch],
+) -> Option<AtRest> {
+    let rests = |stretches: &[Stretch]| stretches.iter().any(|s| s.resting.iter().flatten().any(|r| *r));
+    let rows = |s: &Stretch, _: &Motion, j: usize| s.resting[j].clone();
+    let of = |model: &AugmentedModel| RmsPair {
+        identification: rms_of(model, identification, rows),
+        held_out: rms_of(model, held_out, rows),
+    };
+    let seconds = |j: usize| {
+        let one = |s: &Stretch| {
+            let step = s.interval * s.motion.samples() as f64 / s.rows().max(1) as f64;
+            s.resting[j].iter().filter(|r| **r).count() as f64 * step * s.repetitions() as f64
+        };
+        identification.iter().map(one).sum()
+    };
+    (rests(identification) || rests(held_out)).then(|| AtRest {
+        seconds: (0..first.robot.joint_count()).map(seconds).collect(),
+        rms_before: of(first),
+        rms_after: of(last),
+    })
+}
+
 fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
+    rms_of(model, stretches, |s, motion, j| s.kept(motion, j))
+}
+
+/// RMS over the rows of every joint that `rows` picks by stretch, distorted motion and joint; zero where there are none.
+fn rms_of(model: &AugmentedModel, stretches: &[Stretch], rows: impl Fn(&Stretch, &Motion, usize) -> Vec<bool>) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); if stretches.is_empty() { 0 } else { stretches[0].joints() }];
     for stretch in stretches {
         let e = model.evaluate(stretch, None);
         for (j, total) in sums.iter_mut().enumerate() {
-            let keep = stretch.kept(&e.motion, j);
+            let keep = rows(stretch, &e.motion, j);
             let single = [stretch.torque.clone()];
             let records = if stretch.periods.is_empty() {
                 &single[..]

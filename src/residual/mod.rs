@@ -25,6 +25,7 @@ mod faults;
 mod findings;
 mod fit;
 mod function;
+mod gravity;
 mod judge;
 mod levels;
 mod misfit;
@@ -49,11 +50,13 @@ mod unsteady;
 pub use border::RivalTerm;
 pub use design::{EffectColumns, information_over};
 pub use faults::{DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, leave_out, lost_rows, sample_faults};
+pub use gravity::{Gravity, Mounting, OTHER_MOUNTING, mounting, trace_mounted};
 pub(crate) use model::reported;
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
 pub use report::{
-    Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
+    AtRest, Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected,
+    Verdict,
 };
 pub use stretch::Stretch;
 pub use system::Prior;

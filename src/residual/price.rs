@@ -3,7 +3,7 @@
 use super::Term;
 use super::appraise::Scored;
 use super::candidate::Candidate;
-use super::function::{DICTIONARY, function_jobs, with_functions};
+use super::function::{DICTIONARY, function_jobs, left_over, with_functions};
 use super::scan::LINEAR_GAIN;
 use super::select::Selected;
 use super::system::{Data, System};
@@ -32,11 +32,32 @@ pub(super) fn best_with_functions(
     if full.is_none() && count <= 1 {
         return None;
     }
-    let fewer = (0..=MOST_BESIDE).rev().filter(|&k| k < count);
+    let fewer = (0..=MOST_BESIDE)
+        .rev()
+        .filter(|&k| k < count && could_pay(data, selected, fixed, k, candidates));
     best_of(
         full.into_iter()
             .chain(fewer.filter_map(|k| beside(data, selected, fixed, k, candidates))),
     )
+}
+
+/// Whether functions beside the first `k` effects can be the cheaper account at all. Where the effects leave nothing above the noise, no function leaves
+/// less that is worth its price; then there must be a function to every two joints on which the first `k` leave something, of one product at least.
+fn could_pay(data: &Data, selected: &Selected, fixed: usize, k: usize, candidates: &[Candidate]) -> bool {
+    if !left_over(data, &selected.system).is_empty() {
+        return true;
+    }
+    let fewer = prefix(data, selected, fixed + k);
+    let rows = all_rows(&fewer) as f64;
+    let functions = left_over(data, &fewer).len().div_ceil(2) as f64;
+    let each = rows.ln() + 2.0 * DICTIONARY.ln() + choice_of_function(&fewer);
+    let least = price_of(&fewer, candidates, fixed) + functions * each;
+    functions > 0.0 && least + PREFERENCE < price_of(&selected.system, candidates, fixed)
+}
+
+/// Twice the log of the functions that one is chosen from.
+fn choice_of_function(system: &System) -> f64 {
+    2.0 * (function_jobs(system.model.robot.joint_count(), &[0]).len() as f64).ln()
 }
 
 fn best_of(scored: impl Iterator<Item = WithFunctions>) -> Option<WithFunctions> {

@@ -50,10 +50,9 @@ impl System {
     pub fn thinned(&self, data: &Data) -> &[Thinned] {
         self.coarse.get_or_init(|| {
             let thin = |(stretch, e): (&Stretch, &Evaluated)| {
-                let picked = stretch.coarse_samples();
-                let pick = |rows: &[Vec<f64>]| rows.iter().map(|r| picked.iter().map(|&s| r[s]).collect()).collect();
+                let pick = |rows: &[Vec<f64>]| rows.iter().map(|r| stretch.coarse_values(r)).collect();
                 Thinned {
-                    motion: Motion::from_fn(stretch.joints(), picked.len(), |j, s| e.motion.get(j, picked[s])),
+                    motion: stretch.coarse_motion(&e.motion),
                     moved: e.motion != stretch.motion,
                     rigid: pick(&e.rigid),
                     declared: pick(&e.declared),

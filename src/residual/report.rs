@@ -60,6 +60,16 @@ pub struct RmsPair {
     pub held_out: Vec<f64>,
 }
 
+/// Errors where a joint stands still for half a second and more: locked-in friction holds it there, and those rows take no part in fits and other errors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AtRest {
+    /// Time at rest in the identification logs, per joint (s).
+    pub seconds: Vec<f64>,
+    /// Of the declared model and of the final one; zero for a joint that never rests.
+    pub rms_before: RmsPair,
+    pub rms_after: RmsPair,
+}
+
 /// Why an effect is believed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Evidence {
@@ -144,6 +154,9 @@ pub struct ResidualReport {
     /// RMS of the declared model and of the final one.
     pub rms_before: RmsPair,
     pub rms_after: RmsPair,
+    /// The same where joints rest, if any does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_rest: Option<AtRest>,
 }
 
 /// Report and augmented model.

@@ -186,7 +186,17 @@ fn contest(
                 let open = evidence < -NOT_EXCLUDED && settles;
                 let tried = hypotheses(candidates, s.candidate.effect.code());
                 let accepted = open
-                    .then(|| judge(data, &without, &there, &fitted, fitted.model.terms.len() - 1, threshold, tried))
+                    .then(|| {
+                        judge(
+                            data,
+                            &without,
+                            &there,
+                            &fitted,
+                            fitted.model.terms.len() - 1,
+                            threshold,
+                            tried,
+                        )
+                    })
                     .flatten();
                 let better = accepted.map(|accepted| Better {
                     evidence,

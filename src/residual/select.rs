@@ -220,7 +220,8 @@ fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &
         }
         let term: Term = now.system.model.terms[at].clone();
         let tried = hypotheses(candidates, term.effect.code());
-        let superfluous = |loss: f64, parameters: usize| chance_of_loss(&now.system, at, loss, parameters) * tried > threshold.chance;
+        let superfluous =
+            |loss: f64, parameters: usize| chance_of_loss(&now.system, at, loss, parameters) * tried > threshold.chance;
         // A fit without the effect says what is lost; where the linear model says many times what is needed, it need not be made.
         let (linear, _) = wald(&term, &now.system.term_covariance(at));
         if !superfluous(LINEAR_SHARE * linear, term.parameters()) {

@@ -27,6 +27,8 @@ pub struct Stretch {
     pub periodic: bool,
     /// Rows that count; n × M.
     pub usable: Vec<Vec<bool>>,
+    /// Rows that would count, but that a joint [rests](at_rest) at; n × M.
+    pub resting: Vec<Vec<bool>>,
     pub filter: Option<ColumnFilter>,
     /// The same rows from fewer samples, where a filter leaves most of them without say.
     pub coarse: Option<Coarse>,
@@ -161,6 +163,7 @@ impl Stretch {
             interval,
             periodic,
             usable: vec![vec![true; samples]; joints],
+            resting: vec![vec![false; samples]; joints],
             filter: None,
             coarse: None,
         }
@@ -191,6 +194,12 @@ impl Stretch {
         }
         let filter = prepared.row_filter.clone();
         let coarse_filter = coarse_filter(&filter);
+        let sound: Vec<Vec<bool>> = (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect();
+        let rests: Vec<Vec<bool>> = (0..prepared.joints()).map(|j| resting_rows(prepared, j)).collect();
+        let both = |moves: bool| {
+            let row = |(s, r): (&Vec<bool>, &Vec<bool>)| s.iter().zip(r).map(|(s, r)| *s && *r != moves).collect();
+            sound.iter().zip(&rests).map(row).collect::<Vec<Vec<bool>>>()
+        };
         let plain = filter.torque.is_none() && filter.columns.is_none() && filter.edges == 0 && filter.decimation == 1;
         let fine = Self {
             name: prepared.name.clone(),
@@ -200,13 +209,46 @@ impl Stretch {
             starts,
             interval: 1.0 / prepared.rate_hz,
             periodic: prepared.is_periodic() && plain,
-            usable: (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect(),
+            usable: both(true),
+            resting: both(false),
             filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
             coarse: None,
         };
         let coarse = coarse_filter.map(|(first, step, filter)| fine.thinned(first, step, filter));
         Self { coarse, ..fine }.in_bins()
     }
+}
+
+/// Rows at which a joint rests, the torque's filter reached from either side.
+fn resting_rows(prepared: &PreparedLog, joint: usize) -> Vec<bool> {
+    let rests = at_rest(prepared.motion.velocities(joint), 1.0 / prepared.rate_hz);
+    prepared.row_filter.rows(prepared.samples()).map(|s| rests[s]).collect()
+}
+
+/// Share of a joint's top speed (99 % of its samples are slower) below which it hardly moves.
+const SLOW: f64 = 0.05;
+/// Time (s) that a joint hardly moves for when it rests: a reversal at ordinary accelerations passes [`SLOW`] in a tenth of that.
+const REST_S: f64 = 0.5;
+
+/// Samples at which a joint rests: locked-in friction holds it then, any torque between the two levels of Coulomb friction, which is no function of the state. A
+/// joint that never moves does not rest, it is not there.
+pub(crate) fn at_rest(speeds: &[f64], interval: f64) -> Vec<bool> {
+    let mut sorted: Vec<f64> = speeds.iter().map(|v| v.abs()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let top = sorted.get(sorted.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0);
+    let mut rests = vec![false; speeds.len()];
+    let fewest = (REST_S / interval).ceil() as usize;
+    let mut from = 0;
+    for s in 0..=speeds.len() {
+        if s < speeds.len() && speeds[s].abs() < SLOW * top {
+            continue;
+        }
+        if s - from >= fewest.max(1) {
+            rests[from..s].fill(true);
+        }
+        from = s + 1;
+    }
+    rests
 }
 
 /// Rows whose samples are data as far as the filter reaches, and where the joint moves fast enough for its direction to be known.

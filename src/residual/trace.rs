@@ -5,7 +5,7 @@ use super::border::{RivalTerm, border};
 use super::candidate::candidates;
 use super::confirm::{Searched, searched};
 use super::findings::{between_findings, findings};
-use super::misfit::{fits, rms};
+use super::misfit::{at_rest, fits, rms};
 use super::report::Outcome;
 use super::rivals::Contest;
 use super::select::Threshold;
@@ -26,6 +26,8 @@ pub struct TraceOptions {
     pub chance: f64,
     /// An existing model and its information, when the question is what has changed since.
     pub existing: Option<(AugmentedModel, Prior)>,
+    /// Whether a torque offset of every joint belongs to the declared model: it is fitted, and is no finding.
+    pub offsets: bool,
     /// A bound on the search: friction laws of one joint have at most three parts beside viscous and Coulomb (Bittencourt & Gunnarsson 2012).
     pub most_effects_per_joint: usize,
 }
@@ -35,6 +37,7 @@ impl Default for TraceOptions {
         Self {
             chance: 1e-3,
             existing: None,
+            offsets: false,
             most_effects_per_joint: 3,
         }
     }
@@ -48,7 +51,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let start = options
         .existing
         .as_ref()
-        .map_or_else(|| AugmentedModel::declared(robot), |(model, _)| model.clone());
+        .map_or_else(|| declared(robot, stretches, options), |(model, _)| model.clone());
     let prior = options.existing.as_ref().map(|(_, prior)| prior);
     let Separated {
         steady,
@@ -101,6 +104,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         lack_of_fit_after: after,
         rms_before: before_rms,
         rms_after: rms(&system.model, stretches, held_out),
+        at_rest: at_rest(&first.model, &system.model, stretches, held_out),
     };
     let mut rival_terms = vec![Vec::new(); start.terms.len()];
     rival_terms.extend(contests.iter().map(|c| rival_terms_of(&data, &system, c)));
@@ -112,6 +116,15 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         model: system.model,
         noise: data.noise,
     }
+}
+
+/// The declared model, its offsets as terms of their own.
+fn declared(robot: &Robot, stretches: &[Stretch], options: &TraceOptions) -> AugmentedModel {
+    let mut model = AugmentedModel::declared(robot);
+    let all = candidates(&model, &spans(stretches), false);
+    let offsets = all.iter().filter(|c| options.offsets && c.effect.code() == "torque_offset");
+    model.terms.extend(offsets.map(|c| c.term(&[0.0], &[])));
+    model
 }
 
 /// Rivals as they were fitted, with what the data say of them beside the final model.
@@ -165,7 +178,7 @@ fn source(noise: &[NoiseModel]) -> String {
 }
 
 /// The noise of every joint: from the periods where there are at least two, otherwise from what the model leaves.
-fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
+pub(super) fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
     let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count())
         .map(|j| NoiseModel::from_periods(data.stretches, j))
         .collect();

@@ -6,5 +6,6 @@ mod columns;
 mod faults;
 mod findings;
 mod measured;
+mod mountings;
 mod rivals;
 mod unsteady;

@@ -171,7 +171,9 @@ fn identified(
         done: total - 1,
         of: total,
     });
-    let traced = request.trace.then(|| residual(&request.robot, &used, &held_out, None));
+    let traced = request
+        .trace
+        .then(|| residual(&request.robot, &used, &held_out, None, request.offset));
     let (report, traced) = traced.unzip();
     document.residual = report;
     let mut model = model;

@@ -11,16 +11,18 @@ const MOST_JOINTS: usize = 3;
 /// Chance of a lack of fit this large from noise, below which structure is said to remain: what single joints are tested at elsewhere.
 const STRUCTURED: f64 = 1e-3;
 
+/// Faults of the data are findings without an effect.
+pub(super) fn is_fault(f: &Finding) -> bool {
+    by_code(&f.effect).is_none()
+}
+
 impl Teller<'_> {
     pub(super) fn finding(&self, index: usize, f: &Finding) -> String {
-        if f.parameters.is_empty() {
-            // A fault of the data: what was seen, and what to do.
+        if is_fault(f) {
+            // Of the data: what was seen, and what to do.
             return sentence(f.note.as_deref().unwrap_or_default());
         }
-        let first = index == 0
-            || self.report.findings[..index]
-                .iter()
-                .all(|before| before.parameters.is_empty());
+        let first = index == 0 || self.report.findings[..index].iter().all(is_fault);
         let held_out = !f.rms_before.held_out.is_empty();
         let of = |pair: &RmsPair, j: usize| if held_out { pair.held_out[j] } else { pair.identification[j] };
         let shown = self.shown(f, &of);

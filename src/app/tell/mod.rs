@@ -34,7 +34,7 @@ struct Teller<'a> {
 
 impl Teller<'_> {
     fn summary(&self) -> String {
-        let is_effect = |f: &&Finding| !f.parameters.is_empty();
+        let is_effect = |f: &&Finding| !finding::is_fault(f);
         let count = self.report.findings.iter().filter(is_effect).count();
         let faults = self.report.findings.len() - count;
         let effects = if count == 1 {

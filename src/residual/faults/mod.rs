@@ -22,6 +22,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
+    GravityDirection,
     TorqueSign,
     JointOrder,
     UnitMismatch,
@@ -32,6 +33,7 @@ impl FaultKind {
     /// Name in documents.
     pub fn code(self) -> &'static str {
         match self {
+            Self::GravityDirection => "gravity_direction",
             Self::TorqueSign => "torque_sign",
             Self::JointOrder => "joint_order",
             Self::UnitMismatch => "unit_mismatch",

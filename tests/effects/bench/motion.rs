@@ -2,7 +2,7 @@
 
 use dynident::model::Robot;
 use dynident::trajectory::{FourierSeries, QuinticWayPoints, Trajectory};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -91,4 +91,12 @@ fn limits(robot: &Robot) -> Vec<[f64; 2]> {
         [travel, j.limits.velocity.unwrap_or(1.5)]
     };
     robot.joints().iter().map(of).collect()
+}
+
+/// Axes and space diagonals, both ways.
+pub fn directions() -> Vec<Vector3<f64>> {
+    let ends = [-1.0, 1.0];
+    let axes = (0..3).flat_map(|i| ends.map(|s| Vector3::ith(i, s)));
+    let diagonals = (0..8).map(|k| Vector3::from_fn(|i, _| ends[k >> i & 1]).normalize());
+    axes.chain(diagonals).collect()
 }

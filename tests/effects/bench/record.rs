@@ -3,9 +3,10 @@
 use super::{bodies, excitation, published, validation, wide_excitation, wide_validation};
 use dynident::identification::{Log, PreprocessOptions, prepare};
 use dynident::model::Robot;
-use dynident::residual::{Outcome, Stretch, TraceOptions, trace};
+use dynident::residual::{Outcome, Stretch, TraceOptions, mounting, trace, trace_mounted};
 use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
 use dynident::trajectory::Trajectory;
+use nalgebra::Vector3;
 
 pub const RATE: f64 = 200.0;
 
@@ -114,5 +115,28 @@ fn as_log(recorded: &RecordedLog, name: &str, rate_hz: f64) -> Log {
         qd: None,
         tau: recorded.tau.clone(),
         usable: vec![true; recorded.time.len()],
+    }
+}
+
+/// Gravity as found, if it is not as declared, and the tracing with it, of a log of `robot` under gravity along `direction`.
+pub fn traced_mounted(
+    robot: &Robot,
+    direction: Vector3<f64>,
+    effects: &[HiddenEffect],
+    seed: u64,
+) -> (Option<Vector3<f64>>, Outcome) {
+    let n = robot.joint_count();
+    let there = robot.with_gravity(direction.normalize() * robot.gravity().norm());
+    let [identify, validate] = logs(&there, effects, &sensor_noise(n), seed);
+    let prepared = prepare(&as_log(&identify, "identify", RATE), n, &PreprocessOptions::default()).unwrap();
+    let stretches = [stretch(&identify, "identify")];
+    let held_out = [stretch(&validate, "validate")];
+    let options = TraceOptions::default();
+    match mounting(robot, &[(&prepared.motion, &prepared.torque)]) {
+        None => (None, trace(robot, &stretches, &held_out, &options)),
+        Some(found) => {
+            let (outcome, gravity) = trace_mounted(&robot.with_gravity(found.gravity), &stretches, &held_out, &options);
+            (Some(gravity.value), outcome)
+        }
     }
 }

@@ -1,0 +1,70 @@
+//! The direction of gravity by all samples, weighed by their noise.
+
+use crate::effects::tilted;
+use crate::model::Robot;
+use crate::residual::candidate::candidates;
+use crate::residual::confirm::honest_covariance;
+use crate::residual::stretch::spans;
+use crate::residual::system::Data;
+use crate::residual::trace::{floor, trace};
+use crate::residual::{AugmentedModel, Stretch, Term, TraceOptions, Traced};
+use nalgebra::{DMatrix, Vector3};
+
+/// Gravity in the base frame with the standard deviation of every component [m/s²].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gravity {
+    pub value: Vector3<f64>,
+    pub std_dev: Vector3<f64>,
+}
+
+/// The tracing with gravity where all samples have it, starting from where `robot` has it. Effects that were found may have turned it by a little: then
+/// that is a part of the direction, and not a base out of level.
+pub fn trace_mounted(robot: &Robot, measured: &[Stretch], held_out: &[Stretch], options: &TraceOptions) -> (Traced, Gravity) {
+    let mut gravity = refined(robot, measured);
+    let first = trace(&robot.with_gravity(gravity.value), measured, held_out, options);
+    let tilt = first.model.terms.iter().find(|t| t.effect.code() == "base_tilt");
+    let Some(tilt) = tilt else { return (first, gravity) };
+    gravity.value = tilted(first.model.robot.gravity(), &tilt.shape);
+    let again = trace(&robot.with_gravity(gravity.value), measured, held_out, options);
+    (again, gravity)
+}
+
+/// Gravity with a tilt of the base beside all base parameters, from the direction that `robot` has.
+fn refined(robot: &Robot, stretches: &[Stretch]) -> Gravity {
+    let start = AugmentedModel::declared(robot);
+    let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
+    let mut data = Data::new(&coarse, Vec::new(), None);
+    data.noise = floor(robot, &data, &start);
+    let list = candidates(&start, &spans(stretches), false);
+    let mut model = start;
+    let tilt = list.iter().find(|c| c.effect.code() == "base_tilt");
+    model
+        .terms
+        .extend(tilt.map(|c| c.term(&vec![0.0; c.effect.steps().len()], &[])));
+    let system = data.fit(model);
+    match system.model.terms.last() {
+        Some(term) => turned(robot, term, &honest_covariance(&system, 0)),
+        None => Gravity {
+            value: robot.gravity(),
+            std_dev: Vector3::zeros(),
+        },
+    }
+}
+
+/// Gravity of `robot` with the tilt `term`, whose parameters have this covariance.
+fn turned(robot: &Robot, term: &Term, covariance: &DMatrix<f64>) -> Gravity {
+    let value = tilted(robot.gravity(), &term.shape);
+    // A hundred thousandth of a radian: turns are linear over that.
+    let step = 1e-5;
+    let column = |i: usize| {
+        let mut there = term.shape.clone();
+        there[i] += step;
+        (tilted(robot.gravity(), &there) - value) / step
+    };
+    let slope = DMatrix::from_fn(3, term.shape.len(), |r, c| column(c)[r]);
+    let spread = &slope * covariance * slope.transpose();
+    Gravity {
+        value,
+        std_dev: Vector3::from_fn(|i, _| spread[(i, i)].max(0.0).sqrt()),
+    }
+}
