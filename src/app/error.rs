@@ -32,7 +32,11 @@ pub enum Code {
     ShuttingDown,
     StorageUnavailable,
     Unauthorized,
+    TokenExpired,
     Forbidden,
+    CrossSite,
+    WrongHost,
+    RequestTimeout,
     FileUnreadable,
     FileUnwritable,
     AddressUnavailable,
@@ -48,7 +52,7 @@ pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 
 impl Code {
-    pub const ALL: [Code; 35] = {
+    pub const ALL: [Code; 39] = {
         use Code::*;
         [
             MalformedDocument,
@@ -77,7 +81,11 @@ impl Code {
             ShuttingDown,
             StorageUnavailable,
             Unauthorized,
+            TokenExpired,
             Forbidden,
+            CrossSite,
+            WrongHost,
+            RequestTimeout,
             FileUnreadable,
             FileUnwritable,
             AddressUnavailable,
@@ -157,6 +165,15 @@ impl Code {
                 "Database or data folder cannot be used",
             ),
             Code::Unauthorized => ("unauthorized", 401, EXIT_BAD_INPUT, "A token is needed"),
+            Code::TokenExpired => ("token_expired", 401, EXIT_BAD_INPUT, "The token is no longer valid"),
+            Code::CrossSite => (
+                "cross_site",
+                403,
+                EXIT_BAD_INPUT,
+                "The request comes from a page of another site",
+            ),
+            Code::WrongHost => ("wrong_host", 421, EXIT_BAD_INPUT, "The request is for another server"),
+            Code::RequestTimeout => ("request_timeout", 408, EXIT_BAD_INPUT, "The request stopped coming in"),
             Code::Forbidden => ("forbidden", 403, EXIT_BAD_INPUT, "The token does not allow this"),
             Code::ShuttingDown => ("shutting_down", 503, EXIT_INTERNAL, "The server is shutting down"),
             Code::FileUnreadable => ("file_unreadable", 500, EXIT_BAD_INPUT, "A file cannot be read"),

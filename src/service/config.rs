@@ -49,6 +49,14 @@ pub struct Config {
     pub request_burst: u32,
     /// Whether every request needs a bearer token.
     pub tokens_required: bool,
+    /// Names of hosts, with a port where it is not the usual one, under which a server without tokens is reached, beside addresses in numbers and `localhost`.
+    pub allowed_hosts: Vec<String>,
+    /// Connections that are open at the same time; further ones wait. Fewer where the limit on open files says so.
+    pub most_connections: usize,
+    /// Time in which the header of a request has to be complete, and in which a connection that is kept open has to have its next request.
+    pub header_timeout: Duration,
+    /// Time after which a body that stops coming in, or an answer that is not taken, ends the connection.
+    pub idle_timeout: Duration,
     /// Whether requests that came through a proxy are refused: right for a server that is open because it serves its own machine only.
     pub refuse_forwarded: bool,
 }
@@ -78,6 +86,10 @@ impl Default for Config {
             requests_per_second: Some(100),
             request_burst: 1000,
             tokens_required: false,
+            allowed_hosts: Vec::new(),
+            most_connections: 1000,
+            header_timeout: Duration::from_secs(30),
+            idle_timeout: Duration::from_secs(60),
             refuse_forwarded: true,
         }
     }

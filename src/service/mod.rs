@@ -3,16 +3,20 @@
 mod access;
 mod address;
 pub mod api;
+mod blocking;
 mod config;
+mod connections;
 mod design;
 mod document;
 mod exchange;
 mod folder;
 mod known;
 mod metrics;
+mod origin;
 mod prefer;
 mod problem;
 mod progress;
+mod protection;
 mod rate;
 mod router;
 mod rows;
@@ -32,16 +36,15 @@ pub use router::{openapi_json, router};
 pub use state::Service;
 pub use telemetry::log_to_stderr;
 
-use crate::app::{Code, Error};
+use crate::app::Error;
 use std::future::Future;
-use std::net::SocketAddr;
 use tokio::net::TcpListener;
 
 /// Serves on `listener` until `shutdown` resolves; then running jobs go back into the queue, or, where the data does not outlive the
-/// process, end with the best they have, open answers are finished, and the function returns.
+/// process, end with the best they have, open answers are finished or cut off after a few seconds, and the function returns.
 ///
 /// # Errors
-/// Data folder or database cannot be used; the listener fails.
+/// Data folder or database cannot be used.
 pub async fn serve(
     listener: TcpListener,
     config: Config,
@@ -56,12 +59,11 @@ pub async fn serve(
         tracing::info!("shutting down");
         closing.close();
     };
-    let router = router(service.clone()).into_make_service_with_connect_info::<SocketAddr>();
-    let served = axum::serve(listener, router).with_graceful_shutdown(graceful).await;
+    connections::serve_connections(listener, router(service.clone()), service.config(), graceful).await;
     service.close();
     service.drained().await;
     service.store().close().await;
-    served.map_err(|e| Error::new(Code::Internal, format!("the server failed: {e}")))
+    Ok(())
 }
 
 /// Does jobs of a shared database until `shutdown` resolves; then running jobs go back into the queue, and the function returns.

@@ -5,6 +5,7 @@ use axum::Json;
 use axum::extract::rejection::BytesRejection;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use tower_http::timeout::TimeoutError;
 
 /// An error on its way to the client.
 #[derive(Debug)]
@@ -24,11 +25,24 @@ impl From<BytesRejection> for Failure {
                 "the document is larger than this server accepts",
             ));
         }
+        if is_timeout(&rejection) {
+            return stalled();
+        }
         Self(Error::new(
             Code::MalformedDocument,
             format!("the body could not be read: {}", rejection.body_text()),
         ))
     }
+}
+
+/// Whether a body could not be read because it stopped coming in.
+pub(super) fn is_timeout(error: &(dyn std::error::Error + 'static)) -> bool {
+    std::iter::successors(Some(error), |e| e.source()).any(|e| e.is::<TimeoutError>())
+}
+
+/// What a client hears whose body stopped coming in.
+pub(super) fn stalled() -> Failure {
+    Failure(Error::new(Code::RequestTimeout, "the body stopped coming in").with_hint("send it again"))
 }
 
 impl IntoResponse for Failure {

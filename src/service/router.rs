@@ -4,7 +4,9 @@ use super::access::{authenticate, turn_away};
 use super::address::refuse_unreadable;
 use super::api;
 use super::config::Config;
+use super::origin::{changes_of_own_pages, only_own_pages};
 use super::problem::{Failure, internal_error};
+use super::protection::protect;
 use super::rate;
 use super::state::Service;
 use super::telemetry::identify_and_log;
@@ -12,7 +14,7 @@ use crate::app::{Code, Error};
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
 use axum::http::Uri;
-use axum::middleware::{from_fn, from_fn_with_state};
+use axum::middleware::{from_fn, from_fn_with_state, map_response};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
@@ -63,7 +65,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
         .routes(routes!(api::report::get))
         .routes(routes!(api::identify::get_validation))
         .routes(routes!(api::jobs::list))
-        .routes(routes!(api::jobs::get, api::jobs::cancel))
+        .routes(routes!(api::jobs::get, api::jobs::cancel, api::jobs::describe))
         .routes(routes!(api::jobs::events))
         .routes(routes!(api::robots::list, api::robots::post))
         .routes(routes!(api::robots::get, api::robots::put, api::robots::delete))
@@ -93,13 +95,27 @@ fn say_what_any_may_answer(document: &mut Document) {
     };
     let all = [
         ("401", "No bearer token, or one that is not known, where tokens are needed"),
-        ("403", "The token's role or robots do not allow it"),
+        (
+            "403",
+            "The token's role or robots do not allow it; or the request comes from a page of another site, where no token is needed",
+        ),
+        ("408", "The body stopped coming in"),
+        (
+            "421",
+            "A server that needs no tokens, asked for by a name that is not known to be its own",
+        ),
         ("429", "Too many requests, or too many waiting jobs; see `Retry-After`"),
         ("503", "Database or disk fail, or too many jobs wait; see `Retry-After`"),
     ];
     for (path, item) in document.paths.paths.iter_mut() {
         let names = path.contains('{').then_some(("400", "The address is not UTF-8 text"));
-        let operations = [&mut item.get, &mut item.put, &mut item.post, &mut item.delete];
+        let operations = [
+            &mut item.get,
+            &mut item.put,
+            &mut item.post,
+            &mut item.delete,
+            &mut item.patch,
+        ];
         for operation in operations.into_iter().flatten() {
             for (status, text) in names.into_iter().chain(all) {
                 let answers = &mut operation.responses.responses;
@@ -132,7 +148,7 @@ pub fn router(service: Service) -> Router {
         None => routes,
     };
     let routes = routes.layer(from_fn_with_state(service.clone(), authenticate));
-    routes
+    let routes = routes
         .merge(open)
         .merge(crate::web::pages())
         .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
@@ -142,7 +158,16 @@ pub fn router(service: Service) -> Router {
         .layer(from_fn(refuse_unreadable))
         // Events must go out as they happen: the compressor leaves text/event-stream alone.
         .layer(CompressionLayer::new())
-        .layer(CatchPanicLayer::custom(panicked))
+        .layer(CatchPanicLayer::custom(panicked));
+    // A server without tokens trusts whoever reaches it: pages of other sites do, through the browser of somebody who may.
+    let routes = match service.config().tokens_required {
+        true => routes,
+        false => routes
+            .layer(changes_of_own_pages(&service.config().allowed_hosts))
+            .layer(from_fn_with_state(service.clone(), only_own_pages)),
+    };
+    routes
+        .layer(map_response(protect))
         .layer(from_fn_with_state(service.clone(), identify_and_log))
         .with_state(service)
 }

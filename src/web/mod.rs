@@ -11,5 +11,5 @@ mod pages;
 mod report;
 
 #[cfg(feature = "service")]
-pub use pages::pages;
+pub use pages::{PAGE_POLICY, pages};
 pub use report::{Circumstances, report};

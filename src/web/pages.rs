@@ -15,8 +15,10 @@ const PAGES: &[(&str, &str, &str)] = &[
     ("/loop", "The loop", "loop"),
 ];
 
-/// What the pages may load: their own files. plotly.js sets styles on elements and hands pictures out as data and blob addresses.
-const SECURITY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; frame-ancestors 'self'";
+/// What the pages may load: their own files, and no script that stands in a page. plotly.js sets styles on elements and hands pictures out as
+/// data and blob addresses; so does Swagger UI.
+pub const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
+    font-src 'self'; connect-src 'self'; form-action 'self'; base-uri 'none'; object-src 'none'; frame-ancestors 'none'";
 
 /// Routes of the pages and of what they load. They hold no data of the lab: that comes over the interface, with whatever it asks
 /// for in the way of tokens.
@@ -27,13 +29,9 @@ pub fn pages<S: Clone + Send + Sync + 'static>() -> Router<S> {
             .replace("{title}", title)
             .replace("{name}", name)
             .replace("{main}", &text(&format!("{name}.html")));
-        router.route(address, get(move || std::future::ready(html(page.clone()))))
+        router.route(address, get(move || std::future::ready(Html(page.clone()))))
     });
     router.route("/assets/{*file}", get(file))
-}
-
-fn html(page: String) -> impl IntoResponse {
-    ([(header::CONTENT_SECURITY_POLICY, SECURITY)], Html(page))
 }
 
 async fn file(axum::extract::Path(name): axum::extract::Path<String>, headers: HeaderMap) -> Response {

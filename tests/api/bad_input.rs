@@ -86,7 +86,8 @@ fn huge_documents_are_refused() {
     );
     // With no length announced, it is cut off while it comes.
     let mut stream = std::net::TcpStream::connect(server.address).unwrap();
-    let head = "POST /excitation HTTP/1.1\r\nHost: t\r\nContent-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n";
+    let head =
+        "POST /excitation HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n";
     stream.write_all(head.as_bytes()).unwrap();
     stream
         .write_all(format!("4e20\r\n{}\r\n0\r\n\r\n", " ".repeat(20_000)).as_bytes())

@@ -288,8 +288,7 @@ fn a_server_that_ends_hands_over_what_was_found() {
         let body = long_request().to_string();
         let mut stream = TcpStream::connect(address).unwrap();
         let length = body.len();
-        let head =
-            "POST /excitation HTTP/1.1\r\nHost: t\r\nConnection: close\r\nPrefer: wait=60\r\nContent-Type: application/json";
+        let head = "POST /excitation HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nPrefer: wait=60\r\nContent-Type: application/json";
         write!(stream, "{head}\r\nContent-Length: {length}\r\n\r\n{body}").unwrap();
         let mut text = String::new();
         stream.read_to_string(&mut text).unwrap();

@@ -14,4 +14,6 @@ mod pages;
 mod queue;
 mod readme;
 mod robots;
+mod runs;
+mod security;
 mod tokens;

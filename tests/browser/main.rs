@@ -52,3 +52,23 @@ fn a_newcomer_gets_from_the_lab_to_the_report_on_a_phone() {
 fn a_log_of_160_000_rows_is_drawn_in_under_a_second_and_zooms_smoothly() {
     run("long_log.py", &[]);
 }
+
+#[test]
+fn a_foreign_page_neither_reads_nor_changes_anything() {
+    run("security.py", &[]);
+}
+
+#[test]
+fn periodic_logs_of_500_hz_and_1_khz_are_identified_reported_and_drawn() {
+    run("rates.py", &[]);
+}
+
+#[test]
+fn a_robot_and_a_log_of_ones_own_lead_to_a_validated_model_on_a_laptop() {
+    run("own_robot.py", &["--width", "1440", "--height", "900"]);
+}
+
+#[test]
+fn a_robot_and_a_log_of_ones_own_lead_to_a_validated_model_on_a_phone() {
+    run("own_robot.py", &["--width", "390", "--height", "844"]);
+}

@@ -167,7 +167,11 @@ fn a_search_that_was_killed_goes_on_from_its_best_on_postgresql() {
 fn follow(server: &Process, path: &str, last: u64, enough: impl Fn(usize) -> bool) -> Vec<(u64, String)> {
     let mut stream = TcpStream::connect(server.url.trim_start_matches("http://")).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-    write!(stream, "GET {path} HTTP/1.0\r\nHost: t\r\nLast-Event-ID: {last}\r\n\r\n").unwrap();
+    write!(
+        stream,
+        "GET {path} HTTP/1.0\r\nHost: localhost\r\nLast-Event-ID: {last}\r\n\r\n"
+    )
+    .unwrap();
     let (mut found, mut name) = (Vec::new(), String::new());
     for line in BufReader::new(stream).lines().map_while(Result::ok) {
         match line.split_once(':') {

@@ -6,6 +6,7 @@ mod postgres;
 mod process;
 
 mod deploy;
+mod handles;
 mod kill;
 mod network;
 mod storage;

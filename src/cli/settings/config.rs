@@ -3,6 +3,7 @@
 use super::{Auth, DATA, LogFormat, Settings};
 use crate::app::{Code, Error};
 use crate::service::Config;
+use axum::http::uri::Authority;
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -60,8 +61,24 @@ impl Settings {
             requests_per_second: self.requests_per_second.or(default.requests_per_second).filter(|n| *n > 0),
             request_burst: self.request_burst.unwrap_or(default.request_burst),
             tokens_required,
+            allowed_hosts: hosts(self.allowed_hosts.clone().unwrap_or_default())?,
+            most_connections: self.most_connections.unwrap_or(default.most_connections).max(1),
+            header_timeout: seconds("header_timeout_s", self.header_timeout_s, default.header_timeout)?,
+            idle_timeout: seconds("idle_timeout_s", self.idle_timeout_s, default.idle_timeout)?,
             refuse_forwarded: auth == Auth::Auto,
         })
+    }
+}
+
+/// Names as they stand in a `Host` header.
+fn hosts(names: Vec<String>) -> Result<Vec<String>, Error> {
+    let is_host = |name: &str| !name.is_empty() && !name.contains(['/', '@', '*', ' ']) && name.parse::<Authority>().is_ok();
+    match names.iter().find(|name| !is_host(name)) {
+        None => Ok(names),
+        Some(wrong) => {
+            let detail = format!("the setting allowed_hosts has `{wrong}`, which is no name of a host");
+            Err(Error::new(Code::InvalidDocument, detail).with_hint("names are like dynident.example.org or lab-pc:8443"))
+        }
     }
 }
 

@@ -99,6 +99,24 @@ pub struct Settings {
     /// Requests of one token or address at once.
     #[arg(long, env = "DYNIDENT_REQUEST_BURST", value_name = "N")]
     pub request_burst: Option<u32>,
+    /// Name under which a server without tokens is reached, such as that of a proxy, with its port where that is not the usual one; several separated by
+    /// commas, or the flag several times. Addresses in numbers and `localhost` need not be named.
+    #[arg(
+        long = "allowed-host",
+        env = "DYNIDENT_ALLOWED_HOSTS",
+        value_name = "HOST",
+        value_delimiter = ','
+    )]
+    pub allowed_hosts: Option<Vec<String>>,
+    /// Connections that are open at the same time; further ones wait.
+    #[arg(long, env = "DYNIDENT_MOST_CONNECTIONS", value_name = "N")]
+    pub most_connections: Option<usize>,
+    /// Time in which the header of a request has to be complete, and for which a connection is kept open between requests.
+    #[arg(long, env = "DYNIDENT_HEADER_TIMEOUT_S", value_name = "SECONDS")]
+    pub header_timeout_s: Option<f64>,
+    /// Time after which a body that stops coming in, or an answer that is not taken, ends the connection.
+    #[arg(long, env = "DYNIDENT_IDLE_TIMEOUT_S", value_name = "SECONDS")]
+    pub idle_timeout_s: Option<f64>,
     /// What is logged to standard error, as in RUST_LOG.
     #[arg(long, env = "DYNIDENT_LOG", value_name = "FILTER")]
     pub log: Option<String>,
@@ -136,6 +154,10 @@ fn defaults() -> Settings {
         largest_upload: Some(config.largest_upload),
         requests_per_second: Some(config.requests_per_second.unwrap_or(0)),
         request_burst: Some(config.request_burst),
+        allowed_hosts: Some(config.allowed_hosts),
+        most_connections: Some(config.most_connections),
+        header_timeout_s: Some(config.header_timeout.as_secs_f64()),
+        idle_timeout_s: Some(config.idle_timeout.as_secs_f64()),
         log: Some("info".to_string()),
         log_format: Some(LogFormat::Text),
     }
