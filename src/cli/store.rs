@@ -3,12 +3,11 @@
 use super::settings::{Place, Settings};
 use super::{Ending, files};
 use crate::app::{Code, Error};
-use crate::service::store::{AuditEntry, Files, Store, backup, restore};
+use crate::service::store::{AuditEntry, Files, Store, backup, restore, rfc3339};
 use crate::service::{Service, log_to_stderr};
 use std::fs::File;
 use std::io::{BufReader, BufWriter};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
 
 #[derive(Debug, clap::Args)]
 pub struct AuditArguments {
@@ -77,7 +76,7 @@ pub fn run_audit(arguments: &AuditArguments, json: bool) -> Result<Ending, Error
             return files::print(&files::pretty(&entries));
         }
         let line = |e: &AuditEntry| {
-            let at = humantime::format_rfc3339_millis(SystemTime::UNIX_EPOCH + Duration::from_micros(e.at_us.max(0) as u64));
+            let at = rfc3339(e.at_us);
             format!("{at}  {}  {}  {}  {}  {}\n", e.who, e.action, e.robot, e.target, e.request)
         };
         files::print(&entries.iter().map(line).collect::<String>())

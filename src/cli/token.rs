@@ -5,10 +5,10 @@ use super::store::{note, open_store, run_async};
 use super::{Ending, files};
 use crate::app::{Code, Error};
 use crate::service::new_token;
-use crate::service::store::{Role, TokenRow};
+use crate::service::store::{Role, TokenRow, rfc3339};
 use clap::Subcommand;
 use serde_json::{Value, json};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -29,6 +29,9 @@ enum Command {
         /// What the audit log calls its bearer.
         #[arg(long, default_value = "")]
         name: String,
+        /// Time from now after which it is refused, such as 90d, 12h or 1year; without one it is valid until it is revoked.
+        #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+        expires_in: Option<Duration>,
         #[command(flatten)]
         place: Place,
     },
@@ -56,14 +59,23 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
             robot,
             role,
             name,
+            expires_in,
             place,
-        } => run_async(create(&place.settings(&Settings::default())?, robot, *role, name, json)),
+        } => {
+            let new = new_token(name, *role, robot.clone(), *expires_in);
+            run_async(create(&place.settings(&Settings::default())?, robot, new, json))
+        }
         Command::List { place } => run_async(list(&place.settings(&Settings::default())?, json)),
         Command::Revoke { id, place } => run_async(revoke(&place.settings(&Settings::default())?, id)),
     }
 }
 
-async fn create(settings: &Settings, robots: &[String], role: Role, name: &str, json: bool) -> Result<(), Error> {
+async fn create(
+    settings: &Settings,
+    robots: &[String],
+    (row, secret, hash): (TokenRow, String, String),
+    json: bool,
+) -> Result<(), Error> {
     if let Some(empty) = robots.iter().find(|r| r.trim().is_empty()) {
         return Err(Error::new(
             Code::InvalidDocument,
@@ -71,11 +83,12 @@ async fn create(settings: &Settings, robots: &[String], role: Role, name: &str, 
         ));
     }
     let store = open_store(settings).await?;
-    let (row, secret, hash) = new_token(name, role, robots.to_vec());
     store.add_token(&row, &hash).await?;
     note(&store, "token_create", &robots.join(","), &row.id).await?;
     match json {
-        true => files::print(&files::pretty(&json!({"id": row.id, "token": secret}))),
+        true => files::print(&files::pretty(
+            &json!({"id": row.id, "token": secret, "expires_at": row.expires_us.map(rfc3339)}),
+        )),
         false => files::print(&format!("{secret}\n")),
     }
 }
@@ -86,23 +99,44 @@ async fn list(settings: &Settings, json: bool) -> Result<(), Error> {
         return files::print(&files::pretty(&tokens.iter().map(document).collect::<Vec<Value>>()));
     }
     let line = |t: &TokenRow| {
-        let state = if t.revoked_us.is_some() { "revoked" } else { "valid" };
-        let created =
-            humantime::format_rfc3339_seconds(SystemTime::UNIX_EPOCH + Duration::from_micros(t.created_us.max(0) as u64));
+        let (created, end) = (day(t.created_us), t.expires_us.map_or("never".to_string(), day));
+        let (id, role, robots) = (&t.id, t.role.name(), t.robots.join(","));
         format!(
-            "{}  {:<5}  {:<7}  {created}  {}  {}\n",
-            t.id,
-            t.role.name(),
-            state,
-            t.robots.join(","),
+            "{id}  {role:<5}  {:<7}  {created}  {end:<20}  {robots}  {}\n",
+            state(t),
             t.name
         )
     };
-    files::print(&tokens.iter().map(line).collect::<String>())
+    files::print(&(heads() + &tokens.iter().map(line).collect::<String>()))
+}
+
+fn heads() -> String {
+    format!(
+        "{:<8}  {:<5}  {:<7}  {:<20}  {:<20}  robots  name\n",
+        "id", "role", "state", "created", "expires"
+    )
+}
+
+/// A time to the second.
+fn day(us: i64) -> String {
+    let text = rfc3339(us);
+    text.split_once('.')
+        .map_or(text.clone(), |(seconds, _)| format!("{seconds}Z"))
+}
+
+fn state(t: &TokenRow) -> &'static str {
+    match (t.revoked_us, t.is_expired()) {
+        (Some(_), _) => "revoked",
+        (None, true) => "expired",
+        (None, false) => "valid",
+    }
 }
 
 fn document(t: &TokenRow) -> Value {
-    json!({"id": t.id, "name": t.name, "role": t.role.name(), "robots": t.robots, "revoked": t.revoked_us.is_some()})
+    json!({
+        "id": t.id, "name": t.name, "role": t.role.name(), "robots": t.robots, "revoked": t.revoked_us.is_some(), "state": state(t),
+        "created_at": rfc3339(t.created_us), "expires_at": t.expires_us.map(rfc3339),
+    })
 }
 
 async fn revoke(settings: &Settings, id: &str) -> Result<(), Error> {

@@ -2,7 +2,7 @@
 
 use super::problem::Failure;
 use super::state::Service;
-use super::store::{AuditEntry, Role, TokenRow, hex, now_us, sha256};
+use super::store::{AuditEntry, Role, TokenRow, hex, now_us, rfc3339, sha256};
 use super::telemetry::RequestId;
 use crate::app::{Code, Error};
 use axum::extract::{ConnectInfo, FromRequestParts, Request, State};
@@ -12,6 +12,7 @@ use axum::response::{IntoResponse, Response};
 use rand::RngExt;
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::time::Duration;
 use uuid::Uuid;
 
 /// What stands for all robots.
@@ -180,6 +181,14 @@ async fn identify(service: &Service, headers: &HeaderMap, mut access: Access) ->
     let secret = bearer(headers).ok_or_else(|| unauthorized("the request has no bearer token"))?;
     let token = service.store().token(&sha256(secret.as_bytes())).await?;
     let token = token.ok_or_else(|| unauthorized("the bearer token is not known, or was revoked"))?;
+    if token.is_expired() {
+        let end = token.expires_us.map(rfc3339).unwrap_or_default();
+        let error = Error::new(
+            Code::TokenExpired,
+            format!("the bearer token `{}` was valid until {end}", token.id),
+        );
+        return Err(error.with_hint("ask the operator for another; dynident token create makes tokens"));
+    }
     access.token = Some(Arc::new(token));
     Ok(access)
 }
@@ -197,18 +206,20 @@ fn bearer(headers: &HeaderMap) -> Option<&str> {
     scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
 }
 
-/// Makes a token; its secret, which is handed back, is shown once and kept nowhere.
-pub fn new_token(name: &str, role: Role, robots: Vec<String>) -> (TokenRow, String, String) {
+/// Makes a token that is `valid` for a time from now, or until it is revoked; its secret, which is handed back, is shown once and kept nowhere.
+pub fn new_token(name: &str, role: Role, robots: Vec<String>, valid: Option<Duration>) -> (TokenRow, String, String) {
     let secret: [u8; 32] = rand::rng().random();
     let id = Uuid::new_v4().simple().to_string()[..8].to_string();
     let secret = format!("dynident_{id}_{}", hex(&secret));
     let hash = sha256(secret.as_bytes());
+    let created_us = now_us();
     let row = TokenRow {
         id,
         name: name.to_string(),
         role,
         robots,
-        created_us: now_us(),
+        created_us,
+        expires_us: valid.map(|time| created_us.saturating_add(i64::try_from(time.as_micros()).unwrap_or(i64::MAX))),
         revoked_us: None,
     };
     (row, secret, hash)
@@ -218,7 +229,7 @@ pub fn new_token(name: &str, role: Role, robots: Vec<String>) -> (TokenRow, Stri
 impl Access {
     /// That of a token that may run jobs of these robots.
     pub(super) fn of_test(robots: &[&str]) -> Self {
-        let (row, ..) = new_token("t", Role::Run, robots.iter().map(|r| r.to_string()).collect());
+        let (row, ..) = new_token("t", Role::Run, robots.iter().map(|r| r.to_string()).collect(), None);
         Self {
             token: Some(Arc::new(row)),
             ..Self::default()
@@ -256,8 +267,18 @@ mod tests {
     }
 
     #[test]
+    fn a_token_expires_when_its_time_is_over() {
+        let lasting = |valid: Option<Duration>| new_token("t", Role::Read, vec!["*".into()], valid).0;
+        assert!(!lasting(None).is_expired());
+        assert!(!lasting(Some(Duration::from_secs(3600))).is_expired());
+        // A time beyond all calendars does not come round to the past.
+        assert!(!lasting(Some(Duration::MAX)).is_expired());
+        assert!(lasting(Some(Duration::ZERO)).is_expired());
+    }
+
+    #[test]
     fn secrets_are_not_kept() {
-        let (row, secret, hash) = new_token("t", Role::Read, vec!["*".into()]);
+        let (row, secret, hash) = new_token("t", Role::Read, vec!["*".into()], None);
         assert!(!format!("{row:?}").contains(&secret) && hash == sha256(secret.as_bytes()) && secret.len() > 70);
     }
 }

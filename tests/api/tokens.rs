@@ -5,6 +5,7 @@ use dynident::service::store::{Role, Store};
 use dynident::service::{Config, new_token};
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// A server that asks for tokens, and its data folder.
 struct Guarded {
@@ -37,7 +38,11 @@ impl Guarded {
 
     /// Id and secret.
     fn token(&self, role: Role, robots: &[&str]) -> (String, String) {
-        let (row, secret, hash) = new_token("test", role, robots.iter().map(|r| r.to_string()).collect());
+        self.lasting_token(role, robots, None)
+    }
+
+    fn lasting_token(&self, role: Role, robots: &[&str], valid: Option<Duration>) -> (String, String) {
+        let (row, secret, hash) = new_token("test", role, robots.iter().map(|r| r.to_string()).collect(), valid);
         self.in_store(async |store| store.add_token(&row, &hash).await).unwrap();
         (row.id, secret)
     }
@@ -127,6 +132,26 @@ fn body(path: &str, robot: &str) -> (&'static str, String) {
 }
 
 #[test]
+fn an_expired_token_is_refused_at_every_address_with_a_code_of_its_own() {
+    let guarded = Guarded::start("expired");
+    let (id, expired) = guarded.lasting_token(Role::Admin, &["*"], Some(Duration::from_millis(1)));
+    let (_, lasting) = guarded.lasting_token(Role::Admin, &["*"], Some(Duration::from_secs(3600)));
+    std::thread::sleep(Duration::from_millis(20));
+    for (method, path) in operations() {
+        let answer = guarded.send(&expired, &method, &path.replace("{id}", "nothing"), &[], "");
+        assert_eq!(answer.status, 401, "{method} {path}: {}", answer.text);
+        assert_eq!(answer.problem()["code"], "token_expired", "{method} {path}");
+        assert!(answer.header("www-authenticate").is_some());
+    }
+    let told = guarded.get(&expired, "/jobs").problem()["detail"]
+        .as_str()
+        .unwrap()
+        .to_string();
+    assert!(told.contains(&id) && told.contains("until 20"), "{told}");
+    assert_eq!(guarded.get(&lasting, "/jobs").status, 200);
+}
+
+#[test]
 fn nothing_of_another_robot_is_seen_at_any_address() {
     let guarded = Guarded::start("addresses");
     let (_, everywhere) = guarded.token(Role::Admin, &["*"]);
@@ -152,7 +177,7 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
     let mut checked = 0;
     for (method, path) in operations() {
         let (kind, content) = body(&path, "arm-b");
-        let content = if method == "POST" || method == "PUT" {
+        let content = if ["POST", "PUT", "PATCH"].contains(&method.as_str()) {
             content
         } else {
             String::new()

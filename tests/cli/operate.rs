@@ -50,12 +50,52 @@ fn tokens_are_made_listed_and_revoked_and_the_audit_log_knows() {
             .code(),
         Some(2)
     );
+    let brief = [
+        "token",
+        "create",
+        "--robot",
+        "arm",
+        "--name",
+        "Guest",
+        "--expires-in",
+        "1s",
+        "--data",
+        data,
+        "--json",
+    ];
+    let brief: Value = serde_json::from_str(&stdout(&run(&brief))).unwrap();
+    let end = brief["expires_at"].as_str().unwrap().to_string();
+    let listed = || {
+        list()
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|t| t["id"] == brief["id"])
+            .unwrap()
+            .clone()
+    };
+    assert_eq!(
+        (&listed()["expires_at"], &list()[0]["expires_at"]),
+        (&brief["expires_at"], &Value::Null)
+    );
+    std::thread::sleep(std::time::Duration::from_millis(1100));
+    assert_eq!(listed()["state"], "expired");
+    let table = stdout(&run(&["token", "list", "--data", data]));
+    let seconds = end.split_once('.').unwrap().0;
+    let line = table.lines().find(|l| l.contains("Guest")).unwrap();
+    assert!(line.contains("expired") && line.contains(seconds), "{table}");
+    let wrong = run(&["token", "create", "--robot", "arm", "--expires-in", "soon", "--data", data]);
+    assert!(
+        wrong.status.code() == Some(2) && stderr(&wrong).contains("soon"),
+        "{}",
+        stderr(&wrong)
+    );
     let audit = stdout(&run(&["audit", "--data", data]));
     let actions: Vec<bool> = audit
         .lines()
         .map(|l| l.contains("token_create") || l.contains("token_revoke"))
         .collect();
-    assert_eq!(actions, [true, true], "{audit}");
+    assert_eq!(actions, [true, true, true], "{audit}");
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn leaves_nothing(place: &Place) {
     let server = Process::serve(place, &[]);
     let incoming = place.folder.join("files/incoming");
     let mut stream = TcpStream::connect(server.url.trim_start_matches("http://")).unwrap();
-    let head = "POST /identify HTTP/1.1\r\nHost: t\r\nContent-Type: multipart/form-data; boundary=b\r\nContent-Length: 10000000\r\n\r\n\
+    let head = "POST /identify HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; boundary=b\r\nContent-Length: 10000000\r\n\r\n\
         --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\n";
     stream.write_all(head.as_bytes()).unwrap();
     stream.write_all(&vec![b'1'; 200_000]).unwrap();
@@ -231,6 +231,33 @@ fn a_data_folder_belongs_to_one_process() {
     finishes(&server, 1);
 }
 
+/// What `dynident token` says about the tokens of a place. The subcommand stands before the flags of the place.
+fn token(place: &Place, arguments: &[&str]) -> Value {
+    let given = place.command("token");
+    let mut command = Command::new(given.get_program());
+    command
+        .arg("token")
+        .args(arguments)
+        .args(given.get_args().skip(1))
+        .arg("--json");
+    command
+        .env_remove("DATABASE_URL")
+        .envs(place.database.iter().map(|url| ("DATABASE_URL", url)));
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The secret of a new token.
+fn token_create(place: &Place, lasts: &str) -> String {
+    let made = token(place, &["create", "--robot", "*", "--expires-in", lasts]);
+    made["token"].as_str().unwrap().to_string()
+}
+
+fn tokens_of(place: &Place) -> Value {
+    token(place, &["list"])
+}
+
 #[test]
 fn a_backup_made_while_the_server_runs_restores_on_either_database() {
     let folder = Folder::new("backup");
@@ -239,6 +266,13 @@ fn a_backup_made_while_the_server_runs_restores_on_either_database() {
         "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0}, "limits": {"velocity": 1}}]});
     assert_eq!(server.post("/robots", &robot).0, 201);
     finishes(&server, 1);
+    token_create(&folder.place(), "1ms");
+    token_create(&folder.place(), "30days");
+    let tokens = tokens_of(&folder.place());
+    assert_eq!(
+        (&tokens[0]["state"], &tokens[1]["state"]),
+        (&json!("expired"), &json!("valid"))
+    );
     let archive = folder.path().join("backup.tar");
     let made = folder.place().command("backup").arg(&archive).output().unwrap();
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
@@ -264,6 +298,21 @@ fn a_backup_made_while_the_server_runs_restores_on_either_database() {
         assert_eq!(server.get("/jobs").1, jobs, "{name}");
         assert_eq!(server.get(&format!("/excitation/{id}")).1, result, "{name}");
         assert_eq!(server.get("/robots/arm").1, robot, "{name}");
+        assert_eq!(tokens_of(&place), tokens, "{name}");
+        drop(server);
+        let server = Process::serve(&place, &["--auth", "on"]);
+        let expired = token_create(&place, "1ms");
+        std::thread::sleep(Duration::from_millis(5));
+        let refused = server.send("GET", "/jobs", &[("authorization", &format!("Bearer {expired}"))], "");
+        assert_eq!((refused.0, &refused.1["code"]), (401, &json!("token_expired")), "{name}");
+        let lasting = token_create(&place, "1h");
+        assert_eq!(
+            server
+                .send("GET", "/jobs", &[("authorization", &format!("Bearer {lasting}"))], "")
+                .0,
+            200,
+            "{name}"
+        );
     }
     // Cut off: nothing of it is taken.
     let bytes = std::fs::read(&archive).unwrap();
@@ -317,8 +366,10 @@ fn half_a_request_holds_nobody_up() {
     let folder = Folder::new("half");
     let server = Process::serve(&folder.place(), &[]);
     let mut half = TcpStream::connect(server.url.trim_start_matches("http://")).unwrap();
-    half.write_all(b"POST /excitation HTTP/1.1\r\nHost: t\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n{")
-        .unwrap();
+    half.write_all(
+        b"POST /excitation HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n\r\n{",
+    )
+    .unwrap();
     finishes(&server, 1);
     half.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
     assert!(half.read(&mut [0; 16]).is_err(), "nothing is answered to half a request");

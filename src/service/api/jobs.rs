@@ -3,11 +3,14 @@
 use super::query::QueryFields;
 use crate::app::Problem;
 use crate::app::{Code, Error};
+use crate::io::Parsed;
+use crate::model::FieldProblem;
 use crate::service::access::Access;
+use crate::service::document::JsonBody;
 use crate::service::problem::Failure;
 use crate::service::progress::{ProgressDocument, StepDocument};
 use crate::service::state::Service;
-use crate::service::store::{JobPlace, JobRow, Role};
+use crate::service::store::{JobFilter, JobPlace, JobRow, Role, State as JobState, rfc3339};
 use crate::service::submit::error_of;
 use crate::service::work::Kind;
 use axum::Json;
@@ -15,10 +18,11 @@ use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
+use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
 use serde::Serialize;
 use serde_json::Value;
 use std::convert::Infallible;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 
@@ -39,6 +43,11 @@ pub struct JobDocument {
     /// How the search ended, where there is a result: `Converged`, `BudgetExhausted`, `Stalled`, `Infeasible`, `Cancelled`.
     pub outcome: Option<String>,
     pub cancel_requested: bool,
+    /// What people call it, as `PATCH /jobs/{id}` says.
+    pub name: Option<String>,
+    pub note: Option<String>,
+    /// Name of the token that asked for it.
+    pub owner: Option<String>,
     /// RFC 3339, UTC.
     pub created_at: String,
     pub started_at: Option<String>,
@@ -86,6 +95,9 @@ impl JobDocument {
             state: job.state.name(),
             outcome: job.outcome.clone(),
             cancel_requested: job.cancel_requested,
+            name: job.name.clone(),
+            note: job.note.clone(),
+            owner: job.owner.clone(),
             created_at: rfc3339(job.created_us),
             started_at: job.started_us.map(rfc3339),
             finished_at: job.finished_us.map(rfc3339),
@@ -101,12 +113,6 @@ impl JobDocument {
             },
         }
     }
-}
-
-/// Microseconds since 1970 as people read them.
-fn rfc3339(us: i64) -> String {
-    let time = SystemTime::UNIX_EPOCH + Duration::from_micros(us.max(0) as u64);
-    humantime::format_rfc3339_millis(time).to_string()
 }
 
 /// One server-sent event.
@@ -138,6 +144,11 @@ const LISTED: usize = 200;
         ("limit" = Option<u32>, Query, description = "At most so many, 200 if left out", minimum = 1, maximum = 1000),
         ("before" = Option<String>, Query, description = "As in `next` of the answer before: microseconds since 1970 and the id of a job, behind \
             which the list goes on; without an id, only what is older", pattern = "^[0-9]{1,18}([.][0-9A-Za-z-]{0,64})?$"),
+        ("robot" = Option<String>, Query, description = "Only jobs of this robot", max_length = 64),
+        ("kind" = Option<String>, Query, description = "`excitation`, `identification` or `validation`", pattern = "^(excitation|identification|validation)$"),
+        ("state" = Option<String>, Query, description = "`queued`, `running`, `finished`, `cancelled` or `failed`",
+            pattern = "^(queued|running|finished|cancelled|failed)$"),
+        ("search" = Option<String>, Query, description = "Part of the name, the note, the robot or the id, in whatever case", max_length = 200),
     ),
     responses(
         (status = 200, body = JobList),
@@ -150,13 +161,111 @@ pub async fn list(State(service): State<Service>, access: Access, mut query: Que
     });
     let expected = "a time in microseconds, or `TIME.ID` as in `next` of the answer before";
     let before = query.take("before", JobPlace::first(), expected, JobPlace::read);
+    let text = |most: usize| move |t: &str| (t.chars().count() <= most && !t.contains('\0')).then(|| Some(t.to_string()));
+    let filter = JobFilter {
+        robot: query.take("robot", None, "the id of a robot", text(64)),
+        kind: query.take("kind", None, "excitation, identification or validation", |t| {
+            Kind::named(t).map(Some)
+        }),
+        state: query.take("state", None, "queued, running, finished, cancelled or failed", |t| {
+            JobState::ALL.into_iter().find(|s| s.name() == t).map(Some)
+        }),
+        search: query.take("search", None, "a text of at most 200 characters", text(200)),
+    };
     query.finish()?;
-    let jobs = service.store().jobs(access.robots(), &before, most).await?;
+    let jobs = service.store().jobs(access.robots(), &filter, &before, most).await?;
     let last = jobs.last().filter(|_| jobs.len() == most);
     Ok(Json(JobList {
-        next: last.map(|job| format!("/jobs?limit={most}&before={}", JobPlace::behind(job))),
+        next: last.map(|job| format!("/jobs?limit={most}&before={}{}", JobPlace::behind(job), continued(&filter))),
         jobs: jobs.iter().map(JobDocument::of).collect(),
     }))
+}
+
+/// The conditions of a list, for the address of its next part.
+fn continued(filter: &JobFilter) -> String {
+    let parts = [
+        ("robot", filter.robot.as_deref()),
+        ("kind", filter.kind.map(Kind::name)),
+        ("state", filter.state.map(JobState::name)),
+        ("search", filter.search.as_deref()),
+    ];
+    let given = parts.into_iter().filter_map(|(name, value)| Some((name, value?)));
+    given
+        .map(|(name, value)| format!("&{name}={}", utf8_percent_encode(value, NON_ALPHANUMERIC)))
+        .collect()
+}
+
+/// What is said about a job; what is left out stays, null takes away.
+#[derive(Serialize, utoipa::ToSchema)]
+#[schema(as = JobDescription)]
+#[allow(dead_code)] // for the documentation: the fields are read one by one
+pub struct DescriptionSchema {
+    #[schema(required = false, max_length = 200)]
+    name: Option<String>,
+    #[schema(required = false, max_length = 10000)]
+    note: Option<String>,
+}
+
+/// Name a job, and write about it.
+#[utoipa::path(
+    patch, path = "/jobs/{id}", tag = "jobs", operation_id = "describe_job",
+    params(("id" = String, Path, description = "Id of the job")),
+    request_body(content = DescriptionSchema, content_type = "application/json"),
+    responses(
+        (status = 200, body = JobDocument),
+        (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn describe(
+    State(service): State<Service>,
+    access: Access,
+    Path(id): Path<String>,
+    body: JsonBody,
+) -> Result<Json<JobDocument>, Failure> {
+    let job = find(&service, &access, &id).await?;
+    access.require(Role::Run)?;
+    let (name, note) = read_description(&body.parsed)?;
+    service.store().describe_job(&id, name.as_deref(), note.as_deref()).await?;
+    service.note(&access, "describe_job", &job.robot, &id).await?;
+    Ok(Json(JobDocument::of(&find(&service, &access, &id).await?)))
+}
+
+/// Name and note; an empty text takes away, `None` leaves what there is.
+fn read_description(parsed: &Parsed) -> Result<(Option<String>, Option<String>), Error> {
+    let mut problems = parsed.problems.clone();
+    let Some(fields) = parsed.value.as_object() else {
+        problems.push(FieldProblem::new("", "is not an object with `name` and `note`"));
+        return Err(Error::invalid("the description", problems));
+    };
+    let mut text = |field: &str, most: usize| match fields.get(field) {
+        None => None,
+        Some(Value::Null) => Some(String::new()),
+        Some(Value::String(t)) if t.chars().count() <= most && !t.contains('\0') => Some(t.trim().to_string()),
+        Some(_) => {
+            problems.push(FieldProblem::new(
+                format!("/{field}"),
+                format!("is not a text of at most {most} characters"),
+            ));
+            None
+        }
+    };
+    let read = (text("name", 200), text("note", 10_000));
+    let unknown = fields.keys().filter(|k| !["name", "note"].contains(&k.as_str()));
+    problems.extend(unknown.map(|k| {
+        FieldProblem::new(
+            format!("/{}", k.replace('~', "~0").replace('/', "~1")),
+            "is not a field of it",
+        )
+        .with_hint("`name` and `note` are")
+    }));
+    match problems.is_empty() {
+        true => Ok(read),
+        false => Err(Error::invalid("the description", problems)),
+    }
 }
 
 /// Where a job stands.
@@ -175,19 +284,40 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
 /// Cancel a job.
 ///
 /// A running search ends within a second and keeps the best trajectory found: its result stays at `/excitation/{id}`. Cancelling a job
-/// that has ended changes nothing.
+/// that has ended changes nothing, unless `forget=true` says that it shall go with its result.
 #[utoipa::path(
     delete, path = "/jobs/{id}", tag = "jobs", operation_id = "cancel_job",
-    params(("id" = String, Path, description = "Id of the job")),
+    params(
+        ("id" = String, Path, description = "Id of the job"),
+        ("forget" = Option<bool>, Query, description = "`true`: remove an ended job with its result"),
+    ),
     responses(
+        (status = 204, description = "Forgotten"),
+        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "To be forgotten, and still waiting or running", body = Problem, content_type = "application/problem+json"),
         (status = 200, description = "The job has ended", body = JobDocument),
         (status = 202, description = "The job will end within a second", body = JobDocument),
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn cancel(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Response, Failure> {
+pub async fn cancel(
+    State(service): State<Service>,
+    access: Access,
+    Path(id): Path<String>,
+    mut query: QueryFields,
+) -> Result<Response, Failure> {
+    let forget = query.take("forget", false, "true or false", |t| t.parse().ok());
+    query.finish()?;
     let job = find(&service, &access, &id).await?;
     access.require(Role::Run)?;
+    if forget {
+        if !service.store().forget_job(&id).await? {
+            let running = Error::new(Code::NoResult, "the job waits or runs");
+            return Err(Failure(running.with_hint("cancel it first: DELETE without `forget`")));
+        }
+        service.note(&access, "forget_job", &job.robot, &id).await?;
+        return Ok(StatusCode::NO_CONTENT.into_response());
+    }
     let job = service.cancel_job(&job, &access).await?;
     let status = match job.state.is_final() {
         true => StatusCode::OK,

@@ -17,7 +17,16 @@ const TABLES: &[(&str, &[&str])] = &[
     ("robots", &["id", "document", "#updated_us"]),
     (
         "tokens",
-        &["id", "name", "hash", "role", "robots", "#created_us", "#revoked_us"],
+        &[
+            "id",
+            "name",
+            "hash",
+            "role",
+            "robots",
+            "#created_us",
+            "#expires_us",
+            "#revoked_us",
+        ],
     ),
     (
         "jobs",
@@ -44,6 +53,8 @@ const TABLES: &[(&str, &[&str])] = &[
             "#created_us",
             "#started_us",
             "#finished_us",
+            "name",
+            "note",
         ],
     ),
     ("job_files", &["job", "hash"]),

@@ -28,6 +28,49 @@ pub struct JobRow {
     pub input: Option<String>,
     pub result: Option<String>,
     pub model: Option<String>,
+    /// What people call it, and what they write about it.
+    pub name: Option<String>,
+    pub note: Option<String>,
+    /// Name of the token that asked for it.
+    pub owner: Option<String>,
+}
+
+/// Which jobs are listed; nothing is no condition.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct JobFilter {
+    pub robot: Option<String>,
+    pub kind: Option<Kind>,
+    pub state: Option<State>,
+    /// Part of the name, the note, the robot or the id, in whatever case.
+    pub search: Option<String>,
+}
+
+impl JobFilter {
+    /// Conditions with places from `$first` on, and what is put there.
+    fn conditions(&self, first: usize) -> (String, Vec<String>) {
+        let (mut sql, mut values) = (String::new(), Vec::new());
+        let mut equal = |column: &str, value: Option<&str>| {
+            if let Some(value) = value {
+                sql.push_str(&format!(" AND {column} = ${}", first + values.len()));
+                values.push(value.to_string());
+            }
+        };
+        equal("robot", self.robot.as_deref());
+        equal("kind", self.kind.map(Kind::name));
+        equal("state", self.state.map(State::name));
+        if let Some(text) = &self.search {
+            let place = first + values.len();
+            let like = |column: &str| format!("LOWER(COALESCE({column}, '')) LIKE ${place} ESCAPE '!'");
+            sql.push_str(&format!(" AND ({})", ["name", "note", "robot", "id"].map(like).join(" OR ")));
+            values.push(format!("%{}%", escaped(&text.to_lowercase())));
+        }
+        (sql, values)
+    }
+}
+
+/// Text in a pattern of LIKE stands for itself.
+fn escaped(text: &str) -> String {
+    text.replace('!', "!!").replace('%', "!%").replace('_', "!_")
 }
 
 /// Where a job stands.
@@ -107,7 +150,7 @@ impl std::fmt::Display for JobPlace {
 }
 
 const COLUMNS: &str = "id, kind, robot, state, sequence, cancel_requested, created_us, started_us, finished_us, outcome, progress, step, \
-     error, input, result, model";
+     error, input, result, model, name, note, (SELECT t.name FROM tokens t WHERE t.id = jobs.token) AS owner";
 
 impl JobRow {
     fn read(row: &AnyRow) -> Result<Self, Error> {
@@ -136,6 +179,9 @@ impl JobRow {
                 input: text("input")?,
                 result: text("result")?,
                 model: text("model")?,
+                name: text("name")?,
+                note: text("note")?,
+                owner: text("owner")?.filter(|name| !name.is_empty()),
             })
         };
         read().map_err(unavailable)
@@ -153,8 +199,14 @@ impl Store {
         row.as_ref().map(JobRow::read).transpose()
     }
 
-    /// The newest `most` jobs behind `place` that `robots` names (all if it is `None`).
-    pub async fn jobs(&self, robots: Option<&[String]>, place: &JobPlace, most: usize) -> Result<Vec<JobRow>, Error> {
+    /// The newest `most` jobs behind `place` that `filter` takes and `robots` names (all if it is `None`).
+    pub async fn jobs(
+        &self,
+        robots: Option<&[String]>,
+        filter: &JobFilter,
+        place: &JobPlace,
+        most: usize,
+    ) -> Result<Vec<JobRow>, Error> {
         let names = robots.unwrap_or_default();
         let places: Vec<String> = (0..names.len()).map(|i| format!("${}", i + 4)).collect();
         let of_robots = match robots {
@@ -162,12 +214,13 @@ impl Store {
             Some([]) => "AND 1 = 0".to_string(),
             Some(_) => format!("AND robot IN ({})", places.join(", ")),
         };
+        let (conditions, values) = filter.conditions(names.len() + 4);
         let sql = self.sql(&format!(
-            "SELECT {COLUMNS} FROM jobs WHERE (created_us < $1 OR (created_us = $1 AND id < $2)) {of_robots} \
+            "SELECT {COLUMNS} FROM jobs WHERE (created_us < $1 OR (created_us = $1 AND id < $2)) {of_robots} {conditions} \
              ORDER BY created_us DESC, id DESC LIMIT $3"
         ));
         let mut query = sqlx::query(sql).bind(place.created_us).bind(&place.id).bind(most as i64);
-        for name in names {
+        for name in names.iter().chain(&values) {
             query = query.bind(name);
         }
         let rows = query.fetch_all(&self.pool).await.map_err(unavailable)?;
@@ -201,6 +254,21 @@ impl Store {
         done.map(drop).map_err(unavailable)
     }
 
+    /// Names a job, and writes about it; `None` leaves what there is, an empty text takes it away.
+    pub async fn describe_job(&self, id: &str, name: Option<&str>, note: Option<&str>) -> Result<(), Error> {
+        let sql = "UPDATE jobs SET name = CASE WHEN $2 IS NULL THEN name ELSE NULLIF($2, '') END, \
+             note = CASE WHEN $3 IS NULL THEN note ELSE NULLIF($3, '') END WHERE id = $1";
+        let done = sqlx::query(sql).bind(id).bind(name).bind(note).execute(&self.pool).await;
+        done.map(drop).map_err(unavailable)
+    }
+
+    /// Forgets an ended job with its result; whether there was one.
+    pub async fn forget_job(&self, id: &str) -> Result<bool, Error> {
+        let sql = "DELETE FROM jobs WHERE id = $1 AND state IN ('finished', 'cancelled', 'failed')";
+        let done = sqlx::query(sql).bind(id).execute(&self.pool).await;
+        done.map(|d| d.rows_affected() > 0).map_err(unavailable)
+    }
+
     /// Forgets all but the newest `kept` ended jobs.
     pub async fn forget_oldest(&self, kept: usize) -> Result<u64, Error> {
         let sql = "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs WHERE state IN ('finished', 'cancelled', 'failed') \
@@ -217,5 +285,26 @@ impl Store {
             .map_err(unavailable)?;
         let read = |row: &AnyRow| Ok::<_, sqlx::Error>((row.try_get("state")?, row.try_get("class")?, row.try_get("jobs")?));
         rows.iter().map(|row| read(row).map_err(unavailable)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_stand_for_themselves() {
+        assert_eq!(JobFilter::default().conditions(4), (String::new(), vec![]));
+        let filter = JobFilter {
+            kind: Some(Kind::Identification),
+            search: Some("50%_A!".into()),
+            ..JobFilter::default()
+        };
+        let (sql, values) = filter.conditions(6);
+        assert!(
+            sql.starts_with(" AND kind = $6 AND (LOWER(COALESCE(name, '')) LIKE $7 ESCAPE '!' OR "),
+            "{sql}"
+        );
+        assert_eq!(values, ["identification", "%50!%!_a!!%"]);
     }
 }

@@ -18,7 +18,7 @@ pub use audit::AuditEntry;
 pub use dump::{Amount, backup, restore};
 pub use files::{Files, NewFile, hex, sha256};
 pub use found::{FoundRow, Spent};
-pub use jobs::{JobPlace, JobRow, State};
+pub use jobs::{JobFilter, JobPlace, JobRow, State};
 pub use queue::{Claimed, Ended, Renewed};
 pub(super) use robots::unreadable as unreadable_robot;
 pub use shares::{Share, ShareResult};
@@ -36,6 +36,7 @@ use std::time::{Duration, SystemTime};
 const MIGRATIONS: &[(i64, &str, &str)] = &[
     (1, "first", include_str!("migrations/0001_first.sql")),
     (2, "found", include_str!("migrations/0002_found.sql")),
+    (3, "expiry_and_names", include_str!("migrations/0003_expiry_and_names.sql")),
 ];
 
 type Transaction = sqlx::Transaction<'static, sqlx::Any>;
@@ -185,6 +186,15 @@ impl Store {
 pub fn now_us() -> i64 {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     since.as_micros() as i64
+}
+
+/// The last time that RFC 3339 has a form for (s since 1970).
+const LAST_OF_CALENDAR: u64 = 253_402_300_799;
+
+/// Microseconds since 1970 as people read them: RFC 3339, UTC.
+pub fn rfc3339(us: i64) -> String {
+    let since = Duration::from_micros(us.max(0) as u64).min(Duration::from_secs(LAST_OF_CALENDAR));
+    humantime::format_rfc3339_millis(SystemTime::UNIX_EPOCH + since).to_string()
 }
 
 /// What clients hear of a database that fails: what it said itself goes to the log.

@@ -37,24 +37,35 @@ pub struct TokenRow {
     /// Names of robots, or `*` for all.
     pub robots: Vec<String>,
     pub created_us: i64,
+    /// From when on it is refused; `None` for never.
+    pub expires_us: Option<i64>,
     pub revoked_us: Option<i64>,
+}
+
+impl TokenRow {
+    /// Whether it is refused by the clock of this machine, which its time was taken from.
+    pub fn is_expired(&self) -> bool {
+        self.expires_us.is_some_and(|end| end <= now_us())
+    }
 }
 
 impl Store {
     pub async fn add_token(&self, token: &TokenRow, hash: &str) -> Result<(), Error> {
-        let done = sqlx::query("INSERT INTO tokens (id, name, hash, role, robots, created_us) VALUES ($1, $2, $3, $4, $5, $6)")
+        let sql = "INSERT INTO tokens (id, name, hash, role, robots, created_us, expires_us) VALUES ($1, $2, $3, $4, $5, $6, $7)";
+        let done = sqlx::query(sql)
             .bind(&token.id)
             .bind(&token.name)
             .bind(hash)
             .bind(token.role.name())
             .bind(serde_json::json!(token.robots).to_string())
             .bind(token.created_us)
+            .bind(token.expires_us)
             .execute(&self.pool)
             .await;
         done.map(drop).map_err(unavailable)
     }
 
-    /// The token of this hash, unless it was revoked.
+    /// The token of this hash, unless it was revoked; one that has expired is found.
     pub async fn token(&self, hash: &str) -> Result<Option<TokenRow>, Error> {
         let row = sqlx::query("SELECT * FROM tokens WHERE hash = $1 AND revoked_us IS NULL")
             .bind(hash)
@@ -101,6 +112,7 @@ fn read(row: &AnyRow) -> Result<TokenRow, sqlx::Error> {
         role: Role::named(&role).ok_or_else(|| unreadable(format!("the role `{role}` is not known")))?,
         robots: serde_json::from_str(&robots).map_err(|e| unreadable(e.to_string()))?,
         created_us: row.try_get("created_us")?,
+        expires_us: row.try_get("expires_us")?,
         revoked_us: row.try_get("revoked_us")?,
     })
 }
