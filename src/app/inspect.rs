@@ -1,6 +1,6 @@
 //! What is understood of logs, before anything is estimated.
 
-use super::{Code, Error, LogFile};
+use super::{CancelFlag, Code, Error, LogFile};
 use crate::identification::{Log, PreparedLog, keep_peaks, prepare};
 use crate::io::log::{found_columns, read_log_file};
 use crate::io::{FindingDocument, IdentifyRequest, InspectDocument, InspectedJoint, InspectedLog, LogDocument};
@@ -10,37 +10,57 @@ use crate::residual::{DataFault, RawLog, column_faults, sample_faults};
 /// Points of every series: as many as a small plot shows.
 const POINTS: usize = 600;
 
-/// Reads and prepares the logs of a request.
+/// Reads and prepares the logs of a request; `None` where `cancel` was set meanwhile.
 ///
 /// # Errors
 /// `invalid_log` with what is wrong with which file.
-pub fn inspect(request: &IdentifyRequest, logs: &[LogFile], validation: &[LogFile]) -> Result<InspectDocument, Error> {
+pub fn inspect(
+    request: &IdentifyRequest,
+    logs: &[LogFile],
+    validation: &[LogFile],
+    cancel: &CancelFlag,
+) -> Result<Option<InspectDocument>, Error> {
     if logs.is_empty() && validation.is_empty() {
         let error = Error::new(Code::InvalidLog, "there is no log to look at");
         return Err(error.with_hint("send at least one part called `log`"));
     }
-    let with_role = |role: &'static str| move |log| one(request, log, role);
-    let logs = logs
-        .iter()
-        .map(with_role("identification"))
-        .chain(validation.iter().map(with_role("validation")));
-    Ok(InspectDocument {
+    let roles = logs.iter().map(|log| (log, "identification"));
+    let roles = roles.chain(validation.iter().map(|log| (log, "validation")));
+    let mut seen = Vec::new();
+    for (log, role) in roles {
+        let Some(one) = one(request, log, role, cancel)? else {
+            return Ok(None);
+        };
+        seen.push(one);
+    }
+    Ok(Some(InspectDocument {
         robot: request.robot.name().to_string(),
-        logs: logs.collect::<Result<_, _>>()?,
+        logs: seen,
         notes: request.notes.clone(),
-    })
+    }))
 }
 
-fn one(request: &IdentifyRequest, file: &LogFile, role: &'static str) -> Result<InspectedLog, Error> {
+fn one(
+    request: &IdentifyRequest,
+    file: &LogFile,
+    role: &'static str,
+    cancel: &CancelFlag,
+) -> Result<Option<InspectedLog>, Error> {
     let robot = &request.robot;
     let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
     let columns = found_columns(&file.path, &file.name, &request.columns, &names).map_err(|e| invalid(e.to_string()))?;
     let (mut log, mut report) =
         read_log_file(&file.path, &request.columns, &names).map_err(|e| invalid(e.named(&file.name).to_string()))?;
+    if cancel.is_cancelled() {
+        return Ok(None);
+    }
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);
     let prepared = prepare(&log, names.len(), &request.preprocess).map_err(|e| invalid(e.to_string()))?;
+    if cancel.is_cancelled() {
+        return Ok(None);
+    }
     let joints = robot
         .joints()
         .iter()
@@ -55,14 +75,14 @@ fn one(request: &IdentifyRequest, file: &LogFile, role: &'static str) -> Result<
     let faults = sample_faults(robot, &raw)
         .into_iter()
         .chain(column_faults(robot, &prepared.motion, &prepared.torque));
-    Ok(InspectedLog {
+    Ok(Some(InspectedLog {
         log: LogDocument::new(&report, role, &prepared.choices),
         columns,
         period_s: prepared.periods.as_ref().map(|p| p.period_s),
         periods: prepared.periods.as_ref().map_or(0, |p| p.count),
         faults: faults.map(fault).collect(),
         joints,
-    })
+    }))
 }
 
 fn fault(fault: DataFault) -> FindingDocument {

@@ -1,7 +1,7 @@
 //! A robot written out again: as a robot document and as URDF, in the frames of the description it came from.
 
 use super::bounds_document::{axis_name, bounds_value};
-use crate::model::{Joint, Robot};
+use crate::model::{Capsule, Joint, Robot};
 use crate::spatial::Transform;
 use nalgebra::{Matrix3, Vector3};
 use quick_xml::Writer;
@@ -94,6 +94,10 @@ fn joint_value(joint: &Joint, frame: &Described) -> Value {
         });
         value.insert("prior".into(), prior);
     }
+    if !joint.geometry.is_empty() {
+        let capsules = joint.geometry.iter().map(|c| capsule_value(c, &frame.turn));
+        value.insert("geometry".into(), capsules.collect());
+    }
     if let Some(bounds) = bounds_value(&joint.bounds) {
         value.insert("bounds".into(), bounds);
     }
@@ -101,6 +105,12 @@ fn joint_value(joint: &Joint, frame: &Described) -> Value {
         value.insert("slender_axis".into(), json!(axis_name(axis)));
     }
     Value::Object(value)
+}
+
+/// A capsule in the link frame of the description.
+fn capsule_value(capsule: &Capsule, turn: &Matrix3<f64>) -> Value {
+    let [from, to] = capsule.ends.map(|end| turn * end);
+    json!({"from": from.as_slice(), "to": to.as_slice(), "radius": capsule.radius})
 }
 
 /// The robot as URDF; links without prior parameters have no inertial.

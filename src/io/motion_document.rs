@@ -33,6 +33,9 @@ pub struct MotionDocument {
     pub gravity: [f64; 3],
     pub joints: Vec<DrawnJoint>,
     pub motion: Option<SampledMotion>,
+    /// The robot by its joints, as `POST /robots` takes it: of a URDF file, all that was read.
+    #[cfg_attr(feature = "service", schema(value_type = Object))]
+    pub description: serde_json::Value,
     /// What to know about how the robot was read.
     pub notes: Vec<String>,
 }

@@ -1,5 +1,6 @@
 //! Bodies of requests.
 
+use super::blocking::sized;
 use super::problem::Failure;
 use crate::app::{Code, Error};
 use crate::io::{Parsed, parse, robot_file};
@@ -53,7 +54,8 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
             return Err(unsupported(&media_type, "application/json"));
         }
         let bytes = Bytes::from_request(request, state).await?;
-        let parsed = parse(&bytes).map_err(Error::from)?;
+        let text = bytes.clone();
+        let parsed = sized(text.len(), move || parse(&text)).await?.map_err(Error::from)?;
         Ok(Self { parsed, bytes })
     }
 }
@@ -67,6 +69,7 @@ impl<S: Send + Sync> FromRequest<S> for RobotBody {
             return Err(unsupported(&media_type, "application/json, or application/xml for URDF"));
         }
         let bytes = Bytes::from_request(request, state).await?;
-        Ok(Self(robot_file(&bytes).map_err(Error::from)?))
+        let read = sized(bytes.len(), move || robot_file(&bytes)).await?;
+        Ok(Self(read.map_err(Error::from)?))
     }
 }

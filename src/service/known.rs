@@ -2,6 +2,7 @@
 //! a job that has been accepted.
 
 use super::access::Access;
+use super::blocking::read_stored;
 use super::state::Service;
 use crate::app::{Code, Error};
 use crate::io::shipped::{ROBOTS, Shipped};
@@ -97,7 +98,7 @@ impl Known {
                 && let Some(job) = service.find_job(id, access).await?
                 && let Some(hash) = job.model.as_ref().filter(|_| job.kind == Kind::Identification)
             {
-                let files: Value = serde_json::from_slice(&service.files().read(hash).await?).unwrap_or_default();
+                let files: Value = read_stored(service.files().read(hash).await?).await.unwrap_or_default();
                 self.models.insert(id.to_string(), files["json"].clone());
                 if of_request {
                     self.owner = Some(job.robot);
@@ -107,7 +108,7 @@ impl Known {
                 && let Some(job) = service.find_job(id, access).await?
                 && let Some(hash) = job.result.as_ref().filter(|_| job.kind == Kind::Excitation)
             {
-                let design: Value = serde_json::from_slice(&service.files().read(hash).await?).unwrap_or_default();
+                let design: Value = read_stored(service.files().read(hash).await?).await.unwrap_or_default();
                 let part = |name: &str| (name.to_string(), design[name].clone());
                 let motion = ["coefficients", "offset", "fundamental_hz"].map(part).into_iter().collect();
                 self.designs.insert(id.to_string(), Value::Object(motion));
@@ -127,7 +128,7 @@ async fn excitation(id: &str, service: &Service, access: &Access) -> Result<Opti
     else {
         return Ok(None);
     };
-    let design: Value = serde_json::from_slice(&service.files().read(&hash).await?).unwrap_or_default();
+    let design: Value = read_stored(service.files().read(&hash).await?).await.unwrap_or_default();
     let order = design["coefficients"]["a"][0].as_array().map(Vec::len);
     Ok(design["period_s"].as_f64().zip(order))
 }

@@ -1,6 +1,6 @@
 //! How many rows a log may have, found out before it is read into memory.
 
-use crate::app::{Code, Error, LogFile};
+use crate::app::{CancelFlag, Code, Error, LogFile};
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -9,16 +9,18 @@ use std::io::{BufRead, BufReader, Read};
 /// has no more of them either.
 const BYTES_OF_ROW: usize = 2000;
 
+/// Ends without a finding when `cancel` is set.
+///
 /// # Errors
 /// The log has more than `most` rows.
-pub fn check(log: &LogFile, most: usize) -> Result<(), Error> {
+pub fn check(log: &LogFile, most: usize, cancel: &CancelFlag) -> Result<(), Error> {
     let unreadable = |e: std::io::Error| Error::new(Code::InvalidLog, format!("{}: cannot be read: {e}", log.name));
     let mut file = BufReader::new(File::open(&log.path).map_err(unreadable)?);
     let compressed = file.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
     // What is wrong with the compression itself is told by the reader, with more words.
     let within = match compressed {
-        true => within(&mut MultiGzDecoder::new(file), most).unwrap_or(true),
-        false => within(&mut file, most).map_err(unreadable)?,
+        true => within(&mut MultiGzDecoder::new(file), most, cancel).unwrap_or(true),
+        false => within(&mut file, most, cancel).map_err(unreadable)?,
     };
     let detail = || {
         format!(
@@ -31,11 +33,11 @@ pub fn check(log: &LogFile, most: usize) -> Result<(), Error> {
         .ok_or_else(|| Error::new(Code::InvalidLog, detail()).with_hint("send the log in parts, or at a lower rate"))
 }
 
-fn within(text: &mut dyn Read, most: usize) -> std::io::Result<bool> {
+fn within(text: &mut dyn Read, most: usize, cancel: &CancelFlag) -> std::io::Result<bool> {
     let (mut rows, mut bytes, mut buffer) = (0, 0, vec![0; 1 << 16]);
     loop {
         let read = text.read(&mut buffer)?;
-        if read == 0 {
+        if read == 0 || cancel.is_cancelled() {
             return Ok(true);
         }
         bytes += read;
@@ -64,14 +66,22 @@ mod tests {
             let path = folder.path().join(name);
             std::fs::write(&path, content).unwrap();
             let log = LogFile::at(&path);
-            assert!(check(&log, 100).is_ok(), "{name}");
-            let error = check(&log, 99).unwrap_err();
+            assert!(check(&log, 100, &CancelFlag::default()).is_ok(), "{name}");
+            let error = check(&log, 99, &CancelFlag::default()).unwrap_err();
             assert!(error.detail.starts_with(&format!("{name}: has more than 99 rows")), "{error}");
         }
     }
 
+    /// Nobody waits for the end of a file that has none.
+    #[test]
+    fn counting_ends_when_it_is_cancelled() {
+        let cancel = CancelFlag::default();
+        cancel.cancel();
+        assert!(within(&mut std::io::repeat(b'0'), usize::MAX, &cancel).unwrap());
+    }
+
     #[test]
     fn a_file_without_lines_is_not_read_to_its_end() {
-        assert!(!within(&mut std::io::repeat(b'0'), 10).unwrap());
+        assert!(!within(&mut std::io::repeat(b'0'), 10, &CancelFlag::default()).unwrap());
     }
 }

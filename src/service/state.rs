@@ -1,6 +1,7 @@
 //! What the handlers share.
 
 use super::access::Access;
+use super::blocking::places;
 use super::config::Config;
 use super::folder::DataFolder;
 use super::known::{is_shipped, shipped, shipped_names};
@@ -32,6 +33,8 @@ struct Inner {
     closing: AtomicBool,
     /// One permit for every job that runs here; closing takes them all.
     idle: Semaphore,
+    /// Places for what requests wait for themselves.
+    interactive: Arc<Semaphore>,
 }
 
 /// Changes that a slow listener may fall behind before it looks at the database instead.
@@ -67,6 +70,7 @@ impl Service {
             running: Mutex::default(),
             closing: AtomicBool::new(false),
             idle: Semaphore::new(PLACES),
+            interactive: Arc::new(Semaphore::new(places())),
         })))
     }
 
@@ -112,6 +116,10 @@ impl Service {
 
     pub(super) fn idle(&self) -> &Semaphore {
         &self.0.idle
+    }
+
+    pub(super) fn interactive(&self) -> Arc<Semaphore> {
+        self.0.interactive.clone()
     }
 
     pub(super) fn running(&self) -> MutexGuard<'_, HashMap<String, CancelFlag>> {

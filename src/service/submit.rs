@@ -80,14 +80,17 @@ impl Service {
             logs: asked.logs,
             validation: asked.validation,
         };
-        let (parsed, names) = (asked.parsed, input.known.clone());
-        // Base parameters of a long arm take a while: not on the threads that serve.
-        let read = tokio::task::spawn_blocking(move || Request::read(kind, &parsed, &names)).await;
-        let request = read.map_err(|_| internal_error())??;
+        let parsed = asked.parsed;
+        // Base parameters of a long arm take a while, and so do megabytes of JSON.
+        let read = move |_: &CancelFlag| {
+            let request = Request::read(kind, &parsed, &input.known)?;
+            let content = serde_json::to_vec(&input).expect("plain data");
+            let fingerprint = sha256(&[kind.name().as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), &content].concat());
+            Ok((request, input, content, fingerprint))
+        };
+        let (request, input, content, fingerprint) = self.blocking(read).await?;
         self.check_limits(&request)?;
         let robot = access.owner(robot_named(&input.request).or(owner.as_deref()), robot_inside(&input.request))?;
-        let content = serde_json::to_vec(&input).expect("plain data");
-        let fingerprint = sha256(&[kind.name().as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), &content].concat());
         if key.is_none()
             && !wishes.afresh
             && let Some(job) = self.store().finished_before(&robot, &fingerprint).await?

@@ -1,6 +1,7 @@
 //! Multipart bodies: one JSON part, any number of files, streamed to disk.
 
-use super::problem::Failure;
+use super::blocking::sized;
+use super::problem::{Failure, is_timeout, stalled};
 use super::store::{Files, hex};
 use super::work::StoredLog;
 use crate::app::{Code, Error};
@@ -96,7 +97,7 @@ async fn json_part(mut field: Field<'_>, hasher: &mut Sha256) -> Result<Parsed, 
             ));
         }
     }
-    Ok(parse(&bytes).map_err(Error::from)?)
+    Ok(sized(bytes.len(), move || parse(&bytes)).await?.map_err(Error::from)?)
 }
 
 /// Streams a part into a file called by its content: names of clients do not reach the file system.
@@ -119,6 +120,9 @@ fn broken(e: MultipartError) -> Failure {
     if e.status() == axum::http::StatusCode::PAYLOAD_TOO_LARGE {
         let error = Error::new(Code::PayloadTooLarge, "the logs are larger than this server accepts");
         return Failure(error.with_hint("compress them with gzip, or send them one by one"));
+    }
+    if is_timeout(&e) {
+        return stalled();
     }
     Failure(Error::new(
         Code::MalformedDocument,

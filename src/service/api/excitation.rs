@@ -6,10 +6,11 @@ use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
 use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
 use crate::app::Problem;
-use crate::app::{Code, Error};
+use crate::app::{CancelFlag, Code, Error};
 use crate::excitation::{Backoff, first_run};
 use crate::io::{DesignDocument, TableFormat, trajectory_csv_parts, trajectory_json_parts};
 use crate::service::access::Access;
+use crate::service::blocking::read_stored;
 use crate::service::design::Motion;
 use crate::service::document::JsonBody;
 use crate::service::prefer::PreferWait;
@@ -23,8 +24,8 @@ use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
+use futures_util::stream::unfold;
 use serde::Serialize;
-use std::convert::Infallible;
 
 /// The result of a design, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
@@ -181,9 +182,18 @@ pub async fn trajectory(
     })
 }
 
-/// A body that is written as fast as the client takes it.
+/// A body that is written as fast as the client takes it, each part off the threads that serve; no thread waits for the client, and none goes on
+/// when it has left.
 fn streamed(parts: impl Iterator<Item = String> + Send + 'static) -> Body {
-    Body::from_stream(tokio_stream::iter(parts.map(Ok::<_, Infallible>)))
+    Body::from_stream(unfold(Some(parts), |rest| async {
+        let mut rest = rest?;
+        let next = tokio::task::spawn_blocking(move || (rest.next(), rest)).await;
+        match next {
+            Ok((part, rest)) => part.map(|part| (Ok(part), Some(rest))),
+            // The client sees a body that is cut off, not one that merely ends.
+            Err(panic) => Some((Err(std::io::Error::other(panic)), None)),
+        }
+    }))
 }
 
 fn no_trajectory() -> Failure {
@@ -204,14 +214,14 @@ async fn first_run_of(
         return Ok(series);
     }
     let file = job.input.as_ref().ok_or_else(internal_error)?;
-    let input: Input = serde_json::from_slice(&service.files().read(file).await?).map_err(|_| internal_error())?;
-    let work = move || -> Result<Option<FourierSeries>, Error> {
+    let input: Input = read_stored(service.files().read(file).await?).await?;
+    let work = move |_: &CancelFlag| -> Result<Option<FourierSeries>, Error> {
         let Request::Excite(request) = Request::of(Kind::Excitation, &input)? else {
             return Ok(None);
         };
         Ok(first_run(&request.problem, &series, backoff).map(|run| run.series))
     };
-    let run = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())??;
+    let run = service.blocking(work).await?;
     let none = || Error::new(Code::NoTrajectory, "no part of this motion keeps every limit along the path");
     Ok(run.ok_or_else(none)?)
 }
@@ -222,7 +232,7 @@ async fn motion_of(service: &Service, job: &JobRow) -> Result<(Motion, f64), Fai
             .with_hint("follow /jobs/{id}/events, or DELETE /jobs/{id} to keep the best found");
         return Err(Failure(error));
     }
-    let motion: Motion = serde_json::from_slice(&document(service, job).await?).map_err(|_| internal_error())?;
+    let motion: Motion = read_stored(document(service, job).await?).await?;
     let rate_hz = motion.sample_rate_hz;
     if motion.count() == 0 {
         return Err(no_trajectory());

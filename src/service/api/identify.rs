@@ -2,11 +2,12 @@
 
 use super::common::{Begun, NoResultOfLogs, UploadRefused, WaitHeader, WorkHeaders};
 use super::query::QueryFields;
-use super::results::{answer, answer_as, begin, document, find, not_multipart};
+use super::results::{Form, answer, answer_as, begin, document, find, not_multipart};
 use super::schemas::{IdentifyUpload, ModelFormat, ValidateUpload};
 use crate::app::{Code, Error, Problem};
 use crate::io::{IdentifyDocument, ValidateDocument};
 use crate::service::access::Access;
+use crate::service::blocking::read_stored;
 use crate::service::prefer::PreferWait;
 use crate::service::problem::Failure;
 use crate::service::state::Service;
@@ -132,22 +133,8 @@ pub async fn get(
     let drawn = query.take("predictions", true, "true or false", |t| t.parse().ok());
     query.finish()?;
     let job = find(&service, &access, &id, Kind::Identification).await?;
-    answer_as(
-        &service,
-        job,
-        wait,
-        |whole| if drawn { whole } else { without_predictions(whole) },
-    )
-    .await
-}
-
-/// A result without its series: a hundredth of its size.
-fn without_predictions(whole: Vec<u8>) -> Vec<u8> {
-    let Ok(Value::Object(mut fields)) = serde_json::from_slice(&whole) else {
-        return whole;
-    };
-    fields.insert("predictions".into(), Value::Array(Vec::new()));
-    Value::Object(fields).to_string().into_bytes()
+    let form = if drawn { Form::Whole } else { Form::WithoutPredictions };
+    answer_as(&service, job, wait, form).await
 }
 
 /// The result of a validation.
@@ -213,7 +200,7 @@ pub async fn model(
             none.with_hint("ask for `feasible`, and see `feasibility` in the result"),
         ));
     };
-    let mut forms: Value = serde_json::from_slice(&service.files().read(file).await?).unwrap_or_default();
+    let mut forms: Value = read_stored(service.files().read(file).await?).await?;
     let place = |extension: &str| {
         let name = format!("attachment; filename=\"model-{id}.{extension}\"");
         (header::CONTENT_DISPOSITION, name)

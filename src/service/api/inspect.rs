@@ -3,17 +3,17 @@
 use super::common::UploadRefused;
 use super::results::not_multipart;
 use super::schemas::IdentifyUpload;
-use crate::app::{Error, inspect};
+use crate::app::{CancelFlag, Error, inspect};
 use crate::io::{InspectDocument, read_identify_request};
 use crate::service::access::Access;
+use crate::service::blocking::{JsonDocument, ended, go_on, json_document};
 use crate::service::known::Known;
-use crate::service::problem::{Failure, internal_error};
+use crate::service::problem::Failure;
 use crate::service::rows;
 use crate::service::state::Service;
 use crate::service::store::Role;
 use crate::service::upload::Upload;
 use crate::service::worker::local;
-use axum::Json;
 use axum::extract::multipart::MultipartRejection;
 use axum::extract::{Multipart, State};
 
@@ -33,7 +33,7 @@ pub async fn post(
     State(service): State<Service>,
     access: Access,
     body: Result<Multipart, MultipartRejection>,
-) -> Result<Json<InspectDocument>, Failure> {
+) -> Result<JsonDocument, Failure> {
     access.require(Role::Run)?;
     // Logs that no job names are swept away later.
     let upload = Upload::read(body.map_err(not_multipart)?, true, service.files()).await?;
@@ -43,12 +43,15 @@ pub async fn post(
         local(&service, &upload.validation).await?,
     );
     let most_rows = service.config().most_rows;
-    let work = move || {
+    let work = move |cancel: &CancelFlag| {
         let request = read_identify_request(&upload.request, &known, &known);
         let request = request.map_err(|e| Error::invalid("the identification request", e))?;
-        logs.iter().chain(&held_out).try_for_each(|log| rows::check(log, most_rows))?;
-        inspect(&request, &logs, &held_out)
+        for log in logs.iter().chain(&held_out) {
+            go_on(cancel)?;
+            rows::check(log, most_rows, cancel)?;
+        }
+        let seen = inspect(&request, &logs, &held_out, cancel)?.ok_or_else(ended)?;
+        Ok(json_document(&seen))
     };
-    let seen = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())?;
-    Ok(Json(seen?))
+    Ok(service.blocking(work).await?)
 }

@@ -1,14 +1,14 @@
 //! `/motion`: what a robot looks like, and what a motion asks of it.
 
 use super::schemas::RobotOrName;
-use crate::app::{Error, Problem, motion};
+use crate::app::{CancelFlag, Error, Problem, motion};
 use crate::io::{Coefficients, MotionDocument, read_motion_request};
 use crate::service::access::Access;
+use crate::service::blocking::{JsonDocument, ended, json_document};
 use crate::service::document::JsonBody;
 use crate::service::known::Known;
-use crate::service::problem::{Failure, internal_error};
+use crate::service::problem::Failure;
 use crate::service::state::Service;
-use axum::Json;
 use axum::extract::State;
 use serde::Serialize;
 
@@ -48,12 +48,12 @@ pub struct SeriesSchema {
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn post(State(service): State<Service>, access: Access, body: JsonBody) -> Result<Json<MotionDocument>, Failure> {
+pub async fn post(State(service): State<Service>, access: Access, body: JsonBody) -> Result<JsonDocument, Failure> {
     let known = Known::of(&body.parsed.value, &service, &access).await?;
-    let work = move || {
+    let work = move |cancel: &CancelFlag| {
         let request = read_motion_request(&body.parsed, &known).map_err(|errors| Error::invalid("the motion request", errors))?;
-        Ok(motion(&request))
+        let drawn = motion(&request, cancel).ok_or_else(ended)?;
+        Ok(json_document(&drawn))
     };
-    let drawn: Result<MotionDocument, Error> = tokio::task::spawn_blocking(work).await.map_err(|_| internal_error())?;
-    Ok(Json(drawn?))
+    Ok(service.blocking(work).await?)
 }

@@ -4,7 +4,8 @@ use super::jobs::JobDocument;
 use super::results::{document, find};
 use crate::app::{Code, Error, Problem};
 use crate::service::access::Access;
-use crate::service::problem::{Failure, internal_error};
+use crate::service::blocking::read_stored;
+use crate::service::problem::Failure;
 use crate::service::state::Service;
 use crate::service::store::JobRow;
 use crate::service::work::Kind;
@@ -47,12 +48,11 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
         ended: JobDocument::of(&job).finished_at,
         design,
     };
-    let page = tokio::task::spawn_blocking(move || report(&result, &circumstances)).await;
-    Ok(Html(page.map_err(|_| internal_error())?))
+    Ok(Html(service.blocking(move |_| Ok(report(&result, &circumstances))).await?))
 }
 
 /// The stored result of a job.
 async fn read(service: &Service, job: &JobRow) -> Result<Value, Failure> {
     let bytes = document(service, job).await?;
-    Ok(serde_json::from_slice(&bytes).map_err(|_| internal_error())?)
+    Ok(read_stored(bytes).await?)
 }

@@ -3,6 +3,7 @@
 use super::jobs::JobDocument;
 use crate::app::{Code, Error};
 use crate::service::access::Access;
+use crate::service::blocking::sized;
 use crate::service::prefer::PreferWait;
 use crate::service::problem::Failure;
 use crate::service::state::Service;
@@ -13,6 +14,7 @@ use axum::Json;
 use axum::extract::multipart::MultipartRejection;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use serde_json::Value;
 
 /// Begins the work, and answers with its result if that comes in the time the client would wait, else with the job.
 pub async fn begin(
@@ -28,16 +30,32 @@ pub async fn begin(
 
 /// The result if it is there or comes in the time the client would wait, else the job.
 pub async fn answer(service: &Service, job: JobRow, wait: PreferWait) -> Result<Response, Failure> {
-    answer_as(service, job, wait, |document| document).await
+    answer_as(service, job, wait, Form::Whole).await
+}
+
+/// In which form a document goes out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    Whole,
+    /// Without the series to draw: a hundredth of its size.
+    WithoutPredictions,
+}
+
+impl Form {
+    fn of(self, whole: Vec<u8>) -> Vec<u8> {
+        if self == Self::Whole {
+            return whole;
+        }
+        let Ok(Value::Object(mut fields)) = serde_json::from_slice(&whole) else {
+            return whole;
+        };
+        fields.insert("predictions".into(), Value::Array(Vec::new()));
+        Value::Object(fields).to_string().into_bytes()
+    }
 }
 
 /// [`answer`], with the document put into another form on its way out.
-pub async fn answer_as(
-    service: &Service,
-    job: JobRow,
-    wait: PreferWait,
-    form: impl FnOnce(Vec<u8>) -> Vec<u8>,
-) -> Result<Response, Failure> {
+pub async fn answer_as(service: &Service, job: JobRow, wait: PreferWait, form: Form) -> Result<Response, Failure> {
     let job = match wait.0 {
         Some(limit) => service.wait(job, limit.min(service.config().longest_wait)).await?,
         None => job,
@@ -48,7 +66,8 @@ pub async fn answer_as(
             (header::CONTENT_LOCATION, job.kind.result_address(&job.id)),
             (header::CONTENT_TYPE, "application/json".to_string()),
         ];
-        let document = with_id(&job.id, &form(document(service, &job).await?));
+        let document = document(service, &job).await?;
+        let document = sized(document.len(), move || with_id(&job.id, &form.of(document))).await?;
         return Ok((StatusCode::OK, applied, place, document).into_response());
     }
     let place = [

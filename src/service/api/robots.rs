@@ -1,13 +1,14 @@
 //! `/robots`: those that come with the program and those of the lab.
 
 use super::schemas::RobotSchema;
-use crate::app::{Code, Error, Problem};
+use crate::app::{CancelFlag, Code, Error, Problem};
 use crate::io::{BaseParametersDocument, Parsed, RobotDocument, robot_document};
 use crate::model::FieldProblem;
 use crate::service::access::{Access, slug};
+use crate::service::blocking::{JsonDocument, json_document};
 use crate::service::document::RobotBody;
 use crate::service::known::is_shipped;
-use crate::service::problem::{Failure, internal_error};
+use crate::service::problem::Failure;
 use crate::service::state::Service;
 use crate::service::store::{Role, unreadable_robot};
 use axum::Json;
@@ -49,10 +50,9 @@ impl RobotSummary {
 }
 
 /// Reads a document on a thread that may take its time.
-async fn read(parsed: Parsed) -> Result<RobotDocument, Error> {
-    let read = tokio::task::spawn_blocking(move || robot_document(&parsed)).await;
-    let read = read.map_err(|_| internal_error())?;
-    read.map_err(|errors| Error::invalid("the robot", errors))
+async fn read(service: &Service, parsed: Parsed) -> Result<RobotDocument, Error> {
+    let work = move |_: &CancelFlag| robot_document(&parsed).map_err(|errors| Error::invalid("the robot", errors));
+    service.blocking(work).await
 }
 
 /// A robot that is kept. What is wrong with its document is not the client's, who has only called it by its name.
@@ -61,7 +61,7 @@ async fn read_stored(service: &Service, id: &str, access: &Access) -> Result<Rob
         value: service.robot(id, access).await?,
         problems: Vec::new(),
     };
-    read(parsed).await.map_err(|e| match e.code {
+    read(service, parsed).await.map_err(|e| match e.code {
         Code::InvalidDocument => Error {
             errors: e.errors,
             ..unreadable_robot(id, &e.detail)
@@ -116,10 +116,11 @@ pub async fn base_parameters(
     State(service): State<Service>,
     access: Access,
     Path(id): Path<String>,
-) -> Result<Json<BaseParametersDocument>, Failure> {
+) -> Result<JsonDocument, Failure> {
     let robot = read_stored(&service, &id, &access).await?.robot;
-    let computed = tokio::task::spawn_blocking(move || BaseParametersDocument::of(&robot)).await;
-    Ok(Json(computed.map_err(|_| internal_error())?))
+    Ok(service
+        .blocking(move |_| Ok(json_document(&BaseParametersDocument::of(&robot))))
+        .await?)
 }
 
 /// Keep a robot of the lab; its id is made from its name.
@@ -140,7 +141,7 @@ pub async fn base_parameters(
 pub async fn post(State(service): State<Service>, access: Access, RobotBody(parsed): RobotBody) -> Result<Response, Failure> {
     access.require(Role::Admin)?;
     let document = parsed.value.clone();
-    let robot = read(parsed).await?;
+    let robot = read(&service, parsed).await?;
     let id = slug(robot.robot.name());
     keep(&service, &access, &id, (document, robot), false).await
 }
@@ -173,7 +174,7 @@ pub async fn put(
         return Err(Failure(Error::invalid("the address", vec![problem])));
     }
     let document = parsed.value.clone();
-    let robot = read(parsed).await?;
+    let robot = read(&service, parsed).await?;
     keep(&service, &access, &id, (document, robot), true).await
 }
 

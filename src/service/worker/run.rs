@@ -129,7 +129,7 @@ pub(in super::super) async fn local(service: &Service, logs: &[StoredLog]) -> Re
 impl Prepared {
     fn run(&self, most_rows: usize, cancel: &CancelFlag, news: &News) -> Result<Outcome, Error> {
         for log in self.logs.iter().chain(&self.validation) {
-            rows::check(log, most_rows)?;
+            rows::check(log, most_rows, cancel)?;
         }
         let started = std::time::Instant::now();
         let tell = |told| news.tell(told, started.elapsed());
