@@ -14,7 +14,7 @@ PLANAR = [3, 0.6, 0.03, 0, 0.02, 0, 0, 0.2, 0, 0.2, 0.3, 0.5, 1, 0.2, -0.01, 0, 
 
 def design(page, options):
     page.goto(options.server)
-    page.get_by_text("Nothing runs, nothing waits.").wait_for()
+    page.get_by_text("No jobs running or queued.").wait_for()
     check(page, "lab")
     check_contrast(page)
     page.get_by_role("link", name="Design a trajectory").click()

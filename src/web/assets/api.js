@@ -97,33 +97,40 @@ export function save(blob, name) {
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
-/** Shows what went wrong at `place`, in the words of the interface; `form` gets the fields marked that it names. */
-export function explain(place, error, form) {
+/**
+ * Shows what went wrong at `place`, in the words of the interface; `form` gets the fields marked that it names. `quiet`: where somebody is typing, nothing
+ * moves.
+ */
+export function explain(place, error, form, { quiet = false } = {}) {
   if (error.name === 'AbortError') return;
   const problem = error.problem ?? { detail: `The page failed: ${error.message}` };
-  const left = (problem.errors ?? []).filter((e) => !mark(form, e));
-  const one = (e) => h('li', {}, h('span', { class: 'mono' }, e.pointer), ` ${e.detail}`, e.hint ? h('div', { class: 'soft' }, e.hint) : null);
+  const all = (problem.errors ?? []).map((e) => ({ ...e, field: mark(form, e) }));
+  const show = (field) => { field.scrollIntoView({ block: 'center' }); field.focus(); };
+  // At the button as well as at the field: what is wrong may be out of sight, or in a part that is folded.
+  const one = (e) => h('li', {}, h('span', { class: 'mono' }, e.pointer), ` ${e.detail}`, e.field ? [' ', h('button', { type: 'button', class: 'link', onclick: () => show(e.field) }, 'Show')] : null, e.hint ? h('div', { class: 'soft' }, e.hint) : null);
   fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, problem.detail), problem.hint ? h('p', {}, problem.hint) : null,
-    left.length ? h('ul', {}, left.map(one)) : null));
+    all.length ? h('ul', {}, all.map(one)) : null));
   if (!error.problem) console.error(error);
-  const bad = form?.querySelector('[aria-invalid=true]');
+  if (quiet) return;
+  const bad = all.find((e) => e.field)?.field;
   (bad ?? place).scrollIntoView({ block: 'center' });
   bad?.focus();
 }
 
-/** Puts one error under the field that carries its pointer, or a pointer above it. */
+/** Puts one error under the field that carries its pointer, or a pointer above it; hands back what takes the focus there. */
 function mark(form, error) {
-  if (!form) return false;
+  if (!form) return null;
   const fields = [...form.querySelectorAll('[data-pointer]')].filter((f) => error.pointer === f.dataset.pointer || error.pointer.startsWith(`${f.dataset.pointer}/`));
   const field = fields.sort((a, b) => b.dataset.pointer.length - a.dataset.pointer.length)[0];
-  if (!field) return false;
-  field.closest('details')?.setAttribute('open', '');
+  if (!field) return null;
+  for (let part = field.closest('details'); part; part = part.parentElement.closest('details')) part.setAttribute('open', '');
   field.setAttribute('aria-invalid', 'true');
   const text = `${error.pointer} ${error.detail}${error.hint ? `: ${error.hint}` : ''}`;
   const id = `error-${Math.random().toString(36).slice(2)}`;
   field.setAttribute('aria-describedby', id);
-  field.closest('.field').append(h('p', { class: 'field-error', id }, text));
-  return true;
+  // A whole part of the form has its words at its end.
+  (field.closest('.field') ?? field).append(h('p', { class: 'field-error', id }, text));
+  return field.matches('input, select, textarea, button') ? field : field.querySelector('input, select, textarea, button, summary') ?? field;
 }
 
 export function unmark(form) {

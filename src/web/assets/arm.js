@@ -47,15 +47,21 @@ const plane = ({ normal, offset }) => three(normal) && Math.hypot(...normal) > 0
 
 export class ArmView {
   constructor(canvas, joints, gravity = [0, 0, -9.81]) {
-    Object.assign(this, { canvas, joints, q: joints.map(() => 0), path: null, space: null, shape: [], bodies: [], azimuth: -0.9, elevation: 0.35, reach: reach(joints) });
+    Object.assign(this, { canvas, path: null, space: null, shape: [], bodies: [], azimuth: -0.9, elevation: 0.35 });
+    this.replace(joints, gravity);
+    this.listen();
+    new ResizeObserver(() => this.draw()).observe(canvas);
+    document.addEventListener('theme', () => this.draw());
+  }
+
+  /** Shows another arm from the same side. */
+  replace(joints, gravity) {
+    Object.assign(this, { joints, q: joints.map(() => 0), reach: reach(joints) });
     this.up = this.upright(gravity);
     // In the upright frame, as the ground is.
     const heights = [0, ...poses(joints, this.q).map((f) => times(this.up, f.position)[2])];
     this.centre = [0, 0, (Math.min(...heights) + Math.max(...heights)) / 2];
     this.span = 1.7 * this.reach;
-    this.listen();
-    new ResizeObserver(() => this.draw()).observe(canvas);
-    document.addEventListener('theme', () => this.draw());
   }
 
   /** Turns the base frame so that gravity points down on the screen. */

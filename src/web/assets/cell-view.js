@@ -15,7 +15,7 @@ export async function shapeOf(robot, joints) {
 }
 
 /** Where motions start that say nothing else: zero, or the middle of the range where zero is outside it. */
-function startOf(joints, start) {
+export function startOf(joints, start) {
   return joints.map((joint, j) => {
     if (Number.isFinite(start?.[j])) return start[j];
     const [low, high] = joint.position_limits ?? [-1, 1];

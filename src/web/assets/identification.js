@@ -2,28 +2,26 @@
 import { Refused, explain, follow, getJson, send, unmark } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
+import { LogColumns } from './log-columns.js';
+import { readHead } from './log-file.js';
 import { showPreview } from './log-preview.js';
 import { showIdentification, showValidation } from './identify-result.js';
 import { plotly } from './plot.js';
 
 const value = (id) => find(`#${id}`).value.trim();
 const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
-const numbers = (text) => (text ? text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(numeric) : undefined);
-const headers = (text) => (text ? text.split(',').map((t) => t.trim()).filter(Boolean) : undefined);
 const some = (object) => (Object.values(object).some((v) => v !== undefined) ? object : undefined);
 
 /** Points of every plotted series: more than any screen shows, thinned by the server with all peaks kept. */
 const POINTS = 6000;
 const files = { log: [], validation: [] };
+let robots = [];
+const columns = new LogColumns(find('#columns-place'), () => previewSoon());
+const ROBOT = 'dynident.robot';
 
 function request() {
-  const columns = some({
-    time: value('c-time') || undefined, time_unit: value('c-time-unit') === 's' ? undefined : value('c-time-unit'), sample_rate_hz: numeric(value('c-rate')),
-    position: some({ headers: headers(value('c-position')), unit: value('c-position-unit') || undefined }),
-    torque: some({ headers: headers(value('c-torque')), unit: value('c-torque-unit') || undefined, scale: numbers(value('c-scale')), sign: numbers(value('c-sign')) }),
-  });
   return {
-    robot: value('robot'), excitation: value('excitation') || undefined, period_s: numeric(value('period')), columns,
+    robot: value('robot'), excitation: value('excitation') || undefined, period_s: numeric(value('period')), columns: columns.value(),
     preprocess: some({ method: value('method') || undefined }), estimator: value('estimator'),
     offset: find('#offset').checked || undefined, trace: find('#trace').checked, feasible: { method: find('#feasible').checked ? 'consistent' : 'none' }, prediction_points: POINTS,
   };
@@ -36,11 +34,31 @@ function body() {
   return form;
 }
 
-function take(kind, list) {
+async function take(kind, list) {
   files[kind] = [...list];
   const size = (bytes) => (bytes > 1e6 ? `${number(bytes / 1e6, 3)} MB` : `${Math.ceil(bytes / 1e3)} kB`);
   fill(find(`#${kind}-names`), files[kind].map((f) => h('li', {}, `${f.name} (${size(f.size)})`)));
-  preview();
+  fill(find('#trouble'));
+  if (!await showColumns()) return;
+  await preview();
+}
+
+/** The columns of the first log; all logs of one request have the same. Hands back whether they can be read. */
+async function showColumns() {
+  const first = files.log[0] ?? files.validation[0];
+  const robot = robots.find((r) => r.id === value('robot'));
+  if (!first || !robot) return Boolean(first);
+  find('#work').classList.add('with-result');
+  try {
+    columns.show(await readHead(first), robot);
+    return true;
+  } catch (error) {
+    columns.clear();
+    looking?.abort();
+    fill(find('#result'));
+    explain(find('#trouble'), error);
+    return false;
+  }
 }
 
 /** A design that was made after an identification adds to its data: says which log is needed again. */
@@ -59,9 +77,13 @@ let looking = null;
 async function preview() {
   if (!files.log.length && !files.validation.length) return;
   looking?.abort();
+  if (columns.head && columns.missing().length) {
+    fill(find('#result'));
+    return;
+  }
   looking = new AbortController();
   const { signal } = looking;
-  unmark(find('#form'));
+  unmark(find('#work'));
   fill(find('#form-trouble'));
   find('#work').classList.add('with-result');
   fill(find('#result'), h('section', { class: 'card' }, h('p', { class: 'soft' }, 'Reading the logs …'), h('progress')));
@@ -71,7 +93,7 @@ async function preview() {
   } catch (error) {
     if (signal.aborted) return;
     fill(find('#result'));
-    explain(find('#trouble'), error, find('#form'));
+    explain(find('#trouble'), error, find('#work'));
     return;
   }
   fill(find('#trouble'));
@@ -131,8 +153,12 @@ function showStep(live, job) {
 }
 
 async function prepare(query) {
-  const [{ robots }, { jobs }] = await Promise.all([getJson('/robots'), getJson('/jobs')]);
-  const chosen = query.get('robot') ?? 'iiwa14';
+  const [known, { jobs }] = await Promise.all([getJson('/robots'), getJson('/jobs')]);
+  robots = known.robots;
+  // After a run: that of the run; else the last one that was used here.
+  const of = jobs.find((j) => j.id === (query.get('id') ?? query.get('validation')))?.robot;
+  const wanted = [query.get('robot'), of, localStorage.getItem(ROBOT), 'iiwa14'];
+  const chosen = wanted.find((id) => robots.some((r) => r.id === id));
   fill(find('#robot'), robots.map((r) => h('option', { value: r.id, selected: r.id === chosen }, `${r.name} (${r.joints.length} joints)`)));
   const designs = jobs.filter((j) => j.kind === 'excitation' && ['finished', 'cancelled'].includes(j.state) && j.outcome !== 'Infeasible');
   find('#excitation').append(...designs.map((j) => h('option', { value: j.id, selected: j.id === query.get('excitation') }, [time(j.finished_at), reached(j.progress)].filter(Boolean).join(', '))));
@@ -145,7 +171,11 @@ for (const kind of ['log', 'validation']) {
   zone.addEventListener('dragleave', () => zone.classList.remove('over'));
   zone.addEventListener('drop', (e) => { e.preventDefault(); zone.classList.remove('over'); take(kind, e.dataTransfer.files); });
 }
-find('#form').addEventListener('change', (e) => e.target.type !== 'file' && previewSoon());
+find('#form').addEventListener('change', async (e) => {
+  if (e.target.type === 'file') return;
+  if (e.target.id === 'robot' && (localStorage.setItem(ROBOT, e.target.value), files.log.length || files.validation.length) && !await showColumns()) return;
+  previewSoon();
+});
 find('#form').addEventListener('submit', async (event) => {
   event.preventDefault();
   clearTimeout(waiting);
@@ -156,11 +186,14 @@ find('#form').addEventListener('submit', async (event) => {
   go.disabled = true;
   try {
     if (!files.log.length) throw new Refused({ detail: 'There is no log to identify from.', hint: 'Choose one above, or drop it there.' });
+    if (columns.head && columns.missing().length) throw new Refused({ detail: `The columns are not complete: ${columns.missing().join('; ')}.`, hint: 'Choose them in the table of columns.' });
+    localStorage.setItem(ROBOT, value('robot'));
     const job = await (await send('/identify', { method: 'POST', body: body() })).json();
     history.pushState(null, '', `/identification?id=${job.id}`);
+    columns.clear();
     await watch(job.id);
   } catch (error) {
-    explain(find('#form-trouble'), error, event.target);
+    explain(find('#form-trouble'), error, find('#work'));
   } finally {
     go.disabled = false;
   }

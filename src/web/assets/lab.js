@@ -1,5 +1,5 @@
 // Lab: what runs now, what came out lately, which robots there are.
-import { explain, follow, getJson, send, summaryOf, unmark } from './api.js';
+import { explain, follow, getJson, send, summaryOf } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, seconds, table, time, words } from './dom.js';
 import { on } from './known-form.js';
@@ -40,7 +40,7 @@ function running(job) {
 
 function showJobs(jobs) {
   const live = jobs.filter((j) => LIVE.includes(j.state)).reverse();
-  fill(find('#now'), live.length ? h('ul', { class: 'list' }, live.map(running)) : h('p', { class: 'soft' }, 'Nothing runs, nothing waits.'));
+  fill(find('#now'), live.length ? h('ul', { class: 'list' }, live.map(running)) : h('p', { class: 'soft' }, 'No jobs running or queued.'));
   live.filter((j) => !followed.has(j.id)).forEach(keepUp);
   const ended = jobs.filter((j) => !LIVE.includes(j.state)).slice(0, 50);
   fill(find('#recent'), ended.length ? results(ended) : h('p', { class: 'soft' }, 'No results yet. A design takes half a minute.'));
@@ -122,29 +122,14 @@ async function refresh() {
 async function showRobots() {
   const { robots } = await getJson('/robots');
   fill(find('#robots'), table([
-    { head: 'Name', cell: (r) => h('a', { href: `/robot?id=${encodeURIComponent(r.id)}` }, r.name), sort: (r) => r.name },
-    { head: 'Called', cell: (r) => h('span', { class: 'mono' }, r.id), sort: (r) => r.id },
+    { head: 'Name', cell: (r) => h('a', { href: `/robot?robot=${encodeURIComponent(r.id)}` }, r.name), sort: (r) => r.name },
+    { head: 'ID', cell: (r) => h('span', { class: 'mono' }, r.id), sort: (r) => r.id },
     { head: 'Joints', number: true, cell: (r) => r.joints.length, sort: (r) => r.joints.length },
     { head: 'Remarks', hidden: true, cell: (r) => (r.shipped ? h('span', { class: 'tag' }, 'comes with dynident') : r.notes.length ? h('span', { class: 'tag warn', title: r.notes.join('\n') }, `${r.notes.length} notes`) : '') },
     { head: 'Design', hidden: true, cell: (r) => h('a', { href: `/design?robot=${encodeURIComponent(r.id)}` }, 'Design') },
     { head: 'Identify', hidden: true, cell: (r) => h('a', { href: `/identification?robot=${encodeURIComponent(r.id)}` }, 'Identify') },
   ], robots, { caption: 'All robots' }));
 }
-
-find('#add-form').addEventListener('submit', async (event) => {
-  event.preventDefault();
-  unmark(event.target);
-  const place = find('#add-trouble');
-  try {
-    const text = await find('#robot-file').files[0].text();
-    const xml = text.trimStart().startsWith('<');
-    const kept = await (await send('/robots', { method: 'POST', headers: { 'content-type': xml ? 'application/xml' : 'application/json' }, body: text })).json();
-    fill(place, h('div', { class: 'notice good', role: 'status' }, h('p', {}, `${kept.name} is kept as `, h('a', { href: `/robot?id=${kept.id}` }, kept.id), '.'), kept.notes.map((n) => h('p', {}, n))));
-    await showRobots();
-  } catch (error) {
-    explain(place, error);
-  }
-});
 
 Promise.all([refresh(), showRobots()]).catch((e) => explain(find('#trouble'), e));
 setInterval(() => document.visibilityState === 'visible' && followed.size === 0 && refresh().catch(() => {}), 5000);

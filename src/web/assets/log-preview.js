@@ -21,7 +21,7 @@ const problem = (f) => h('p', {}, h('strong', {}, words(f.code)), `: ${f.detail}
 
 function columns(found) {
   const line = (name, list) => (list.length ? h('div', {}, h('strong', {}, `${name}: `), h('span', { class: 'mono' }, list.join(', '))) : null);
-  return h('div', { class: 'field' }, h('h3', {}, 'Columns'), line('Time', found.time ? [found.time] : []), line('Positions', found.position), line('Velocities', found.velocity), line('Torques', found.torque), line('Not used', found.unused));
+  return h('details', { class: 'field' }, h('summary', {}, 'Columns as read'), line('Time', found.time ? [found.time] : []), line('Positions', found.position), line('Velocities', found.velocity), line('Torques', found.torque), line('Not used', found.unused));
 }
 
 function choices(list) {

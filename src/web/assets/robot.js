@@ -2,8 +2,34 @@
 import { ArmView, poses } from './arm.js';
 import { download, explain, getJson, postJson, send, summaryOf } from './api.js';
 import { fill, find, h, measured, number, perSecond, table, time, unit, words } from './dom.js';
+import { editor } from './robot-edit.js';
+import { sourceForm } from './robot-source.js';
 import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
+
+/** Opens a description to be changed; `start` as the sources hand it over. */
+function edit(id, start) {
+  const target = find('#result');
+  const back = () => { location.href = id ? address(id) : '/robot'; };
+  fill(target, editor({ id, start, saved: (kept) => { location.href = address(kept); }, cancel: back }));
+  target.scrollIntoView({ block: 'start' });
+}
+
+const address = (id) => `/robot?robot=${encodeURIComponent(id)}`;
+
+function addRobot() {
+  fill(find('#result'), sourceForm((start) => edit(null, start)));
+}
+
+/** A kept robot, or a copy of one that comes with the program, by its joints. */
+async function editKept(robot) {
+  const document = await getJson(`/robots/${encodeURIComponent(robot.id)}`);
+  const { description, notes } = await postJson('/motion', { robot: document });
+  const remarks = document.urdf ? ['This robot was given as a URDF file. Saved here, it is kept by its joints, with all that was read of the file.', ...notes] : notes;
+  const own = document.joints ? document : description;
+  if (!robot.shipped) return edit(robot.id, { description: own, notes: remarks });
+  return edit(null, { description: { ...own, name: `${own.name} (copy)` }, notes: ['Robots that come with the program stay as they are; this is a copy.', ...remarks] });
+}
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
 
@@ -34,15 +60,16 @@ function kinematics(robot, drawn) {
   const zero = h('button', { type: 'button', onclick: () => sliders.forEach((s, j) => s.set(start(drawn.joints[j]))) }, 'Back to zero');
   queueMicrotask(update);
   const actions = h('div', { class: 'actions' }, zero, h('a', { class: 'button primary', href: `/design?robot=${encodeURIComponent(robot.id)}` }, 'Design a trajectory'), h('a', { class: 'button', href: `/identification?robot=${encodeURIComponent(robot.id)}` }, 'Identify'),
-    download('Document', `/robots/${robot.id}`, `${robot.id}.json`), robot.shipped ? null : forget(robot));
+    h('button', { type: 'button', onclick: () => editKept(robot).catch((e) => explain(find('#trouble'), e)) }, robot.shipped ? 'Edit a copy' : 'Edit'),
+    download('Description (JSON)', `/robots/${robot.id}`, `${robot.id}.json`), robot.shipped ? null : forget(robot));
   return section('kinematics', drawn.robot, h('div', { class: 'columns', style: 'grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))' }, h('div', {}, canvas, h('p', { class: 'help' }, 'Drag to turn. The grid is 0.25 m; gravity points down.')), h('div', {}, sliders.map((s) => s.element), place)), actions);
 }
 
 function forget(robot) {
   return h('button', { type: 'button', onclick: async () => {
-    if (!confirm(`Forget the robot ${robot.id}?`)) return;
+    if (!confirm(`Delete the robot ${robot.id}? Its designs and identifications stay.`)) return;
     await send(`/robots/${encodeURIComponent(robot.id)}`, { method: 'DELETE' }).then(() => { location.href = '/'; }, (e) => explain(find('#trouble'), e));
-  } }, 'Forget');
+  } }, 'Delete');
 }
 
 const span = (joint) => joint.position_limits ?? (joint.kind === 'prismatic' ? [-0.5, 0.5] : [-Math.PI, Math.PI]);
@@ -118,13 +145,16 @@ function across(identified) {
 
 async function begin() {
   const { robots } = await getJson('/robots');
-  const asked = new URLSearchParams(location.search).get('id') ?? robots[0]?.id;
+  const query = new URLSearchParams(location.search);
+  const adding = query.has('new');
+  const asked = query.get('robot') ?? query.get('id') ?? robots[0]?.id;
   const which = find('#which');
-  fill(which, robots.map((r) => h('option', { value: r.id, selected: r.id === asked }, r.name)));
-  which.addEventListener('change', () => { location.search = `?id=${encodeURIComponent(which.value)}`; });
+  fill(which, adding ? h('option', { value: '', selected: true }, 'a new one') : null, robots.map((r) => h('option', { value: r.id, selected: !adding && r.id === asked }, r.name)));
+  which.addEventListener('change', () => { location.href = address(which.value); });
+  if (adding) return addRobot();
   const robot = robots.find((r) => r.id === asked);
-  if (!robot) throw Object.assign(new Error(), { problem: { detail: `There is no robot ${asked}.`, hint: 'Add it in the lab.' } });
-  await show(robot);
+  if (!robot) throw Object.assign(new Error(), { problem: { detail: `There is no robot ${asked}.`, hint: 'Add it with the button above.' } });
+  return show(robot);
 }
 
 begin().catch((e) => explain(find('#trouble'), e));

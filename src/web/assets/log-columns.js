@@ -1,0 +1,156 @@
+// Which column of a log is what, and what will be done to it: a table with a drop-down and a small picture of each series.
+import { fill, h, number } from './dom.js';
+import { guess, units } from './log-guess.js';
+
+const UNITS = { position: ['rad', 'deg', 'rev', 'm', 'mm'], velocity: ['rad/s', 'deg/s', 'rpm', 'm/s', 'mm/s'], torque: ['N m', 'mN m', 'kN m', 'N', 'A'], time: ['s', 'ms', 'us', 'ns'] };
+const SHOWN = { 'N m': 'N·m', 'mN m': 'mN·m', 'kN m': 'kN·m', us: 'µs' };
+const QUANTITIES = ['position', 'torque', 'velocity'];
+const STANDARD = { time: /^(time|t)$/i, position: /^q\d+$/i, velocity: /^qd\d+$/i, torque: /^tau\d+$/i };
+
+export class LogColumns {
+  /** `changed` is called when the mapping has changed. */
+  constructor(place, changed) {
+    Object.assign(this, { place, changed, head: null, joints: [], roles: new Map(), units: {}, scale: [], sign: [], touched: false });
+  }
+
+  /** Shows the columns of a log for a robot {id, joints}; remembers what was chosen for logs with these columns before. */
+  show(head, robot) {
+    Object.assign(this, { head, robot, joints: robot.joints, scale: [], sign: [], touched: false, rate: '' });
+    const found = guess(head.columns, robot.joints);
+    this.preset = found.preset;
+    this.units = units(head.columns, found);
+    this.roles = new Map();
+    if (found.time) this.roles.set(found.time, 'time');
+    QUANTITIES.forEach((q) => found[q]?.forEach((name, j) => this.roles.set(name, `${q} ${j}`)));
+    const kept = JSON.parse(localStorage.getItem(this.key()) ?? 'null');
+    if (kept) Object.assign(this, { units: kept.units, scale: kept.scale, sign: kept.sign, rate: kept.rate ?? '', roles: new Map(kept.roles), touched: true, preset: 'as last time for this robot' });
+    this.draw();
+  }
+
+  clear() {
+    this.head = null;
+    fill(this.place);
+  }
+
+  key() {
+    return `dynident.columns.${this.robot.id}.${this.head.columns.map((c) => c.name).join('|').slice(0, 400)}`;
+  }
+
+  keep() {
+    if (!this.touched) return;
+    localStorage.setItem(this.key(), JSON.stringify({ roles: [...this.roles], units: this.units, scale: this.scale, sign: this.sign, rate: this.rate }));
+  }
+
+  named(quantity) {
+    return this.joints.map((_, j) => [...this.roles].find(([, role]) => role === `${quantity} ${j}`)?.[0]);
+  }
+
+  /** What is missing before the log can be read, in words. */
+  missing() {
+    const joints = (quantity) => this.joints.filter((_, j) => !this.named(quantity)[j]);
+    const lacks = ['position', 'torque'].map((q) => [q, joints(q)]).filter(([, list]) => list.length);
+    const words = lacks.map(([q, list]) => `no ${q} for ${list.length === this.joints.length ? 'any joint' : list.join(', ')}`);
+    if (!this.time() && !(Number(this.rate) > 0)) words.push('no time; give the sample rate instead');
+    return words;
+  }
+
+  time() {
+    return [...this.roles].find(([, role]) => role === 'time')?.[0];
+  }
+
+  /** `columns` of a request; nothing where the usual names say it all. */
+  value() {
+    if (!this.head) return undefined;
+    const standard = !this.touched && [...this.roles].every(([name, role]) => STANDARD[role.split(' ')[0]].test(name)) && this.units.position === 'rad' && this.units.torque === 'N m' && this.units.time === 's';
+    if (standard) return undefined;
+    const all = (list, whole) => (list.some((v) => v !== undefined && v !== whole) ? this.joints.map((_, j) => list[j] ?? whole) : undefined);
+    const velocity = this.named('velocity').every(Boolean);
+    return {
+      time: this.time(), time_unit: this.time() && this.units.time !== 's' ? this.units.time : undefined, sample_rate_hz: Number(this.rate) > 0 ? Number(this.rate) : undefined,
+      position: { headers: this.named('position'), unit: this.units.position === 'rad' ? undefined : this.units.position },
+      velocity: velocity ? { headers: this.named('velocity'), unit: this.units.velocity === 'rad/s' ? undefined : this.units.velocity } : undefined,
+      torque: { headers: this.named('torque'), unit: this.units.torque === 'N m' ? undefined : this.units.torque, scale: all(this.scale, 1), sign: all(this.sign, 1) },
+    };
+  }
+
+  change() {
+    this.touched = true;
+    this.keep();
+    this.draw();
+    this.changed();
+  }
+
+  draw() {
+    const { head } = this;
+    const focused = document.activeElement?.id;
+    const used = head.columns.filter((c) => this.roles.has(c.name));
+    const rest = head.columns.filter((c) => !this.roles.has(c.name));
+    const missing = this.missing();
+    const unit = (quantity, words) => h('label', { class: 'inline' }, words, h('select', { class: 'narrow', id: `unit-${quantity}`, 'data-pointer': quantity === 'time' ? '/columns/time_unit' : `/columns/${quantity}/unit`, onchange: (e) => { this.units[quantity] = e.target.value; this.change(); } },
+      UNITS[quantity].map((u) => h('option', { value: u, selected: this.units[quantity] === u }, SHOWN[u] ?? u))));
+    fill(this.place, h('section', { class: 'card', id: 'columns', 'aria-labelledby': 'columns-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'columns-title' }, `Columns of ${head.file}`), this.preset ? h('span', { class: 'tag good' }, this.preset) : null),
+      missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Choose what is what: '), missing.join('; '), '.')) : null,
+      h('div', { class: 'row field' }, unit('time', 'Time in'), unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
+        this.time() ? null : h('label', { class: 'inline' }, 'samples per second', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
+      this.units.torque === 'A' ? h('div', { class: 'notice' }, h('p', {}, 'Currents become torques by N·m per ampere at the joint: torque constant × gear ratio. Enter it for every joint below; without it nothing can be said in N·m.')) : null,
+      this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null)));
+    if (focused) document.getElementById(focused)?.focus();
+  }
+
+  table(columns, label) {
+    const heads = ['Column', 'Used as', 'Series', 'Scale and sign', 'Becomes', 'First values'];
+    return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t)))),
+      h('tbody', {}, columns.map((c) => h('tr', {}, h('th', { scope: 'row', class: 'mono' }, c.name), h('td', {}, this.role(c)), h('td', {}, spark(c)), h('td', {}, this.factor(c)), h('td', { class: 'soft nowrap' }, this.becomes(c)), h('td', { class: 'mono soft nowrap' }, c.shown.map(brief).join('  ')))))));
+  }
+
+  role(column) {
+    const now = this.roles.get(column.name) ?? '';
+    const option = (value, words) => h('option', { value, selected: value === now }, words);
+    const select = h('select', { class: 'narrow', id: `role-${column.at}`, 'aria-label': `${column.name}: used as`, disabled: !column.numeric, onchange: () => {
+      // A place has one column: the one that had it before is free again.
+      for (const [name, role] of this.roles) if (role === select.value) this.roles.delete(name);
+      if (select.value) this.roles.set(column.name, select.value);
+      else this.roles.delete(column.name);
+      this.change();
+    } }, option('', column.numeric ? 'not used' : 'text, not used'), option('time', 'time'), QUANTITIES.map((q) => h('optgroup', { label: q }, this.joints.map((j, at) => option(`${q} ${at}`, `${q} ${j}`)))));
+    return select;
+  }
+
+  factor(column) {
+    const [quantity, at] = (this.roles.get(column.name) ?? '').split(' ');
+    if (quantity !== 'torque') return null;
+    const j = Number(at);
+    return h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('input', { class: 'cell-number', id: `scale-${j}`, inputmode: 'decimal', value: this.scale[j] ?? '', placeholder: this.units.torque === 'A' ? 'N·m/A' : '1', 'aria-label': `${column.name}: scale`, 'data-pointer': '/columns/torque/scale', onchange: (e) => { const v = Number(e.target.value.replace(',', '.')); this.scale[j] = e.target.value.trim() === '' || !Number.isFinite(v) ? undefined : v; this.change(); } }),
+      h('select', { class: 'narrow', id: `sign-${j}`, 'aria-label': `${column.name}: sign`, 'data-pointer': '/columns/torque/sign', onchange: (e) => { this.sign[j] = Number(e.target.value); this.change(); } }, [[1, 'as it is'], [-1, 'inverted']].map(([v, t]) => h('option', { value: v, selected: (this.sign[j] ?? 1) === v }, t))));
+  }
+
+  becomes(column) {
+    const role = this.roles.get(column.name);
+    if (!role) return '';
+    if (role === 'time') return `time${this.units.time === 's' ? '' : `, from ${SHOWN[this.units.time] ?? this.units.time} to s`}`;
+    const [quantity, at] = role.split(' ');
+    const si = { position: ['rad', 'm'], velocity: ['rad/s', 'm/s'], torque: ['N m', 'N'] }[quantity];
+    const unit = this.units[quantity];
+    const factor = quantity === 'torque' ? (this.scale[at] ?? 1) * (this.sign[at] ?? 1) : 1;
+    const scaled = factor === 1 ? '' : `, × ${number(factor)}`;
+    return `${quantity} of ${this.joints[at]}${scaled}${si.includes(unit) ? '' : `, from ${SHOWN[unit] ?? unit}`}`;
+  }
+}
+
+/** A value of the file, short enough for a table. */
+const brief = (text) => (text.length > 9 && Number.isFinite(Number(text)) ? String(Number(Number(text).toPrecision(6))) : text.slice(0, 20));
+
+/** A series as a small picture. */
+function spark({ points, name, numeric }) {
+  const finite = points.filter(Number.isFinite);
+  if (!numeric || finite.length < 2) return '–';
+  const [low, high] = [Math.min(...finite), Math.max(...finite)];
+  if (low === high) return h('span', { class: 'soft nowrap' }, `constant ${number(low, 3)}`);
+  const place = (v, i) => `${((i / (points.length - 1)) * 96 + 2).toFixed(1)},${(22 - ((v - low) / (high - low)) * 20).toFixed(1)}`;
+  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+  Object.entries({ viewBox: '0 0 100 24', width: 100, height: 24, class: 'spark', role: 'img', 'aria-label': `${name}: from ${number(low, 3)} to ${number(high, 3)}` }).forEach(([k, v]) => svg.setAttribute(k, v));
+  const line = document.createElementNS('http://www.w3.org/2000/svg', 'polyline');
+  line.setAttribute('points', points.map((v, i) => (Number.isFinite(v) ? place(v, i) : null)).filter(Boolean).join(' '));
+  svg.append(line);
+  return h('span', { title: `${number(low, 3)} … ${number(high, 3)}` }, svg);
+}

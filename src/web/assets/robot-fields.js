@@ -1,0 +1,57 @@
+// Inputs that edit one document: each knows its place in it, and carries the pointer that the interface names errors by.
+import { h } from './dom.js';
+
+const RADIANS = Math.PI / 180;
+
+export class Fields {
+  /** `changed` is called after every change. */
+  constructor(doc, changed) {
+    Object.assign(this, { doc, changed, degrees: true });
+  }
+
+  get angle() {
+    return this.degrees ? '°' : 'rad';
+  }
+
+  read(path) {
+    return path.reduce((at, key) => at?.[key], this.doc);
+  }
+
+  write(path, value, otherwise) {
+    const parent = path.slice(0, -1).reduce((at, key, i) => (at[key] ??= typeof path[i + 1] === 'number' ? structuredClone(otherwise ?? []) : {}), this.doc);
+    parent[path.at(-1)] = value;
+    this.changed();
+  }
+
+  text(path, { id, label, cell }) {
+    return h('input', { id, class: cell ? 'cell-name' : null, value: this.read(path) ?? '', 'aria-label': label, 'data-pointer': this.pointer(path), oninput: (e) => this.write(path, e.target.value) });
+  }
+
+  pointer(path) {
+    return `/robot/${path.join('/')}`;
+  }
+
+  /**
+   * A number. `angle`: kept in radians, shown as chosen. `required`: empty is an error that the interface names; else empty is null. `pair`: one end of a list of
+   * two, which is null as long as both are empty. `otherwise`: the list that stands for one that is left out.
+   */
+  number(path, { id, label, angle, required, cell, pair, otherwise }) {
+    const factor = angle && this.degrees ? RADIANS : 1;
+    const kept = this.read(path) ?? otherwise?.[path.at(-1)];
+    const shown = typeof kept === 'number' ? String(Number((kept / factor).toPrecision(12))) : kept ?? '';
+    const input = h('input', { id, class: cell ? 'cell-number' : null, value: shown, inputmode: 'decimal', 'aria-label': label, 'data-pointer': this.pointer(pair ? path.slice(0, -1) : path), autocomplete: 'off' });
+    input.addEventListener('input', () => {
+      const text = input.value.trim().replace('−', '-').replace(/^(-?\d+),(\d+)$/, '$1.$2');
+      const number = text === '' ? null : Number.isFinite(Number(text)) ? Number(text) * factor : text;
+      if (pair) this.writePair(path, number);
+      else this.write(path, number ?? (required ? '' : null), otherwise);
+    });
+    return input;
+  }
+
+  writePair(path, number) {
+    const list = [...(this.read(path.slice(0, -1)) ?? [null, null])];
+    list[path.at(-1)] = number;
+    this.write(path.slice(0, -1), list.every((v) => v === null) ? null : list);
+  }
+}

@@ -1,0 +1,71 @@
+// What is known of one joint's link: mass, shape, bounds.
+import { h } from './dom.js';
+
+const INERTIA = ['xx', 'yy', 'zz', 'xy', 'xz', 'yz'];
+
+export function jointDetails(fields, j, draw) {
+  const joint = fields.doc.joints[j];
+  const at = (...path) => ['joints', j, ...path];
+  const slides = joint.kind === 'prismatic';
+  const group = (title, ...parts) => h('div', { class: 'field', role: 'group', 'aria-label': `${joint.name}: ${title}` }, h('span', { class: 'label' }, title), parts);
+  const number = (path, label, options = {}) => fields.number(at(...path), { label: `${joint.name}: ${label}`, ...options });
+  const labelled = (text, input) => h('label', { class: 'stacked' }, text, input);
+  const tags = [joint.prior ? 'mass known' : null, joint.geometry?.length ? `${joint.geometry.length} capsule${joint.geometry.length > 1 ? 's' : ''}` : null, joint.bounds ? 'bounds' : null].filter(Boolean);
+  return h('details', { id: `joint-${j}` }, h('summary', {}, joint.name, ' ', tags.map((t) => [h('span', { class: 'tag' }, t), ' '])),
+    h('div', { class: 'halves' }, labelled('Name of the link behind it', fields.text(at('link'), { label: `${joint.name}: link` })),
+      labelled('Long axis of the link', h('select', { 'aria-label': `${joint.name}: long axis`, 'data-pointer': `/robot/joints/${j}/slender_axis`, onchange: (e) => { if (e.target.value) joint.slender_axis = e.target.value; else delete joint.slender_axis; fields.changed(); } },
+        ['', 'x', 'y', 'z'].map((a) => h('option', { value: a, selected: (joint.slender_axis ?? '') === a }, a || 'none'))))),
+    prior(fields, joint, { group, number, labelled, slides, draw }), capsules(fields, joint, j, { number, draw }), bounds(fields, joint, { group, number, labelled, slides, draw }));
+}
+
+function switched(fields, joint, key, words, make, draw, content) {
+  const on = h('input', { type: 'checkbox', checked: Boolean(joint[key]), onchange: () => { if (on.checked) joint[key] = make(); else delete joint[key]; draw(); fields.changed(); } });
+  return h('fieldset', {}, h('legend', {}, h('label', { class: 'inline' }, on, words)), joint[key] ? content() : null);
+}
+
+function prior(fields, joint, { group, number, labelled, slides, draw }) {
+  const make = () => ({ mass: 1, center_of_mass: [0, 0, 0], inertia: Object.fromEntries(INERTIA.map((k) => [k, ['xx', 'yy', 'zz'].includes(k) ? 0.01 : 0])), viscous: 0, coulomb: 0 });
+  const per = slides ? ['N·s/m', 'N'] : ['N·m·s/rad', 'N·m'];
+  return switched(fields, joint, 'prior', 'Known beforehand (prior)', make, draw, () => [
+    h('div', { class: 'three' }, labelled('Mass (kg)', number(['prior', 'mass'], 'mass', { required: true })), labelled(`Viscous friction (${per[0]})`, number(['prior', 'viscous'], 'viscous friction')), labelled(`Coulomb friction (${per[1]})`, number(['prior', 'coulomb'], 'Coulomb friction'))),
+    group('Centre of mass in the link frame (m)', h('div', { class: 'three' }, [0, 1, 2].map((i) => labelled('xyz'[i], number(['prior', 'center_of_mass', i], `centre of mass ${'xyz'[i]}`, { required: true }))))),
+    group('Inertia about the centre of mass (kg·m²)', h('div', { class: 'three' }, INERTIA.map((k) => labelled(k, number(['prior', 'inertia', k], `inertia ${k}`, { required: true }))))),
+  ]);
+}
+
+function capsules(fields, joint, j, { number, draw }) {
+  const list = joint.geometry ?? [];
+  const line = (_, k) => h('div', { class: 'capsule' }, ['from', 'to'].map((end) => h('div', { class: 'three' }, [0, 1, 2].map((i) => h('label', { class: 'stacked' }, `${end} ${'xyz'[i]} (m)`, number(['geometry', k, end, i], `capsule ${k + 1} ${end} ${'xyz'[i]}`, { required: true }))))),
+    h('div', { class: 'row' }, h('label', { class: 'stacked' }, 'Radius (m)', number(['geometry', k, 'radius'], `capsule ${k + 1} radius`, { required: true })), h('button', { type: 'button', 'aria-label': `${joint.name}: remove capsule ${k + 1}`, onclick: () => { list.splice(k, 1); if (!list.length) delete joint.geometry; draw(); fields.changed(); } }, 'Remove')));
+  const add = () => {
+    // Towards the next joint, where that is: most links are about as long.
+    const next = fields.doc.joints[j + 1];
+    const to = next?.placement?.xyz ?? (next?.mdh ? [next.mdh.d, -Math.sin(next.mdh.alpha) * next.mdh.r, Math.cos(next.mdh.alpha) * next.mdh.r] : [0, 0, 0.1]);
+    joint.geometry = [...list, { from: [0, 0, 0], to: to.map((v) => Number(v.toFixed(4)) + 0), radius: 0.06 }];
+    draw();
+    fields.changed();
+  };
+  return h('fieldset', {}, h('legend', {}, 'Shape, as capsules in the link frame'), list.map(line), h('button', { type: 'button', onclick: add }, 'Add capsule'), h('p', { class: 'help' }, 'All points within the radius of a segment. Needed for self-collision, floors and obstacles.'));
+}
+
+function bounds(fields, joint, { group, number, labelled, slides, draw }) {
+  const pair = (path, words) => h('div', { class: 'pair-of' }, [0, 1].map((end) => labelled(`${words}, ${['lowest', 'highest'][end]}`, number(['bounds', ...path, end], `${words} ${['lowest', 'highest'][end]}`, { pair: true }))));
+  const per = slides ? ['N·s/m', 'N'] : ['N·m·s/rad', 'N·m'];
+  return switched(fields, joint, 'bounds', 'Bounds for identified parameters', () => ({ mass: [0.1, 10] }), draw, () => [
+    pair(['mass'], 'Mass (kg)'),
+    group('Centre of mass (m)', [0, 1, 2].map((i) => boundOfCentre(fields, joint, number, labelled, i))),
+    group('Inertia about the centre of mass (kg·m²)', INERTIA.map((k) => pair(['inertia', k], k))),
+    pair(['viscous'], `Viscous friction (${per[0]})`), pair(['coulomb'], `Coulomb friction (${per[1]})`)]);
+}
+
+/** Three pairs or none: an axis without bounds has wide ones. */
+function boundOfCentre(fields, joint, number, labelled, i) {
+  const WIDE = [-2, 2];
+  const input = (end) => {
+    const field = number(['bounds', 'center_of_mass', i, end], `centre of mass ${'xyz'[i]} ${['lowest', 'highest'][end]}`);
+    // Before the field writes: it needs all three pairs to be there.
+    field.addEventListener('input', () => { joint.bounds.center_of_mass ??= [0, 1, 2].map(() => [...WIDE]); }, { capture: true });
+    return field;
+  };
+  return h('div', { class: 'pair-of' }, [0, 1].map((end) => labelled(`${'xyz'[i]}, ${['lowest', 'highest'][end]}`, input(end))));
+}

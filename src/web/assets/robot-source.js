@@ -1,0 +1,128 @@
+// Where a robot comes from: a file, pasted text, or a table of Denavit-Hartenberg parameters.
+import { explain, postJson } from './api.js';
+import { fill, find, h } from './dom.js';
+import { CONVENTIONS, robotOf } from './robot-dh.js';
+
+const RADIANS = Math.PI / 180;
+
+/** `take({description, notes, from})` gets a description by joints, whatever it was given as. */
+export function sourceForm(take) {
+  const place = h('div');
+  const panels = { file: filePanel(place, take), paste: pastePanel(place, take), dh: dhPanel(place, take) };
+  const names = { file: 'File', paste: 'Paste', dh: 'DH table' };
+  const body = h('div', {}, panels.file);
+  const tabs = Object.keys(names).map((key, i) => h('label', { class: 'inline tab' }, h('input', { type: 'radio', name: 'source', value: key, checked: i === 0, onchange: () => { fill(place); fill(body, panels[key]); } }), names[key]));
+  return h('section', { class: 'card', id: 'source', 'aria-labelledby': 'source-title' }, h('h2', { id: 'source-title' }, 'Add a robot'),
+    h('p', { class: 'soft' }, 'Start from what you have. Everything can be changed in the next step, and nothing is kept before you save it.'),
+    h('div', { class: 'row field', role: 'radiogroup', 'aria-label': 'Where the robot comes from' }, tabs), body, place);
+}
+
+function filePanel(place, take) {
+  const input = h('input', { id: 'source-file', type: 'file', accept: '.urdf,.xml,.json' });
+  const zone = h('div', { class: 'drop' }, h('label', { for: 'source-file' }, 'URDF or JSON file'), input, h('p', { class: 'help' }, 'Choose a file, or drop it here. A URDF needs no meshes; xacro files have to be expanded first.'));
+  const read = async (file) => file && text(place, await file.text(), take);
+  input.addEventListener('change', () => read(input.files[0]));
+  zone.addEventListener('dragover', (e) => { e.preventDefault(); zone.classList.add('over'); });
+  zone.addEventListener('dragleave', () => zone.classList.remove('over'));
+  zone.addEventListener('drop', (e) => { e.preventDefault(); zone.classList.remove('over'); read(e.dataTransfer.files[0]); });
+  return zone;
+}
+
+function pastePanel(place, take) {
+  const area = h('textarea', { id: 'source-text', rows: 10, spellcheck: 'false', class: 'mono', placeholder: '<robot name="my_arm"> …  or  {"name": "my arm", "joints": [ … ]}' });
+  return h('div', {}, h('div', { class: 'field' }, h('label', { for: 'source-text' }, 'URDF or JSON'), area), h('button', { type: 'button', class: 'primary', onclick: () => text(place, area.value, take) }, 'Read it'));
+}
+
+/** Reads a document; a URDF file with several ends asks for the last link of the chain. */
+async function text(place, content, take, tip) {
+  fill(place, h('p', { class: 'soft', role: 'status' }, 'Reading …'));
+  const xml = content.trimStart().startsWith('<');
+  let robot;
+  try {
+    robot = xml ? { urdf: content, ...(tip ? { tip } : {}) } : JSON.parse(content);
+  } catch (error) {
+    fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, 'This is neither a URDF file nor JSON.'), h('p', {}, error.message)));
+    return;
+  }
+  const ends = xml ? lastLinks(content) : [];
+  try {
+    const { description, notes } = await postJson('/motion', { robot });
+    fill(place);
+    take({ description: robot.joints ? robot : description, notes, urdf: xml ? content : null, ends, tip, again: (other) => text(place, content, take, other) });
+  } catch (error) {
+    explain(place, error);
+    if (ends.length > 1) place.append(tipChoice(ends, tip, (other) => text(place, content, take, other)));
+  }
+}
+
+export function tipChoice(ends, tip, choose) {
+  const select = h('select', { id: 'source-tip', class: 'narrow', onchange: () => choose(select.value || undefined) }, h('option', { value: '' }, 'the longest chain'), ends.map((name) => h('option', { value: name, selected: name === tip }, name)));
+  return h('div', { class: 'field' }, h('label', { for: 'source-tip' }, 'Last link of the chain (tip)'), select, h('p', { class: 'help' }, 'The file branches. Choose where the arm ends: the flange, or the link that carries the tool.'));
+}
+
+/** Links of a URDF file, those at ends first. */
+function lastLinks(content) {
+  const document = new DOMParser().parseFromString(content, 'application/xml');
+  const names = (selector, attribute) => [...document.querySelectorAll(selector)].map((e) => e.getAttribute(attribute)).filter(Boolean);
+  const parents = new Set(names('robot > joint > parent', 'link'));
+  const links = names('robot > link', 'name');
+  const ends = links.filter((l) => !parents.has(l));
+  return ends.length > 1 ? [...ends, ...links.filter((l) => parents.has(l))] : [];
+}
+
+function dhPanel(place, take) {
+  const name = h('input', { id: 'dh-name', value: 'my arm' });
+  const count = h('input', { id: 'dh-count', type: 'number', min: 1, max: 32, value: 6 });
+  const convention = h('select', { id: 'dh-convention' }, Object.entries(CONVENTIONS).map(([key, c]) => h('option', { value: key }, c.name)));
+  const degrees = h('select', { id: 'dh-unit' }, h('option', { value: 'deg' }, 'degrees'), h('option', { value: 'rad' }, 'radians'));
+  const help = h('p', { class: 'help' });
+  const grid = h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'DH table' });
+  const rows = [];
+  const value = (row, key) => row[key] ?? '0';
+  const draw = () => {
+    const { columns, help: words } = CONVENTIONS[convention.value];
+    const wanted = Math.min(Math.max(Math.round(Number(count.value)) || 1, 1), 32);
+    while (rows.length < wanted) rows.push({ name: `J${rows.length + 1}`, kind: 'revolute' });
+    rows.length = wanted;
+    help.textContent = words;
+    const unit = degrees.value === 'deg' ? '°' : 'rad';
+    const heads = ['Joint', 'Kind', ...columns.map(([, shown, angle]) => `${shown} (${angle ? unit : 'm'})`)];
+    const cell = (row, j, [key, shown]) => h('td', {}, h('input', { class: 'cell-number', value: value(row, key), inputmode: 'decimal', 'aria-label': `${row.name} ${shown}`, 'data-row': j, 'data-key': key, oninput: (e) => { row[key] = e.target.value; } }));
+    const line = (row, j) => h('tr', {}, h('td', {}, h('input', { class: 'cell-name', value: row.name, 'aria-label': `Name of joint ${j + 1}`, oninput: (e) => { row.name = e.target.value; } })),
+      h('td', {}, h('select', { class: 'narrow', 'aria-label': `Kind of joint ${j + 1}`, onchange: (e) => { row.kind = e.target.value; } }, ['revolute', 'prismatic'].map((k) => h('option', { value: k, selected: row.kind === k }, k === 'revolute' ? 'turns' : 'slides')))), columns.map((c) => cell(row, j, c)));
+    fill(grid, h('table', { class: 'few' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t)))), h('tbody', {}, rows.map(line))));
+  };
+  [count, convention, degrees].forEach((e) => e.addEventListener('change', draw));
+  draw();
+  const go = async () => {
+    const bad = [];
+    const read = (row, j, [key, shown, angle]) => {
+      const number = expression(value(row, key));
+      if (!Number.isFinite(number)) bad.push(`${row.name}: ${shown} is “${value(row, key)}”, expected a number`);
+      return [key, angle && degrees.value === 'deg' ? number * RADIANS : number];
+    };
+    const { columns } = CONVENTIONS[convention.value];
+    const numbers = rows.map((row, j) => ({ name: row.name, kind: row.kind, ...Object.fromEntries(columns.map((c) => read(row, j, c))) }));
+    if (bad.length) {
+      fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, 'Some entries are not numbers.'), h('ul', {}, bad.map((b) => h('li', {}, b)))));
+      return;
+    }
+    await text(place, JSON.stringify(robotOf(name.value, numbers, convention.value)), take);
+  };
+  return h('div', {}, h('div', { class: 'halves' }, h('div', { class: 'field' }, h('label', { for: 'dh-name' }, 'Name'), name), h('div', { class: 'field' }, h('label', { for: 'dh-count' }, 'Joints'), count),
+    h('div', { class: 'field' }, h('label', { for: 'dh-convention' }, 'Convention'), convention), h('div', { class: 'field' }, h('label', { for: 'dh-unit' }, 'Angles in'), degrees)), help, grid,
+  h('p', { class: 'help' }, 'θ (or, for a sliding joint, d) is the offset that the joint’s own position is added to. Numbers may be written as 0.5, 1/2, pi/2 or -90.'), h('div', { class: 'actions' }, h('button', { type: 'button', class: 'primary', onclick: go }, 'Use this table')));
+}
+
+/** A number as people write it in a table: `-0.5`, `pi/2`, `-3*pi/4`, `1/2`; NaN for anything else. */
+export function expression(text) {
+  const parts = text.trim().replaceAll('−', '-').replaceAll('π', 'pi').toLowerCase().split(/([*/])/).map((p) => p.trim());
+  const factor = (part) => {
+    const match = /^([+-]?)(pi|\d+\.?\d*(?:e[+-]?\d+)?|\.\d+)$/.exec(part);
+    if (!match) return NaN;
+    return (match[1] === '-' ? -1 : 1) * (match[2] === 'pi' ? Math.PI : Number(match[2]));
+  };
+  let value = factor(parts[0]);
+  for (let i = 1; i < parts.length; i += 2) value = parts[i] === '*' ? value * factor(parts[i + 1] ?? '') : value / factor(parts[i + 1] ?? '');
+  return value;
+}
