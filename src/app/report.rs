@@ -1,98 +1,140 @@
 //! From the numbers of an identification to its document.
 
-use super::identify::{UsedLog, reason};
+use super::identify::{ReadLogs, reason};
 use crate::identification::physical::{
     ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
 };
-use crate::identification::{Estimate, Estimator, Quality, Validation, validate};
+use crate::identification::{Estimate, Estimator, Quality};
 use crate::io::{
-    BaseValue, Direction, Feasibility, FitStart, IdentifyDocument, IdentifyRequest, InertiaDocument, JointErrors, LogDocument,
-    LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue, QualityDocument, RmsDocument,
+    BaseValue, DeclaredDocument, Direction, EffectParameter, EffectValue, Feasibility, FitStart, IdentifyDocument,
+    IdentifyRequest, InertiaDocument, JointErrors, LogDocument, LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue,
+    QualityDocument, RmsDocument,
 };
 use crate::model::Robot;
-use crate::parameters::{BaseParameters, Layout};
+use crate::parameters::Layout;
+use crate::residual::{AugmentedModel, Fitted, PredictionErrors, ReportedParameter, ResidualReport, Stretch};
 use crate::spatial::PhysicalInertia;
 use nalgebra::DVector;
 
-pub(super) fn document(
-    request: &IdentifyRequest,
-    base: &BaseParameters,
-    found: &Estimate,
-    judged: &Quality,
-    feasible: Option<&FeasibleFit>,
-    identification: &[UsedLog],
-    validation: &[UsedLog],
-) -> IdentifyDocument {
-    let robot = &request.robot;
-    let physical = feasible.map(FeasibleFit::model);
-    let columns = physical.map(|fit| physical_columns(base, fit));
-    let rms = |logs: &[UsedLog]| logs.iter().map(|log| log_rms(log, &found.values, columns.as_ref())).collect();
-    let all = || {
-        identification
-            .iter()
-            .map(|l| (l, "identification"))
-            .chain(validation.iter().map(|l| (l, "validation")))
-    };
-    IdentifyDocument {
-        robot: robot.name().to_string(),
-        joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
-        estimator: match request.estimator {
-            Estimator::Ordinary => "ols",
-            Estimator::Weighted => "wls",
-            Estimator::Robust => "robust",
-        },
-        quality: quality_document(judged, base, found, robot),
-        base_parameters: (0..base.len()).map(|c| base_value(base, found, c)).collect(),
-        undetermined: found
-            .solution
-            .null_directions
-            .iter()
-            .map(|v| direction(base, found, v))
-            .collect(),
-        offsets: request.offset.then(|| {
-            (0..robot.joint_count())
-                .map(|j| offset_value(robot, base, found, j))
-                .collect()
-        }),
-        physical_parameters: physical.and_then(|fit| physical_values(robot, fit)),
-        feasibility: feasible.map(|fit| feasibility(robot, fit)),
-        rms: RmsDocument {
-            identification: rms(identification),
-            validation: rms(validation),
-        },
-        noise: noise(robot, found),
-        log_report: all()
-            .map(|(log, role)| LogDocument::new(&log.report, role, &log.prepared.choices))
-            .collect(),
-        residual: None,
-        predictions: Vec::new(),
-        predictions_error: None,
-        notes: request.notes.clone(),
-        provenance: None,
+/// All that the document of an identification is made of.
+pub(super) struct Answer<'a> {
+    pub request: &'a IdentifyRequest,
+    /// With gravity where the data have it.
+    pub robot: &'a Robot,
+    pub found: &'a Fitted,
+    pub declared: &'a Fitted,
+    pub judged: &'a Quality,
+    pub feasible: Option<&'a FeasibleFit>,
+    /// The model found with bodies in the place of its base parameters.
+    pub bodies: Option<&'a AugmentedModel>,
+    pub read: &'a ReadLogs,
+    /// How many of the logs were identified from; the others validate.
+    pub identification: usize,
+}
+
+impl Answer<'_> {
+    pub fn document(&self) -> IdentifyDocument {
+        let robot = self.robot;
+        let found = self.found;
+        let physical = self.feasible.map(FeasibleFit::model);
+        IdentifyDocument {
+            robot: robot.name().to_string(),
+            joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
+            estimator: match self.request.estimator {
+                Estimator::Ordinary => "ols",
+                Estimator::Weighted => "wls",
+                Estimator::Robust => "robust",
+            },
+            quality: quality_document(self.judged, found, robot),
+            base_parameters: base_values(found),
+            effects: Vec::new(),
+            declared: DeclaredDocument {
+                base_parameters: base_values(self.declared),
+                rms: self.rms(&self.declared.model, None),
+            },
+            undetermined: found
+                .estimate
+                .solution
+                .null_directions
+                .iter()
+                .map(|v| direction(found, v))
+                .collect(),
+            offsets: self
+                .request
+                .offset
+                .then(|| (0..robot.joint_count()).map(|j| offset_value(robot, found, j)).collect()),
+            physical_parameters: physical.and_then(|fit| physical_values(robot, fit)),
+            feasibility: self.feasible.map(|fit| feasibility(robot, fit)),
+            rms: self.rms(&found.model, self.bodies),
+            noise: noise(robot, &found.estimate),
+            log_report: self.log_report(),
+            residual: None,
+            predictions: Vec::new(),
+            predictions_error: None,
+            notes: self.request.notes.clone(),
+            provenance: None,
+        }
     }
+
+    fn rms(&self, base: &AugmentedModel, physical: Option<&AugmentedModel>) -> RmsDocument {
+        let of = |(log, stretch): (&super::identify::UsedLog, &Stretch)| LogRms {
+            name: log.report.file.clone(),
+            base: errors(base.errors(stretch)),
+            physical: physical.map(|model| errors(model.errors(stretch))),
+        };
+        let mut all: Vec<LogRms> = self.read.used.iter().zip(&self.read.stretches).map(of).collect();
+        let validation = all.split_off(self.identification);
+        RmsDocument {
+            identification: all,
+            validation,
+        }
+    }
+
+    fn log_report(&self) -> Vec<LogDocument> {
+        let role = |i: usize| {
+            if i < self.identification {
+                "identification"
+            } else {
+                "validation"
+            }
+        };
+        let logs = self.read.used.iter().enumerate();
+        logs.map(|(i, log)| LogDocument::new(&log.report, role(i), &log.prepared.choices))
+            .collect()
+    }
+}
+
+/// The findings as effects of the model.
+pub(super) fn effects(report: &ResidualReport) -> Vec<EffectValue> {
+    let parameter = |p: &ReportedParameter| EffectParameter {
+        name: p.name.clone(),
+        value: p.value,
+        std_dev: p.std_dev,
+        unit: p.unit.clone(),
+    };
+    let findings = report.findings.iter();
+    findings
+        .map(|f| EffectValue {
+            effect: f.effect.clone(),
+            joints: f.joints.clone(),
+            parameters: f.parameters.iter().map(parameter).collect(),
+            in_model: f.in_model,
+        })
+        .collect()
 }
 
 fn finite(v: f64) -> Option<f64> {
     v.is_finite().then_some(v)
 }
 
-/// Model columns (base parameters, then what was added) of physical parameters.
-pub(super) fn physical_columns(base: &BaseParameters, fit: &PhysicalFit) -> DVector<f64> {
-    let standard = base.map.ncols();
-    let projected = base.project(&fit.values[..standard]);
-    DVector::from_iterator(
-        base.len() + fit.values.len() - standard,
-        projected.iter().copied().chain(fit.values[standard..].iter().copied()),
-    )
-}
-
-fn quality_document(judged: &Quality, base: &BaseParameters, found: &Estimate, robot: &Robot) -> QualityDocument {
+fn quality_document(judged: &Quality, found: &Fitted, robot: &Robot) -> QualityDocument {
+    let solution = &found.estimate.solution;
     QualityDocument {
         verdict: judged.verdict.code(),
-        reason: reason(judged, base, found, robot),
-        condition_number: finite(found.solution.condition_number()),
-        rank: found.solution.rank,
-        columns: found.values.len(),
+        reason: reason(judged, &found.base, &found.estimate, robot),
+        condition_number: finite(solution.condition_number()),
+        rank: solution.rank,
+        columns: found.estimate.values.len(),
         prediction_std: judged.prediction_std.iter().map(|&v| finite(v)).collect(),
         extrapolation: judged.extrapolation.iter().map(|&v| finite(v)).collect(),
     }
@@ -113,21 +155,25 @@ fn value(found: &Estimate, c: usize, name: String, expression: String, unit: &st
     }
 }
 
-fn base_value(base: &BaseParameters, found: &Estimate, c: usize) -> BaseValue {
-    value(
-        found,
-        c,
-        base.names[c].clone(),
-        base.expressions[c].to_string(),
-        base.units[c],
-    )
+fn base_values(found: &Fitted) -> Vec<BaseValue> {
+    let base = &found.base;
+    let of = |c: usize| {
+        value(
+            &found.estimate,
+            c,
+            base.names[c].clone(),
+            base.expressions[c].to_string(),
+            base.units[c],
+        )
+    };
+    (0..base.len()).map(of).collect()
 }
 
-fn offset_value(robot: &Robot, base: &BaseParameters, found: &Estimate, j: usize) -> BaseValue {
+fn offset_value(robot: &Robot, found: &Fitted, j: usize) -> BaseValue {
     let joint = &robot.joints()[j];
     value(
-        found,
-        base.len() + j,
+        &found.estimate,
+        found.term_range(j).start,
         format!("offset {}", joint.name),
         "constant torque".to_string(),
         joint.effort_unit(),
@@ -135,24 +181,14 @@ fn offset_value(robot: &Robot, base: &BaseParameters, found: &Estimate, j: usize
 }
 
 /// An open direction in the parameters' own units, its parts above a hundredth of the largest.
-fn direction(base: &BaseParameters, found: &Estimate, scaled: &DVector<f64>) -> Direction {
-    let divisor = |c: usize| {
-        if found.solution.column_scale[c] > 0.0 {
-            found.solution.column_scale[c]
-        } else {
-            1.0
-        }
-    };
+fn direction(found: &Fitted, scaled: &DVector<f64>) -> Direction {
+    let scale = &found.estimate.solution.column_scale;
+    let divisor = |c: usize| if scale[c] > 0.0 { scale[c] } else { 1.0 };
     let parts = DVector::from_fn(scaled.len(), |c, _| scaled[c] / divisor(c));
     let largest = parts.amax();
     let mut order: Vec<usize> = (0..parts.len()).filter(|&c| parts[c].abs() > 0.01 * largest).collect();
     order.sort_by(|&a, &b| parts[b].abs().total_cmp(&parts[a].abs()));
-    let name = |c: usize| {
-        base.names
-            .get(c)
-            .cloned()
-            .unwrap_or_else(|| format!("offset {}", c - base.len() + 1))
-    };
+    let name = |c: usize| found.base.names.get(c).cloned().unwrap_or_else(|| effect_name(found, c));
     let text: Vec<String> = order
         .iter()
         .map(|&c| format!("{:.3} {}", parts[c] / largest, name(c)))
@@ -161,6 +197,16 @@ fn direction(base: &BaseParameters, found: &Estimate, scaled: &DVector<f64>) -> 
         text: text.join(" + ").replace("+ -", "- "),
         parameters: order.iter().map(|&c| name(c)).collect(),
     }
+}
+
+/// The effect that value `c` of an estimate belongs to.
+fn effect_name(found: &Fitted, c: usize) -> String {
+    let terms = &found.model.terms;
+    let Some(at) = (0..terms.len()).find(|&t| found.term_range(t).contains(&c)) else {
+        return format!("parameter {}", c + 1);
+    };
+    let joints = terms[at].joints.iter().map(|&j| found.model.robot.joints()[j].name.as_str());
+    format!("{} {}", terms[at].effect.code(), joints.collect::<Vec<_>>().join(" "))
 }
 
 fn physical_values(robot: &Robot, fit: &PhysicalFit) -> Option<Vec<PhysicalValue>> {
@@ -261,19 +307,11 @@ fn paper_problem(robot: &Robot, paper: &PaperFit) -> PaperProblem {
     }
 }
 
-pub(super) fn errors(v: Validation) -> JointErrors {
+pub(super) fn errors(e: PredictionErrors) -> JointErrors {
     JointErrors {
-        sum: v.rms.iter().sum(),
-        rms: v.rms,
-        percent: v.percent,
-    }
-}
-
-fn log_rms(log: &UsedLog, base: &DVector<f64>, physical: Option<&DVector<f64>>) -> LogRms {
-    LogRms {
-        name: log.report.file.clone(),
-        base: errors(validate(&log.observation, base)),
-        physical: physical.map(|p| errors(validate(&log.observation, p))),
+        sum: e.rms.iter().sum(),
+        rms: e.rms,
+        percent: e.percent,
     }
 }
 

@@ -1,13 +1,11 @@
 //! Measured and predicted torques over time, for plots.
 
-use super::identify::UsedLog;
+use super::identify::{ReadLogs, UsedLog};
 use super::{Code, Error};
-use crate::identification::predictions as predict;
+use crate::identification::keep_peaks;
 use crate::io::PredictionDocument;
 use crate::model::Robot;
 use crate::residual::{AugmentedModel, Stretch};
-use nalgebra::DVector;
-use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What is made for pictures, after the result: if it cannot be made, `what` says so, and the result is as good without it.
@@ -24,65 +22,56 @@ pub fn drawn<T>(what: &str, make: impl FnOnce() -> T) -> Result<T, Error> {
 
 /// What predicts.
 pub(super) struct Predictors<'a> {
-    pub base: &'a DVector<f64>,
-    pub physical: Option<&'a DVector<f64>>,
-    pub augmented: Option<&'a AugmentedModel>,
-    /// The `residual` part of the answer: torques that it calls inverted were turned before the augmented model saw them.
-    pub residual: Option<&'a Value>,
+    /// The model as estimated.
+    pub base: &'a AugmentedModel,
+    /// With bodies in the place of its base parameters.
+    pub physical: Option<&'a AugmentedModel>,
+    /// Without the effects found.
+    pub declared: Option<&'a AugmentedModel>,
 }
 
-/// One series per log and joint; none where no points are asked for.
-pub(super) fn predictions<'a>(
-    robot: &Robot,
-    logs: impl Iterator<Item = &'a UsedLog>,
-    by: &Predictors,
-    most: usize,
-) -> Vec<PredictionDocument> {
+/// One series per log and joint, torques as recorded; none where no points are asked for.
+pub(super) fn predictions(robot: &Robot, read: &ReadLogs, by: &Predictors, most: usize) -> Vec<PredictionDocument> {
     if most == 0 {
         return Vec::new();
     }
-    logs.flat_map(|log| of_log(robot, log, by, most)).collect()
-}
-
-fn of_log(robot: &Robot, log: &UsedLog, by: &Predictors, most: usize) -> Vec<PredictionDocument> {
-    let augmented = by.augmented.zip(log.stretch.as_ref()).map(|(model, traced)| {
-        // Rows of tracing are means over several samples where a period has many; these are the rows that least squares has.
-        let motion = Stretch::of_motion(traced.motion.clone(), traced.interval, traced.periodic);
-        let samples = model.predict(&motion).into_iter();
-        samples
-            .map(|torque| log.prepared.row_filter.column_rows(&torque))
-            .collect::<Vec<_>>()
-    });
-    let sets: Vec<&DVector<f64>> = std::iter::once(by.base).chain(by.physical).collect();
-    predict(&log.observation, &sets, most)
-        .into_iter()
-        .enumerate()
-        .map(|(j, series)| {
-            let joint = &robot.joints()[j].name;
-            let sign = if is_inverted(by.residual, joint) { -1.0 } else { 1.0 };
-            let state = |k: usize| series.samples.iter().map(|&s| log.prepared.motion.get(j, s)[k]).collect();
-            let mut predicted = series.predicted.into_iter();
-            PredictionDocument {
-                log: log.report.file.clone(),
-                joint: joint.clone(),
-                time: series.samples.iter().map(|&s| log.prepared.time(s)).collect(),
-                q: state(0),
-                qd: state(1),
-                qdd: state(2),
-                measured: series.measured,
-                base: predicted.next().unwrap_or_default(),
-                physical: predicted.next(),
-                augmented: augmented
-                    .as_ref()
-                    .map(|t| series.rows.iter().map(|&r| sign * t[j][r]).collect()),
-            }
-        })
+    let logs = read.used.iter().zip(&read.stretches);
+    logs.flat_map(|(used, stretch)| of_log(robot, used, stretch, &read.signs, by, most))
         .collect()
 }
 
-fn is_inverted(residual: Option<&Value>, joint: &str) -> bool {
-    let faults = residual.and_then(|r| r["data_faults"].as_array()).into_iter().flatten();
-    faults
-        .filter(|f| f["fault"] == "torque_sign")
-        .any(|f| f["joints"].as_array().is_some_and(|joints| joints.iter().any(|j| j == joint)))
+fn of_log(
+    robot: &Robot,
+    used: &UsedLog,
+    stretch: &Stretch,
+    signs: &[f64],
+    by: &Predictors,
+    most: usize,
+) -> Vec<PredictionDocument> {
+    let base = by.base.predict(stretch);
+    let [physical, declared] = [by.physical, by.declared].map(|m| m.map(|m| m.predict(stretch)));
+    let of = |j: usize| {
+        let rows: Vec<usize> = (0..stretch.rows()).filter(|&r| stretch.usable[j][r]).collect();
+        let residual: Vec<f64> = rows.iter().map(|&r| stretch.torque[j][r] - base[j][r]).collect();
+        let measured: Vec<f64> = rows.iter().map(|&r| stretch.torque[j][r]).collect();
+        let picked: Vec<usize> = keep_peaks(&[&measured, &residual], most)
+            .into_iter()
+            .map(|i| rows[i])
+            .collect();
+        let torque = |all: &[Vec<f64>]| picked.iter().map(|&r| signs[j] * all[j][r]).collect::<Vec<f64>>();
+        let state = |k: usize| picked.iter().map(|&r| stretch.motion.get(j, stretch.samples[r])[k]).collect();
+        PredictionDocument {
+            log: used.report.file.clone(),
+            joint: robot.joints()[j].name.clone(),
+            time: picked.iter().map(|&r| used.prepared.time(stretch.samples[r])).collect(),
+            q: state(0),
+            qd: state(1),
+            qdd: state(2),
+            measured: torque(&stretch.torque),
+            base: torque(&base),
+            physical: physical.as_ref().map(|t| torque(t)),
+            declared: declared.as_ref().map(|t| torque(t)),
+        }
+    };
+    (0..stretch.joints()).map(of).collect()
 }

@@ -1,22 +1,22 @@
 //! Hold a model against logs.
 
-use super::identify::{LogFile, Reading, UsedLog, split_companions, use_log};
+use super::identify::{LogFile, ReadLogs, Reading, split_companions, use_log};
 use super::report::errors;
 use super::series::{Predictors, drawn, predictions};
-use super::trace::residual;
+use super::trace::{beyond_repair, data_faults, residual_value};
 use super::{CancelFlag, Code, Error};
-use crate::identification::validate as prediction_errors;
-use crate::io::{LogDocument, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
-use crate::parameters::{BaseParameters, Layout};
-use nalgebra::DVector;
+use crate::io::{LogDocument, ModelEffect, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
+use crate::parameters::Layout;
+use crate::residual::{AugmentedModel, DataFault, Prior, TraceOptions, trace};
+use serde_json::Value;
 
 /// A finished validation.
 #[derive(Debug, Clone)]
 pub struct Validated {
     pub document: ValidateDocument,
-    pub logs: Vec<UsedLog>,
-    /// The model's columns: base parameters, then offsets.
-    values: DVector<f64>,
+    /// The bodies of the model, and its effects.
+    bodies: AugmentedModel,
+    read: ReadLogs,
 }
 
 impl Validated {
@@ -27,56 +27,93 @@ impl Validated {
     /// `drawing_failed`: the result is as good without them.
     pub fn predictions(&self, request: &ValidateRequest) -> Result<Vec<PredictionDocument>, Error> {
         let by = Predictors {
-            base: &self.values,
+            base: &self.bodies,
             physical: None,
-            augmented: None,
-            residual: None,
+            declared: None,
         };
         drawn("the predictions", || {
-            predictions(&request.robot, self.logs.iter(), &by, request.prediction_points)
+            predictions(&request.robot, &self.read, &by, request.prediction_points)
         })
     }
 }
 
-/// Predicts every log with the model. The document has no predictions yet: see [`Validated::predictions`].
+/// Predicts every log with the model, its effects included. The document has no predictions yet: see [`Validated::predictions`].
 ///
 /// # Errors
 /// `invalid_log` with what is wrong with which file.
 pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -> Result<Validated, Error> {
+    let robot = &request.robot;
+    let bodies = bodies(request)?;
+    let tracing = request.augmented.as_ref().filter(|_| request.trace);
+    let mut read = read_logs(request, logs, tracing.is_some(), cancel)?;
+    let faults = match tracing {
+        Some(_) => data_faults(robot, &read.used),
+        None => Vec::new(),
+    };
+    read.turn(robot, &faults);
+    let base = request.augmented.as_ref().map(|(model, _)| model);
+    let of_log = |(log, stretch): (&super::UsedLog, &crate::residual::Stretch)| ValidatedLog {
+        name: log.report.file.clone(),
+        errors: errors(bodies.errors(stretch)),
+        base: base.map(|model| errors(model.errors(stretch))),
+    };
+    let document = ValidateDocument {
+        robot: robot.name().to_string(),
+        joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
+        effects: effects(&bodies),
+        logs: read.used.iter().zip(&read.stretches).map(of_log).collect(),
+        log_report: read
+            .used
+            .iter()
+            .map(|log| LogDocument::new(&log.report, "validation", &log.prepared.choices))
+            .collect(),
+        predictions: Vec::new(),
+        predictions_error: None,
+        residual: tracing.map(|existing| changes(request, &read, existing, faults)),
+    };
+    Ok(Validated { document, bodies, read })
+}
+
+/// The bodies of the model, and its effects.
+fn bodies(request: &ValidateRequest) -> Result<AugmentedModel, Error> {
+    let robot = &request.robot;
+    let prior = Layout::standard(robot).prior(robot);
+    let prior = prior.ok_or_else(|| Error::new(Code::NoModel, "a link of the model has no mass and inertia"))?;
+    let model = match &request.augmented {
+        Some((model, _)) => model.clone(),
+        None => AugmentedModel::declared(robot).with_offsets(request.offsets.as_deref().unwrap_or_default()),
+    };
+    Ok(AugmentedModel {
+        values: model.base.project(prior.as_slice()),
+        ..model
+    })
+}
+
+fn effects(model: &AugmentedModel) -> Vec<ModelEffect> {
+    let joint = |&j: &usize| model.robot.joints()[j].name.clone();
+    let terms = model.terms.iter();
+    terms
+        .map(|term| ModelEffect {
+            effect: term.effect.code().into(),
+            joints: term.joints.iter().map(joint).collect(),
+        })
+        .collect()
+}
+
+fn read_logs(request: &ValidateRequest, logs: &[LogFile], trace: bool, cancel: &CancelFlag) -> Result<ReadLogs, Error> {
     if logs.is_empty() {
         return Err(
             Error::new(Code::InvalidLog, "there is no log to validate with").with_hint("send at least one part called `log`")
         );
     }
-    let robot = &request.robot;
-    let base = BaseParameters::exact(robot);
-    let prior = Layout::standard(robot).prior(robot);
-    let prior = prior.ok_or_else(|| Error::new(Code::NoModel, "a link of the model has no mass and inertia"))?;
-    let offsets = request.offsets.clone().unwrap_or_default();
-    let projected = base.project(prior.as_slice());
-    let values = DVector::from_iterator(
-        base.len() + offsets.len(),
-        projected.iter().copied().chain(offsets.iter().copied()),
-    );
     let reading = Reading {
-        robot,
-        base: &base,
+        robot: &request.robot,
         columns: &request.columns,
         preprocess: &request.preprocess,
-        offset: !offsets.is_empty(),
-        trace: request.existing.is_some(),
-    };
-    let mut document = ValidateDocument {
-        robot: robot.name().to_string(),
-        joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
-        logs: Vec::new(),
-        log_report: Vec::new(),
-        predictions: Vec::new(),
-        predictions_error: None,
-        residual: None,
+        trace,
     };
     let (logs, beside) = split_companions(&request.columns, logs)?;
-    let mut used = Vec::new();
+    let mut read = ReadLogs::default();
     for file in logs {
         if cancel.is_cancelled() {
             return Err(Error::new(
@@ -84,22 +121,21 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
                 "the validation was cancelled before it had a result",
             ));
         }
-        let log = use_log(&reading, file, &beside)?;
-        let name = log.report.file.clone();
-        document.logs.push(ValidatedLog {
-            name: name.clone(),
-            errors: errors(prediction_errors(&log.observation, &values)),
-        });
-        document
-            .log_report
-            .push(LogDocument::new(&log.report, "validation", &log.prepared.choices));
-        used.push(log);
+        let (used, stretch) = use_log(&reading, file, &beside)?;
+        read.used.push(used);
+        read.stretches.push(stretch);
     }
-    let existing = request.existing.clone();
-    document.residual = existing.map(|model| residual(robot, &used, &[], Some(model), false).0);
-    Ok(Validated {
-        document,
-        logs: used,
-        values,
-    })
+    Ok(read)
+}
+
+/// What has changed since the model was made.
+fn changes(request: &ValidateRequest, read: &ReadLogs, existing: &(AugmentedModel, Prior), faults: Vec<DataFault>) -> Value {
+    let options = TraceOptions {
+        existing: Some(existing.clone()),
+        search: !beyond_repair(&faults),
+        ..TraceOptions::default()
+    };
+    let mut report = trace(&request.robot, &read.stretches, &[], &options).report;
+    report.data_faults = faults;
+    residual_value(&request.robot, &report)
 }

@@ -205,8 +205,11 @@ fn left_over(text: &mut String, residual: &serde_json::Value) {
 
 /// What was found, in sentences of at most this width.
 fn told(text: &mut String, residual: &serde_json::Value) {
-    let findings = residual["findings"].as_array().into_iter().flatten();
+    let list = |name: &str| residual[name].as_array().into_iter().flatten();
+    let faults = list("data_faults").flat_map(|f| [&f["detail"], &f["remedy"]]);
+    let findings = list("findings");
     let sentences = std::iter::once(&residual["summary"])
+        .chain(faults)
         .chain(findings.map(|f| &f["sentence"]))
         .chain([&residual["remainder"]["sentence"]]);
     for sentence in sentences.filter_map(|s| s.as_str()) {

@@ -62,6 +62,10 @@ impl Effect for BaseTilt {
         world.gravity = tilted(scene.robot.gravity(), theta);
     }
 
+    fn turns_gravity(&self) -> bool {
+        true
+    }
+
     fn steps(&self) -> &'static [f64] {
         &[1e-5, 1e-5]
     }

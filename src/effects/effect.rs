@@ -196,6 +196,11 @@ pub trait Effect: Sync + Send {
         false
     }
 
+    /// Whether gravity has another direction in the world that a distortion makes: base parameters that gravity along an axis hides can then be seen.
+    fn turns_gravity(&self) -> bool {
+        false
+    }
+
     /// For every parameter of a distortion: the step that its derivative is differenced with, small beside any value of interest and large
     /// beside the rounding of the torques.
     fn steps(&self) -> &'static [f64] {

@@ -22,7 +22,6 @@ mod solution;
 mod thin;
 mod validation;
 
-pub(crate) use least_squares::estimate_from;
 pub use least_squares::{Estimate, Estimator, JointFit, estimate};
 pub use log::Log;
 pub use noise::NoiseSpectrum;

@@ -36,6 +36,20 @@ impl JointNormal {
 }
 
 impl JointNormal {
+    /// The equations of the first `count` model columns, with the torque that `known` values of the others make taken off.
+    pub fn without(&self, known: &DVector<f64>, count: usize) -> Self {
+        let own: Vec<usize> = (0..self.columns.len()).filter(|&c| self.columns[c] < count).collect();
+        let values = DVector::from_iterator(self.columns.len(), self.columns.iter().map(|&c| known[c]));
+        let moment = &self.moment - &self.gram * &values;
+        Self {
+            columns: own.iter().map(|&c| self.columns[c]).collect(),
+            gram: self.gram.select_rows(&own).select_columns(&own),
+            moment: moment.select_rows(&own),
+            torque_square: self.residual_square(known),
+            rows: self.rows,
+        }
+    }
+
     /// Of no rows.
     pub(super) fn none(rows: &JointRows) -> Self {
         let w = rows.columns.len();

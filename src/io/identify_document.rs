@@ -12,7 +12,12 @@ pub struct IdentifyDocument {
     pub joints: Vec<String>,
     pub estimator: &'static str,
     pub quality: QualityDocument,
+    /// Of the model that was found: declared model and effects estimated together.
     pub base_parameters: Vec<BaseValue>,
+    /// What was found beside the declared model; empty where tracing was not asked for.
+    pub effects: Vec<EffectValue>,
+    /// The declared model alone, by the same rows and weights, for comparison.
+    pub declared: DeclaredDocument,
     /// Combinations of base parameters that the log does not determine.
     pub undetermined: Vec<Direction>,
     /// Constant torque of every joint, where it was asked for.
@@ -68,6 +73,37 @@ pub struct BaseValue {
     pub textbook_relative_std_dev_percent: Option<f64>,
     pub unit: String,
     pub identifiable: bool,
+}
+
+/// An effect beside the declared model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = FoundEffect))]
+pub struct EffectValue {
+    #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
+    pub effect: String,
+    pub joints: Vec<String>,
+    pub parameters: Vec<EffectParameter>,
+    /// Whether it is a part of the model that is handed out; otherwise held-out data speak against it, or it is nothing that lasts.
+    pub in_model: bool,
+}
+
+/// A parameter of an effect, with one standard deviation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct EffectParameter {
+    #[cfg_attr(feature = "service", schema(example = "amplitude"))]
+    pub name: String,
+    pub value: f64,
+    pub std_dev: f64,
+    pub unit: String,
+}
+
+/// The declared model without the effects found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = DeclaredModel))]
+pub struct DeclaredDocument {
+    pub base_parameters: Vec<BaseValue>,
+    pub rms: RmsDocument,
 }
 
 /// A combination of parameters, strongest part first.
@@ -165,7 +201,7 @@ pub struct MarginValue {
     pub margin: f64,
 }
 
-/// Root mean square errors [N m or N] per joint.
+/// Root mean square errors [N m or N] per joint, of single measurements about the model with the effects found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct RmsDocument {
@@ -257,8 +293,8 @@ pub struct PredictionDocument {
     pub measured: Vec<f64>,
     pub base: Vec<f64>,
     pub physical: Option<Vec<f64>>,
-    /// By the declared model with the effects found, where tracing was asked for.
-    pub augmented: Option<Vec<f64>>,
+    /// By the declared model, without the effects found; null where tracing was not asked for.
+    pub declared: Option<Vec<f64>>,
 }
 
 /// What is needed to do an identification again.

@@ -23,8 +23,10 @@ pub struct ValidateRequest {
     pub columns: Columns,
     pub preprocess: PreprocessOptions,
     pub prediction_points: usize,
-    /// What tracing holds new logs against, where it is asked for and the model says how well it is known.
-    pub existing: Option<(AugmentedModel, Prior)>,
+    /// Base parameters and effects of the model, and how well they are known, where it says so.
+    pub augmented: Option<(AugmentedModel, Prior)>,
+    /// Whether what has changed is to be traced.
+    pub trace: bool,
 }
 
 pub const VALIDATE_FIELDS: &[&str] = &[
@@ -72,7 +74,8 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
     Some(ValidateRequest {
         robot: model.robot,
         offsets: model.offsets,
-        existing: model.augmented.filter(|_| trace),
+        augmented: model.augmented,
+        trace,
         columns,
         preprocess,
         prediction_points: points as usize,
@@ -119,6 +122,8 @@ fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
 pub struct ValidateDocument {
     pub robot: String,
     pub joints: Vec<String>,
+    /// Codes of the effects that the model has beside its bodies, and their joints.
+    pub effects: Vec<ModelEffect>,
     pub logs: Vec<ValidatedLog>,
     pub log_report: Vec<LogDocument>,
     pub predictions: Vec<PredictionDocument>,
@@ -131,10 +136,22 @@ pub struct ValidateDocument {
     pub residual: Option<serde_json::Value>,
 }
 
+/// An effect of a model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct ModelEffect {
+    #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
+    pub effect: String,
+    pub joints: Vec<String>,
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct ValidatedLog {
     pub name: String,
+    /// Of the bodies with the effects of the model.
     #[serde(flatten)]
     pub errors: JointErrors,
+    /// Of the base parameters with the effects of the model, where it has them.
+    pub base: Option<JointErrors>,
 }

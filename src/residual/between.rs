@@ -11,7 +11,7 @@ use super::findings::joint_names;
 use super::levels::{best_level, without_slow};
 use super::price::PREFERENCE;
 use super::unsteady::{TakenOut, Unsteady};
-use super::{Evidence, Finding, NoiseModel, ReportedParameter, RmsPair, Stretch};
+use super::{Evaluated, Evidence, Finding, FindingHeldOut, NoiseModel, ReportedParameter, RmsPair, Stretch};
 use crate::model::Robot;
 
 /// Drift or contact, with its fit.
@@ -49,9 +49,11 @@ impl BetweenFinding {
                 gain: self.gain,
                 log_evidence_ratio: self.evidence(),
                 p_value: self.p_value,
-                held_out_blocks: self.gain,
-                held_out_periods: None,
+                held_out_blocks: Evaluated::NotEvaluated,
+                held_out_periods: Evaluated::NotEvaluated,
             },
+            held_out: FindingHeldOut::not_tested(),
+            in_model: false,
             rivals: Vec::new(),
             note: Some(note.into()),
         }
@@ -69,6 +71,18 @@ pub(crate) struct Separated {
     pub found: Vec<BetweenFinding>,
     /// Levels that nothing explains.
     pub unsteady: Vec<Unsteady>,
+}
+
+impl Separated {
+    /// The stretches as they are.
+    pub fn nothing(stretches: &[Stretch]) -> Self {
+        Self {
+            steady: stretches.to_vec(),
+            explained: stretches.to_vec(),
+            found: Vec::new(),
+            unsteady: Vec::new(),
+        }
+    }
 }
 
 pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> Separated {

@@ -100,6 +100,7 @@ impl Stretch {
         Self {
             torque: middle.torque.clone(),
             periods: middle.periods.clone(),
+            samples: (0..rows).map(|s| first + s * step).collect(),
             usable: middle.usable.clone(),
             resting: middle.resting.clone(),
             filter: Some(Arc::new(mean)),

@@ -13,17 +13,28 @@ pub(crate) struct Torques {
     pub declared: Vec<Vec<f64>>,
 }
 
+/// Numbers that regressor columns may take before they are filtered and decimated (32 MB): longer logs go through in several passes over the
+/// kinematics, which is cheap.
+const MOST_NUMBERS: usize = 4 << 20;
+
 impl AugmentedModel {
     /// Rows of the base parameters along the motion as measured.
     pub(crate) fn base_rows(&self, stretch: &Stretch) -> ShapedRows {
-        let (set, rows) = self.fill(&self.robot, &stretch.motion);
-        let shaped = |j: usize| {
-            let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
-            blocks
-                .map(|(values, &at)| (at, stretch.shaped(values[..rows.samples()].to_vec())))
-                .collect()
-        };
-        (0..self.robot.joint_count()).map(shaped).collect()
+        let joints = self.robot.joint_count();
+        let layout = Layout::standard(&self.robot);
+        let chain = Chain::new(&self.robot);
+        let batch = (MOST_NUMBERS / (stretch.motion.samples() * joints).max(1)).max(1);
+        let mut shaped: ShapedRows = vec![Vec::new(); joints];
+        for (first, part) in self.base.kept.chunks(batch).enumerate().map(|(i, part)| (i * batch, part)) {
+            let set = ColumnSet::new(&self.robot, &layout, part);
+            let mut rows = RowBlocks::new(&set, stretch.motion.samples());
+            rows.fill(&chain, &set, &stretch.motion, Coulomb::Sign);
+            for (j, own) in shaped.iter_mut().enumerate() {
+                let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+                own.extend(blocks.map(|(values, &at)| (first + at, stretch.shaped(values[..rows.samples()].to_vec()))));
+            }
+        }
+        shaped
     }
 
     pub(super) fn fill(&self, robot: &Robot, motion: &Motion) -> (ColumnSet, RowBlocks) {

@@ -1,14 +1,16 @@
 //! Accepted effects told as findings: values with deviations, errors before and after, and what should be known about them.
 
 use super::between::BetweenFinding;
-use super::confirm::honest_covariance;
+use super::estimate::estimated;
 use super::misfit::rms;
 use super::model::reported;
 use super::rivals::Contest;
 use super::select::Accepted;
-use super::system::{Data, System};
-use super::{AugmentedModel, Evidence, Finding, ReportedParameter, RmsPair, Stretch};
+use super::system::Data;
+use super::{AugmentedModel, Change, Evaluated, Evidence, Finding, FindingHeldOut, ReportedParameter, RmsPair, Stretch, Term};
+use crate::identification::Estimator;
 use crate::model::Robot;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Drift and contacts as findings; the error before is that of the data as measured.
@@ -33,74 +35,106 @@ pub(super) fn between_findings(
         .collect()
 }
 
-/// One finding per accepted effect; before and after by fitting the model with the effects up to it, from `start` to `last`. `told` are the stretches that
-/// errors are told of.
-pub(super) fn findings(
-    data: &Data,
-    told: [&[Stretch]; 2],
-    start: &AugmentedModel,
-    last: &System,
-    accepted: &[Accepted],
-    contests: &[Contest],
-) -> Vec<Finding> {
-    let fixed = start.terms.len();
-    let with = |count: usize| {
-        if count == accepted.len() {
-            return last.model.clone();
-        }
-        let mut model = start.clone();
-        model.terms.extend(last.model.terms[fixed..fixed + count].iter().cloned());
-        data.fit(model).model
-    };
-    let errors: Vec<RmsPair> = (0..accepted.len() + 1)
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|count| rms(&with(count), told[0], told[1]))
-        .collect();
-    let one = |(i, a): (usize, &Accepted)| finding(last, fixed + i, a, &contests[i], errors[i].clone(), errors[i + 1].clone());
-    accepted.iter().enumerate().map(one).collect()
+/// What a finding is made of: the effects in the order of the decision, those that stay first.
+pub(super) struct Told<'a> {
+    pub data: &'a Data<'a>,
+    pub estimator: Estimator,
+    /// The model without the effects, and the final one.
+    pub declared: &'a AugmentedModel,
+    pub last: &'a AugmentedModel,
+    /// Covariances of the effects' parameters: of those that stay by the final estimate, of the others by the fit that had them.
+    pub covariances: Vec<DMatrix<f64>>,
+    /// Terms of all effects, in the same order.
+    pub terms: Vec<Term>,
+    pub stay: usize,
+    pub held_out: Vec<FindingHeldOut>,
+    pub accepted: Vec<Accepted>,
+    pub contests: Vec<Contest>,
 }
 
-fn finding(last: &System, at: usize, accepted: &Accepted, contest: &Contest, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
-    let robot = &last.model.robot;
-    let term_joints = &last.model.terms[at].joints;
-    let joints: Vec<usize> = if term_joints.is_empty() {
-        (0..robot.joint_count()).collect()
-    } else {
-        term_joints.clone()
+/// One finding per effect; before and after by fitting the model with the effects up to it, and of those that do not stay with all that stay and it. `measured`
+/// are the stretches that errors are of, and the held-out ones.
+pub(super) fn findings(told: &Told, measured: [&[Stretch]; 2]) -> Vec<Finding> {
+    let with = |terms: Vec<Term>| {
+        let mut model = told.declared.clone();
+        model.terms.extend(terms);
+        estimated_model(told.data, model, told.estimator)
     };
-    let covariance = honest_covariance(last, at);
-    let mut term = last.model.terms[at].clone();
+    let errors = |count: usize| {
+        let model = match count {
+            0 => told.declared.clone(),
+            all if all == told.stay => told.last.clone(),
+            some if some < told.stay => with(told.terms[..some].to_vec()),
+            // Beyond those that stay: all of them and this one.
+            one => with(
+                told.terms[..told.stay]
+                    .iter()
+                    .chain([&told.terms[one - 1]])
+                    .cloned()
+                    .collect(),
+            ),
+        };
+        rms(&model, measured[0], measured[1])
+    };
+    let errors: Vec<RmsPair> = (0..told.terms.len() + 1)
+        .into_par_iter()
+        .with_max_len(1)
+        .map(errors)
+        .collect();
+    let one = |i: usize| finding(told, i, errors[i.min(told.stay)].clone(), errors[i + 1].clone());
+    (0..told.terms.len()).map(one).collect()
+}
+
+/// The model fitted by `estimator`, without what is known of it.
+fn estimated_model(data: &Data, model: AugmentedModel, estimator: Estimator) -> AugmentedModel {
+    match estimator {
+        Estimator::Weighted => data.fit(model).model,
+        _ => estimated(data, &model, estimator).model,
+    }
+}
+
+/// Values and deviations of what a term reports, its coefficients made physically consistent.
+pub(super) fn reported_parameters(robot: &Robot, term: &Term, covariance: &DMatrix<f64>) -> Vec<ReportedParameter> {
+    let mut term = term.clone();
     let k = term.coefficients.len();
     if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
         term.coefficients = term.effect.consistent(&term.coefficients, &information);
     }
-    let values = reported(&term, &covariance);
     let names = term.effect.parameters(term.form, robot, &term.joints);
-    let parameters = ReportedParameter::of(names, values);
+    ReportedParameter::of(names, reported(&term, covariance))
+}
+
+fn finding(told: &Told, at: usize, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
+    let robot = &told.last.robot;
+    let (term, accepted, contest) = (&told.terms[at], &told.accepted[at], &told.contests[at]);
     Finding {
         effect: accepted.effect.into(),
         joints: joint_names(robot, &term.joints),
-        parameters,
-        note: note(contest, &joints, &rms_before, &rms_after),
+        parameters: reported_parameters(robot, term, &told.covariances[at]),
         rms_before,
         rms_after,
         evidence: Evidence {
             gain: accepted.gain,
             log_evidence_ratio: accepted.evidence,
             p_value: accepted.p_value,
-            held_out_blocks: accepted.held_out.blocks,
-            held_out_periods: accepted.held_out.periods,
+            held_out_blocks: Evaluated::Value(accepted.held_out.blocks),
+            held_out_periods: accepted.held_out.periods.into(),
         },
+        note: note(contest, &told.held_out[at]),
+        held_out: told.held_out[at].clone(),
+        in_model: at < told.stay,
         rivals: contest.rivals.clone(),
     }
 }
 
-/// What should be known about a finding: that another explains more, or that it did not help on data that it was not fitted to.
-fn note(contest: &Contest, joints: &[usize], before: &RmsPair, after: &RmsPair) -> Option<String> {
-    let sum = |rms: &RmsPair| joints.iter().filter_map(|&j| rms.held_out.get(j)).map(|v| v * v).sum::<f64>();
-    let worse = (sum(after) > sum(before)).then(|| "the error on held-out data did not fall".to_string());
-    let said: Vec<String> = contest.note.clone().into_iter().chain(worse).collect();
+/// What should be known about a finding: that another explains more, or what held-out data say against it.
+fn note(contest: &Contest, held_out: &FindingHeldOut) -> Option<String> {
+    let against = match held_out.change {
+        Change::Same => Some("the error on held-out data did not change beyond chance".to_string()),
+        Change::Worse => Some("the error on held-out data rose beyond chance: the effect is not in the model".to_string()),
+        Change::Better | Change::NotTested => None,
+    };
+    let said: Vec<String> = contest.note.clone().into_iter().chain(against).collect();
     (!said.is_empty()).then(|| said.join("; "))
 }
 

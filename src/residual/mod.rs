@@ -19,6 +19,7 @@ mod design;
 mod deviations;
 mod distortion;
 mod drift;
+mod estimate;
 mod evaluation;
 mod family;
 mod faults;
@@ -26,6 +27,8 @@ mod findings;
 mod fit;
 mod function;
 mod gravity;
+mod held_out;
+mod jackknife;
 mod judge;
 mod levels;
 mod misfit;
@@ -37,6 +40,7 @@ mod projection;
 mod remainder;
 mod report;
 mod rivals;
+mod robust;
 mod scan;
 mod select;
 mod store;
@@ -49,14 +53,16 @@ mod unsteady;
 
 pub use border::RivalTerm;
 pub use design::{EffectColumns, information_over};
+pub use estimate::Fitted;
 pub use faults::{DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, leave_out, lost_rows, sample_faults};
 pub use gravity::{Gravity, Mounting, OTHER_MOUNTING, mounting, trace_mounted};
+pub use misfit::PredictionErrors;
 pub(crate) use model::reported;
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
 pub use report::{
-    AtRest, Evidence, Finding, JointFit, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected,
-    Verdict,
+    AtRest, Change, Estimates, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
+    Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
 };
 pub use stretch::Stretch;
 pub use system::Prior;

@@ -1,7 +1,7 @@
 //! The declared model with effects added: its terms and its parameters.
 
 use crate::dynamics::{Coulomb, Motion};
-use crate::effects::{Effect, Kind, Scene, Span};
+use crate::effects::{Effect, Kind, Scene, Span, by_code};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
 use nalgebra::{DMatrix, DVector, Rotation3};
@@ -37,6 +37,19 @@ impl std::fmt::Debug for Term {
 }
 
 impl Term {
+    /// A constant torque on one joint, zero as yet.
+    pub(crate) fn offset(joint: usize) -> Self {
+        Self {
+            effect: by_code("torque_offset").expect("is in the list"),
+            form: 0,
+            joints: vec![joint],
+            coefficients: vec![0.0],
+            shape: Vec::new(),
+            free_shapes: 0,
+            bounds: Vec::new(),
+        }
+    }
+
     pub(crate) fn is_distortion(&self) -> bool {
         self.effect.kind() == Kind::Distortion
     }
@@ -101,6 +114,16 @@ impl AugmentedModel {
             values,
             terms: Vec::new(),
         }
+    }
+
+    /// The model with a constant torque of this size on every joint.
+    pub fn with_offsets(mut self, offsets: &[f64]) -> Self {
+        let term = |(joint, &size): (usize, &f64)| Term {
+            coefficients: vec![size],
+            ..Term::offset(joint)
+        };
+        self.terms.extend(offsets.iter().enumerate().map(term));
+        self
     }
 
     /// Number of estimated parameters.

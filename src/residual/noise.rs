@@ -28,6 +28,17 @@ pub struct NoiseModel {
 const MOST_TERMS: usize = 12;
 
 impl NoiseModel {
+    /// White noise of a standard deviation that nothing but the rows' weights is taken from.
+    pub(super) fn white(std_dev: f64) -> Self {
+        Self {
+            source: NoiseSource::Residual,
+            std_dev,
+            autoregression: Vec::new(),
+            innovation: std_dev,
+            degrees_of_freedom: 1.0,
+        }
+    }
+
     /// From the deviations of every period from the mean of all, joint by joint. `None` for fewer than two periods.
     pub fn from_periods(stretches: &[Stretch], joint: usize) -> Option<Self> {
         let mut covariance = vec![0.0; MOST_TERMS + 1];

@@ -1,6 +1,6 @@
 //! What the tracing hands back: the `residual` part of an answer.
 
-use super::{AugmentedModel, DataFault, NoiseModel, RivalTerm};
+use super::{AugmentedModel, DataFault, Fitted, NoiseModel, RivalTerm};
 use crate::effects::ParameterInfo;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -70,6 +70,106 @@ pub struct AtRest {
     pub rms_after: RmsPair,
 }
 
+/// A figure, or that it was not computed: written as the number, or as `not_evaluated`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Evaluated {
+    Value(f64),
+    NotEvaluated,
+}
+
+impl Evaluated {
+    /// The number, where there is one.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Value(v) => Some(v),
+            Self::NotEvaluated => None,
+        }
+    }
+}
+
+impl From<Option<f64>> for Evaluated {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Self::NotEvaluated, Self::Value)
+    }
+}
+
+impl Serialize for Evaluated {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Value(v) => serializer.serialize_f64(*v),
+            Self::NotEvaluated => serializer.serialize_str("not_evaluated"),
+        }
+    }
+}
+
+/// Whether an error on data that fitted nothing changed beyond chance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    Better,
+    Same,
+    Worse,
+    NotTested,
+}
+
+/// What held-out data say of all effects in the model together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeldOutVerdict {
+    /// The error fell beyond chance.
+    Confirmed,
+    /// It did not.
+    NotConfirmed,
+    /// No effect is in the model.
+    NotTested,
+}
+
+/// The declared model and the final one on held-out data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeldOut {
+    pub verdict: HeldOutVerdict,
+    /// Which data were held out, and how far that can be trusted.
+    pub source: String,
+    /// Chance of a change as large of the error over all joints.
+    pub p_value: Evaluated,
+    pub joints: Vec<JointHeldOut>,
+}
+
+/// One joint on held-out data: RMS of single measurements [N·m or N].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointHeldOut {
+    pub joint: String,
+    /// Of the declared model.
+    pub before: f64,
+    /// Of the final model.
+    pub after: f64,
+    /// Of the noise alone.
+    pub floor: f64,
+    pub change: Change,
+    pub p_value: f64,
+}
+
+/// The model without an effect and with it on held-out data: RMS over its joints [N·m or N].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FindingHeldOut {
+    pub before: Evaluated,
+    pub after: Evaluated,
+    pub change: Change,
+    pub p_value: Evaluated,
+}
+
+impl FindingHeldOut {
+    /// Of what was not held against held-out data.
+    pub fn not_tested() -> Self {
+        Self {
+            before: Evaluated::NotEvaluated,
+            after: Evaluated::NotEvaluated,
+            change: Change::NotTested,
+            p_value: Evaluated::NotEvaluated,
+        }
+    }
+}
+
 /// Why an effect is believed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Evidence {
@@ -80,9 +180,9 @@ pub struct Evidence {
     /// Chance of such a gain without the effect, times the number of hypotheses tried.
     pub p_value: f64,
     /// Gain on blocks of time that were left out of the fit.
-    pub held_out_blocks: f64,
+    pub held_out_blocks: Evaluated,
     /// Gain on one half of the periods when fitted to the other.
-    pub held_out_periods: Option<f64>,
+    pub held_out_periods: Evaluated,
 }
 
 /// Another effect that the data do not exclude in a finding's place.
@@ -103,6 +203,9 @@ pub struct Finding {
     pub rms_before: RmsPair,
     pub rms_after: RmsPair,
     pub evidence: Evidence,
+    pub held_out: FindingHeldOut,
+    /// Whether the effect is a part of the model that is handed out.
+    pub in_model: bool,
     pub rivals: Vec<Rival>,
     /// In words, where something should be known about it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,7 +246,7 @@ pub struct ResidualReport {
     pub noise_source: String,
     pub lack_of_fit: Vec<JointFit>,
     pub verdict: Verdict,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub held_out: HeldOut,
     pub data_faults: Vec<DataFault>,
     pub findings: Vec<Finding>,
     pub remainder: Option<Remainder>,
@@ -159,7 +262,7 @@ pub struct ResidualReport {
     pub at_rest: Option<AtRest>,
 }
 
-/// Report and augmented model.
+/// Report, augmented model and estimates.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     pub report: ResidualReport,
@@ -171,4 +274,15 @@ pub struct Outcome {
     pub rival_terms: Vec<Vec<RivalTerm>>,
     /// Inverse covariance of [`AugmentedModel::vector`].
     pub information: DMatrix<f64>,
+    /// The estimates with the effects and without them; `None` against an existing model, whose parameters are no estimate of these logs alone.
+    pub estimates: Option<Estimates>,
+}
+
+/// The same rows and weights twice.
+#[derive(Debug, Clone)]
+pub struct Estimates {
+    /// Declared model and effects together: what is handed out.
+    pub found: Fitted,
+    /// Without the effects, for comparison.
+    pub declared: Fitted,
 }

@@ -25,6 +25,8 @@ pub struct Stretch {
     pub interval: f64,
     /// Whether the sample after the last is the first.
     pub periodic: bool,
+    /// Sample of the motion that every row stands for, M.
+    pub samples: Vec<usize>,
     /// Rows that count; n × M.
     pub usable: Vec<Vec<bool>>,
     /// Rows that would count, but that a joint [rests](at_rest) at; n × M.
@@ -49,6 +51,12 @@ impl std::fmt::Debug for Stretch {
 impl Stretch {
     pub fn joints(&self) -> usize {
         self.torque.len()
+    }
+
+    /// Turns the sign of the torque of `joint`.
+    pub fn turn(&mut self, joint: usize) {
+        let periods = self.periods.iter_mut().map(|p| &mut p[joint]);
+        periods.chain([&mut self.torque[joint]]).flatten().for_each(|v| *v = -*v);
     }
 
     /// Rows per joint.
@@ -162,6 +170,7 @@ impl Stretch {
             starts: vec![0.0],
             interval,
             periodic,
+            samples: (0..samples).collect(),
             usable: vec![vec![true; samples]; joints],
             resting: vec![vec![false; samples]; joints],
             filter: None,
@@ -209,6 +218,7 @@ impl Stretch {
             starts,
             interval: 1.0 / prepared.rate_hz,
             periodic: prepared.is_periodic() && plain,
+            samples: prepared.row_filter.rows(n).collect(),
             usable: both(true),
             resting: both(false),
             filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),

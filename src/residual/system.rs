@@ -34,7 +34,12 @@ pub(crate) struct Data<'a> {
     pub columns: Arc<ColumnStore>,
     /// The model to start from with smooth functions beside it and no effects; they are asked for again and again. For noise that is measured.
     pub alone: Arc<OnceLock<Option<AugmentedModel>>>,
+    /// Square roots of further weights of the rows, per stretch and joint; `None` where every row counts by its noise alone.
+    pub(super) row_weights: Option<RowWeights>,
 }
+
+/// Per stretch and joint, one number for every row.
+pub(super) type RowWeights = Vec<Vec<Vec<f64>>>;
 
 /// The whitened rows of one joint over one stretch.
 pub(crate) struct Block {
@@ -75,6 +80,7 @@ impl<'a> Data<'a> {
             white: OnceLock::new(),
             columns: Arc::default(),
             alone: Arc::default(),
+            row_weights: None,
         }
     }
 
@@ -97,24 +103,54 @@ impl<'a> Data<'a> {
             white: OnceLock::new(),
             columns: self.columns.clone(),
             alone: self.alone.clone(),
+            row_weights: None,
         }
     }
 
+    /// The same data with further weights of the rows, given by their square roots.
+    pub(super) fn with_row_weights(&self, weights: RowWeights) -> Self {
+        Self {
+            row_weights: Some(weights),
+            ..self.with_noise(self.noise.clone())
+        }
+    }
+
+    /// Rows of the base parameters along the undistorted motion, per stretch.
+    pub(super) fn base_rows(&self, model: &AugmentedModel) -> &[ShapedRows] {
+        self.base
+            .get_or_init(|| self.stretches.par_iter().map(|s| model.base_rows(s)).collect())
+    }
+
+    /// The normal matrix of a system, with the prior's part.
+    pub(super) fn normal(&self, system: &System) -> DMatrix<f64> {
+        let p = system.covariance.nrows();
+        let mut normal = system
+            .blocks
+            .iter()
+            .flatten()
+            .fold(DMatrix::zeros(p, p), |sum, block| sum + &block.normal);
+        if let Some(prior) = self.prior {
+            let k = prior.mean.len();
+            let mut corner = normal.view_mut((0, 0), (k, k));
+            corner += &prior.information;
+        }
+        normal
+    }
+
     pub fn linearise(&self, model: AugmentedModel) -> System {
-        let base = self
-            .base
-            .get_or_init(|| self.stretches.par_iter().map(|s| model.base_rows(s)).collect());
+        let base = self.base_rows(&model);
         // As long as nothing bends the motion, only the columns of the effects are new.
         let bent = model.terms.iter().any(Term::is_distortion);
+        let plain = !bent && self.row_weights.is_none();
         let none = vec![Vec::new(); model.robot.joint_count()];
         let evaluated: Vec<Evaluated> = self
             .stretches
             .par_iter()
             .zip(base)
-            .map(|(s, rows)| model.evaluate(s, Some(if bent { rows } else { &none })))
+            .map(|(s, rows)| model.evaluate(s, Some(if plain { &none } else { rows })))
             .collect();
         let p = model.parameters();
-        let white = (!bent).then(|| self.white.get_or_init(|| self.whitened_base(base, model.values.len())));
+        let white = plain.then(|| self.white.get_or_init(|| self.whitened_base(base, model.values.len())));
         let blocks: Vec<Vec<Block>> = self
             .stretches
             .iter()
@@ -123,7 +159,10 @@ impl<'a> Data<'a> {
             .map(|(i, (stretch, e))| {
                 (0..stretch.joints())
                     .into_par_iter()
-                    .map(|j| self.block(stretch, e, j, p, white.map(|w| &w[i][j])))
+                    .map(|j| match white {
+                        Some(white) => self.block(stretch, e, j, p, Some(&white[i][j])),
+                        None => self.weighted(i, j, self.block(stretch, e, j, p, None)),
+                    })
                     .collect()
             })
             .collect();
@@ -157,6 +196,19 @@ impl<'a> Data<'a> {
             noise_is_measured,
             coarse: OnceLock::new(),
         }
+    }
+
+    /// The block with its rows weighted further.
+    fn weighted(&self, stretch: usize, joint: usize, mut block: Block) -> Block {
+        let Some(weights) = &self.row_weights else { return block };
+        let weights = DVector::from_column_slice(&weights[stretch][joint]);
+        block.residual.component_mul_assign(&weights);
+        block
+            .jacobian
+            .column_iter_mut()
+            .for_each(|mut column| column.component_mul_assign(&weights));
+        block.normal = transposed_product(&block.jacobian, &block.jacobian);
+        block
     }
 
     /// The base parameters' rows of every joint, whitened, along the motion as measured.

@@ -3,10 +3,13 @@
 use super::between::{self, Separated};
 use super::border::{RivalTerm, border};
 use super::candidate::candidates;
-use super::confirm::{Searched, searched};
-use super::findings::{between_findings, findings};
+use super::confirm::{Searched, honest_covariance, searched};
+use super::estimate::estimated;
+use super::findings::{Told, between_findings, findings};
+use super::held_out::{Judge, decide};
 use super::misfit::{at_rest, fits, rms};
-use super::report::Outcome;
+use super::remainder::unaccounted;
+use super::report::{Estimates, HeldOutVerdict, Outcome};
 use super::rivals::Contest;
 use super::select::Threshold;
 use super::stretch::spans;
@@ -15,8 +18,9 @@ use super::trend::trends;
 use super::undetected::undetected;
 use super::unsteady::{joined, remainder_of};
 use super::{AugmentedModel, Finding, NoiseModel, NoiseSource, ResidualReport, Rival, Stretch, Term, Verdict};
+use crate::identification::Estimator;
 use crate::model::Robot;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// What can be asked of the tracing.
 #[derive(Debug, Clone)]
@@ -30,6 +34,12 @@ pub struct TraceOptions {
     pub offsets: bool,
     /// A bound on the search: friction laws of one joint have at most three parts beside viscous and Coulomb (Bittencourt & Gunnarsson 2012).
     pub most_effects_per_joint: usize,
+    /// Whether effects are looked for; otherwise the declared model is estimated and its lack of fit reported.
+    pub search: bool,
+    /// Whether the declared model has a constant torque on every joint.
+    pub offsets: bool,
+    /// How rows weigh in the estimate that is handed out.
+    pub estimator: Estimator,
 }
 
 impl Default for TraceOptions {
@@ -39,26 +49,43 @@ impl Default for TraceOptions {
             existing: None,
             offsets: false,
             most_effects_per_joint: 3,
+            search: true,
+            offsets: false,
+            estimator: Estimator::Weighted,
         }
+    }
+}
+
+impl TraceOptions {
+    /// The model that the search starts from.
+    fn start(&self, robot: &Robot) -> AugmentedModel {
+        let existing = self.existing.as_ref().map(|(model, _)| model.clone());
+        let mut start = existing.unwrap_or_else(|| AugmentedModel::declared(robot));
+        if self.offsets {
+            start.terms.extend((0..robot.joint_count()).map(Term::offset));
+        }
+        start
     }
 }
 
 /// Report, model and noise.
 pub type Traced = Outcome;
 
-/// Traces what `robot`'s declared model leaves over on `stretches`. `held_out` is only ever predicted: it chooses nothing.
+/// Traces what `robot`'s declared model leaves over on `stretches`. `held_out` is only ever predicted: it fits nothing, and has the last word on what
+/// stays in the model.
 pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options: &TraceOptions) -> Traced {
-    let start = options
-        .existing
-        .as_ref()
-        .map_or_else(|| declared(robot, stretches, options), |(model, _)| model.clone());
+    let start = options.start(robot);
+    let fixed = start.terms.len();
     let prior = options.existing.as_ref().map(|(_, prior)| prior);
     let Separated {
         steady,
         explained,
         found: between,
         mut unsteady,
-    } = between::separate(robot, stretches, options.chance);
+    } = match options.search {
+        true => between::separate(robot, stretches, options.chance),
+        false => Separated::nothing(stretches),
+    };
     let measured = stretches;
     let stretches = &steady[..];
     // What to add is found on the coarse forms, which have the same rows; values and errors are those of all samples.
@@ -74,40 +101,101 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         generalises: 0.5,
         most_effects: options.most_effects_per_joint * robot.joint_count(),
     };
-    let list = candidates(&start, &spans(stretches), prior.is_some());
+    let list = match options.search {
+        true => candidates(&start, &spans(stretches), prior.is_some()),
+        false => Vec::new(),
+    };
     let Searched {
         data,
-        system,
+        system: searched,
         accepted,
         contests,
         remainder: rest,
     } = searched(&data, &fine, start.clone(), &list, &threshold);
-    unsteady.extend(trends(&data, &system, options.chance));
+    if options.search {
+        unsteady.extend(trends(&data, &searched, options.chance));
+    }
+    let floor: Vec<f64> = data.noise.iter().map(|n| n.std_dev).collect();
+    let judge = Judge {
+        logs: held_out,
+        floor: &floor,
+    };
+    let withheld: Vec<DMatrix<f64>> = (0..accepted.len()).map(|i| honest_covariance(&searched, fixed + i)).collect();
+    let named: Vec<Term> = searched.model.terms[fixed..].to_vec();
+    let decision = decide(&data, searched, fixed, &judge);
+    let estimates = prior.is_none().then(|| Estimates {
+        found: estimated(&data, &decision.system.model, options.estimator),
+        declared: estimated(&data, &start, options.estimator),
+    });
+    let system = match &estimates {
+        Some(estimates) => data.linearise(estimates.found.model.clone()),
+        None => decision.system,
+    };
+    let before = match &estimates {
+        Some(estimates) => data.linearise(estimates.declared.model.clone()),
+        None => data.fit(start.clone()),
+    };
+    let stay = decision.stay;
+    let rest = match stay < accepted.len() {
+        true => rest.or_else(|| unaccounted(&data, &system)),
+        false => rest,
+    };
     let rest = joined(rest, remainder_of(robot, &unsteady));
-    let after = fits(&data, &system);
-    let verdict = verdict(accepted.len() + between.len(), rest.is_some());
-    // What nothing explains was kept from the fits, and stays in the errors.
-    let stretches = &explained[..];
-    let before_rms = rms(&first.model, stretches, held_out);
-    let findings = findings(&data, [stretches, held_out], &start, &system, &accepted, &contests);
-    let mut all: Vec<Finding> = between_findings(robot, between, &first.model, measured, stretches, held_out);
-    all.extend(findings);
+    let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
+    let held_out_report = match stay {
+        0 => judge.nothing(&names, &judge.errors(&data, &system)),
+        _ => judge.whole(&names, &judge.errors(&data, &before), &judge.errors(&data, &system)),
+    };
+    let verdict = verdict(
+        stay + between.len(),
+        rest.is_some(),
+        stay < accepted.len() || held_out_report.verdict == HeldOutVerdict::NotConfirmed,
+    );
+    let in_order = |at: usize| decision.order[at];
+    let told = Told {
+        data: &data,
+        estimator: options.estimator,
+        declared: &before.model,
+        last: &system.model,
+        covariances: (0..accepted.len())
+            .map(|at| match &estimates {
+                Some(estimates) if at < stay => estimates.found.term_covariance(fixed + at),
+                None if at < stay => honest_covariance(&system, fixed + at),
+                _ => withheld[in_order(at)].clone(),
+            })
+            .collect(),
+        terms: (0..accepted.len())
+            .map(|at| match at < stay {
+                true => system.model.terms[fixed + at].clone(),
+                false => named[in_order(at)].clone(),
+            })
+            .collect(),
+        stay,
+        held_out: decision.tests,
+        accepted: (0..accepted.len()).map(|at| accepted[in_order(at)].clone()).collect(),
+        contests: (0..accepted.len()).map(|at| contests[in_order(at)].clone()).collect(),
+    };
+    // Drift and contacts are explained, though no part of the model. What nothing explains was kept from the fits, and stays in the errors.
+    let told_of = if between.is_empty() { measured } else { &explained[..] };
+    let mut all: Vec<Finding> = between_findings(robot, between, &before.model, measured, &explained, held_out);
+    all.extend(findings(&told, [told_of, held_out]));
     let report = ResidualReport {
-        noise_floor: data.noise.iter().map(|n| n.std_dev).collect(),
+        noise_floor: floor.clone(),
         noise_source: source(&data.noise),
         lack_of_fit,
         verdict,
+        held_out: held_out_report,
         data_faults: Vec::new(),
         findings: all,
         remainder: rest,
         undetected: undetected(&data, &system, &list),
-        lack_of_fit_after: after,
-        rms_before: before_rms,
-        rms_after: rms(&system.model, stretches, held_out),
-        at_rest: at_rest(&first.model, &system.model, stretches, held_out),
+        lack_of_fit_after: fits(&data, &system),
+        rms_before: rms(&before.model, measured, held_out),
+        rms_after: rms(&system.model, told_of, held_out),
+        at_rest: at_rest(&before.model, &system.model, measured, held_out),
     };
-    let mut rival_terms = vec![Vec::new(); start.terms.len()];
-    rival_terms.extend(contests.iter().map(|c| rival_terms_of(&data, &system, c)));
+    let mut rival_terms = vec![Vec::new(); fixed];
+    rival_terms.extend(told.contests[..stay].iter().map(|c| rival_terms_of(&data, &system, c)));
     Outcome {
         report,
         rival_terms,
@@ -115,16 +203,8 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         information: data.known(&system),
         model: system.model,
         noise: data.noise,
+        estimates,
     }
-}
-
-/// The declared model, its offsets as terms of their own.
-fn declared(robot: &Robot, stretches: &[Stretch], options: &TraceOptions) -> AugmentedModel {
-    let mut model = AugmentedModel::declared(robot);
-    let all = candidates(&model, &spans(stretches), false);
-    let offsets = all.iter().filter(|c| options.offsets && c.effect.code() == "torque_offset");
-    model.terms.extend(offsets.map(|c| c.term(&[0.0], &[])));
-    model
 }
 
 /// Rivals as they were fitted, with what the data say of them beside the final model.
@@ -161,8 +241,9 @@ impl Outcome {
     }
 }
 
-fn verdict(findings: usize, something_left: bool) -> Verdict {
-    match (findings, something_left) {
+/// `doubtful`: an effect did not stay, or held-out data do not confirm what stays. Then not all is explained, whatever the fit says.
+fn verdict(findings: usize, something_left: bool, doubtful: bool) -> Verdict {
+    match (findings, something_left || doubtful) {
         (0, false) => Verdict::NothingMissing,
         (_, false) => Verdict::Explained,
         (0, true) => Verdict::Unexplained,
@@ -187,14 +268,7 @@ pub(super) fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<N
 
 /// Noise taken from the residual of an ordinary fit, weights refined once by the noise found.
 fn residual_noise(data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
-    let unit = NoiseModel {
-        source: NoiseSource::Residual,
-        std_dev: 1.0,
-        autoregression: Vec::new(),
-        innovation: 1.0,
-        degrees_of_freedom: 1.0,
-    };
-    let mut noise = vec![unit; model.robot.joint_count()];
+    let mut noise = vec![NoiseModel::white(1.0); model.robot.joint_count()];
     for _ in 0..2 {
         let weighted = data.with_noise(noise);
         let system = weighted.fit(model.clone());

@@ -294,7 +294,7 @@ fn a_result_says_where_it_comes_from_and_has_series_to_draw() {
     for series in found["predictions"].as_array().unwrap() {
         let (time, measured) = (numbers(&series["time"]), numbers(&series["measured"]));
         assert!(time.len() <= 20 && time.len() > 10 && time.is_sorted(), "{series}");
-        for model in ["base", "physical", "augmented"] {
+        for model in ["base", "physical", "declared"] {
             let predicted = numbers(&series[model]);
             assert_eq!(predicted.len(), time.len());
             // Twice the bound of the noise: the model is that of the arm that made the log.

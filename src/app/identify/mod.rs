@@ -9,16 +9,16 @@ pub(super) use reading::{Reading, split_companions, use_log};
 
 use self::model::model_files;
 use super::provenance::provenance;
-use super::report::{document, physical_columns};
+use super::report::{Answer, effects};
 use super::series::{Predictors, drawn, predictions};
-use super::trace::{add_effects, residual};
+use super::trace::{add_effects, beyond_repair, data_faults, mounted, mounting_fault, residual_value};
 use super::{CancelFlag, Code, Error};
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
-use crate::identification::{Estimate, Observation, PreparedLog, Quality, estimate_from, normal_equations, quality};
+use crate::identification::{Estimate, PreparedLog, Quality, quality};
 use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
-use crate::residual::AugmentedModel;
+use crate::residual::{AugmentedModel, DataFault, Estimates, Fitted, Remedy, Stretch, TraceOptions, Traced, trace, trace_mounted};
 
 /// Where an identification stands, for whoever watches.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,14 +32,16 @@ pub struct Step {
 #[derive(Debug, Clone)]
 pub struct Identified {
     pub document: IdentifyDocument,
-    pub base: BaseParameters,
-    pub estimate: Estimate,
+    /// The model that was found: base parameters and effects, one estimate.
+    pub found: Fitted,
+    /// The declared model by the same rows and weights.
+    pub declared: Fitted,
     pub physical: Option<FeasibleFit>,
     pub model: Option<ModelFiles>,
-    pub identification: Vec<UsedLog>,
-    pub validation: Vec<UsedLog>,
-    /// The declared model with every effect found, where tracing was asked for.
-    pub augmented: Option<AugmentedModel>,
+    /// The model that was found with bodies in the place of its base parameters.
+    pub bodies: Option<AugmentedModel>,
+    /// Logs to identify from, then those to validate with.
+    read: ReadLogs,
 }
 
 impl Identified {
@@ -64,16 +66,13 @@ impl Identified {
     /// # Errors
     /// `drawing_failed`: the result is as good without them.
     pub fn predictions(&self, request: &IdentifyRequest) -> Result<Vec<PredictionDocument>, Error> {
-        let columns = self.physical.as_ref().map(|fit| physical_columns(&self.base, fit.model()));
         let by = Predictors {
-            base: &self.estimate.values,
-            physical: columns.as_ref(),
-            augmented: self.augmented.as_ref(),
-            residual: self.document.residual.as_ref(),
+            base: &self.found.model,
+            physical: self.bodies.as_ref(),
+            declared: request.trace.then_some(&self.declared.model),
         };
-        let logs = || self.identification.iter().chain(&self.validation);
         drawn("the predictions", || {
-            predictions(&request.robot, logs(), &by, request.prediction_points)
+            predictions(&request.robot, &self.read, &by, request.prediction_points)
         })
     }
 }
@@ -99,6 +98,7 @@ pub fn identify(
     })
 }
 
+/// Prepare, estimate, diagnose, estimate again with what was found, fit bodies, and measure the errors of the result.
 fn identified(
     request: &IdentifyRequest,
     logs: &[LogFile],
@@ -106,100 +106,198 @@ fn identified(
     cancel: &CancelFlag,
     observe: &(dyn Fn(&Step) + Sync),
 ) -> Result<Identified, Error> {
+    let progress = Progress {
+        cancel,
+        observe,
+        of: logs.len() + validation.len() + 2,
+    };
+    let (mut read, beside) = read_logs(request, logs, validation, &progress)?;
+    let Declared { robot, moved, faults } = Declared::by_data(request, &read.used[..beside]);
+    read.turn(&robot, &faults);
+    progress.at("estimating and diagnosing", logs.len() + validation.len())?;
+    let (measured, held_out) = read.stretches.split_at(beside);
+    let traced = diagnose(request, &robot, moved, measured, held_out, &faults);
+    // Gravity is where the data have it.
+    let robot = traced.model.robot.clone();
+    let Estimates { found, declared } = traced.estimates.clone().expect("there is no existing model");
+    let prepared: Vec<&PreparedLog> = read.used[..beside].iter().map(|u| &u.prepared).collect();
+    let judged = quality(&robot, &found.base, &prepared, &found.estimate);
+    progress.at("physical parameters", logs.len() + validation.len() + 1)?;
+    let physical = request.feasible.as_ref().map(|options| {
+        let objective = FitObjective::beside(&found.base, &found.normals, &found.estimate.values);
+        fit_feasible(&robot, &objective, options, &|| cancel.is_cancelled())
+    });
+    progress.stop_if_cancelled()?;
+    let bodies = physical.as_ref().map(|fit| with_bodies(&found.model, &fit.model().values));
+    let model = physical.as_ref().map(|fit| model_files(request, &robot, &found, fit.model()));
+    let mut model = model.transpose()?.flatten();
+    if let Some(files) = &mut model {
+        add_effects(files, &traced, measured);
+    }
+    let answer = Answer {
+        request,
+        robot: &robot,
+        found: &found,
+        declared: &declared,
+        judged: &judged,
+        feasible: physical.as_ref(),
+        bodies: bodies.as_ref(),
+        read: &read,
+        identification: beside,
+    };
+    let mut document = answer.document();
+    if request.trace {
+        document.effects = effects(&traced.report);
+        document.residual = Some(residual_value(&robot, &traced.report));
+    }
+    Ok(Identified {
+        document,
+        found,
+        declared,
+        physical,
+        model,
+        bodies,
+        read,
+    })
+}
+
+/// The robot as declared, with gravity where the data have it, and what is wrong with the data.
+struct Declared {
+    robot: Robot,
+    /// Whether gravity was moved.
+    moved: bool,
+    faults: Vec<DataFault>,
+}
+
+impl Declared {
+    /// Without a diagnosis everything is as it was declared.
+    fn by_data(request: &IdentifyRequest, logs: &[UsedLog]) -> Self {
+        let mounted = request.trace.then(|| mounted(&request.robot, logs)).flatten();
+        let robot = mounted.map_or_else(|| request.robot.clone(), |m| request.robot.with_gravity(m.gravity));
+        let faults = match request.trace {
+            true => data_faults(&robot, logs),
+            false => Vec::new(),
+        };
+        Self {
+            moved: mounted.is_some(),
+            robot,
+            faults,
+        }
+    }
+}
+
+/// Searches for effects, unless the request says not to or the data are beyond repair; estimates in any case.
+fn diagnose(
+    request: &IdentifyRequest,
+    robot: &Robot,
+    moved: bool,
+    measured: &[Stretch],
+    held_out: &[Stretch],
+    faults: &[DataFault],
+) -> Traced {
+    let options = TraceOptions {
+        search: request.trace && !beyond_repair(faults),
+        offsets: request.offset,
+        estimator: request.estimator,
+        ..TraceOptions::default()
+    };
+    let (mut traced, gravity) = match moved {
+        false => (trace(robot, measured, held_out, &options), None),
+        true => {
+            let (traced, gravity) = trace_mounted(robot, measured, held_out, &options);
+            (traced, Some(gravity))
+        }
+    };
+    let mounting = gravity.map(|g| mounting_fault(&request.robot, &g));
+    traced.report.data_faults = mounting.into_iter().chain(faults.iter().cloned()).collect();
+    traced
+}
+
+/// The model with base parameters of bodies (standard parameters `values`), and its effects as they are.
+fn with_bodies(model: &AugmentedModel, values: &[f64]) -> AugmentedModel {
+    AugmentedModel {
+        values: model.base.project(&values[..model.base.map.ncols()]),
+        ..model.clone()
+    }
+}
+
+/// Who watches, and who may stop it.
+struct Progress<'a> {
+    cancel: &'a CancelFlag,
+    observe: &'a (dyn Fn(&Step) + Sync),
+    of: usize,
+}
+
+impl Progress<'_> {
+    fn at(&self, what: &'static str, done: usize) -> Result<(), Error> {
+        self.stop_if_cancelled()?;
+        (self.observe)(&Step { what, done, of: self.of });
+        Ok(())
+    }
+
+    fn stop_if_cancelled(&self) -> Result<(), Error> {
+        match self.cancel.is_cancelled() {
+            true => Err(Error::new(
+                Code::NoResult,
+                "the identification was cancelled before it had a result",
+            )),
+            false => Ok(()),
+        }
+    }
+}
+
+/// Logs as they were read, and their rows.
+#[derive(Debug, Clone, Default)]
+pub(in super::super) struct ReadLogs {
+    pub used: Vec<UsedLog>,
+    pub stretches: Vec<Stretch>,
+    /// Per joint: −1 where the torque was turned.
+    pub signs: Vec<f64>,
+}
+
+impl ReadLogs {
+    /// Turns the torques whose sign is inverted, in all logs.
+    pub(in super::super) fn turn(&mut self, robot: &Robot, faults: &[DataFault]) {
+        let turned = |name: &String| faults.iter().any(|f| f.remedy == Remedy::Turn && f.joints.contains(name));
+        let sign = |j: &crate::model::Joint| if turned(&j.name) { -1.0 } else { 1.0 };
+        self.signs = robot.joints().iter().map(sign).collect();
+        for (joint, _) in self.signs.iter().enumerate().filter(|(_, s)| **s < 0.0) {
+            self.stretches.iter_mut().for_each(|s| s.turn(joint));
+        }
+    }
+}
+
+/// All logs, and how many of them are to identify from.
+fn read_logs(
+    request: &IdentifyRequest,
+    logs: &[LogFile],
+    validation: &[LogFile],
+    progress: &Progress,
+) -> Result<(ReadLogs, usize), Error> {
     if logs.is_empty() {
         return Err(
             Error::new(Code::InvalidLog, "there is no log to identify from").with_hint("send at least one part called `log`")
         );
     }
-    let base = BaseParameters::exact(&request.robot);
     let reading = Reading {
         robot: &request.robot,
-        base: &base,
         columns: &request.columns,
         preprocess: &request.preprocess,
-        offset: request.offset,
         trace: request.trace,
     };
     let ((logs, beside_logs), (validation, beside_validation)) = (
         split_companions(&request.columns, logs)?,
         split_companions(&request.columns, validation)?,
     );
-    let total = logs.len() + validation.len() + 3;
-    let mut used = Vec::new();
+    let mut read = ReadLogs::default();
     let files = logs.iter().map(|&f| (f, &beside_logs));
     for (done, (file, beside)) in files.chain(validation.iter().map(|&f| (f, &beside_validation))).enumerate() {
-        stop_if_cancelled(cancel)?;
-        observe(&Step {
-            what: "reading logs",
-            done,
-            of: total,
-        });
-        used.push(use_log(&reading, file, beside)?);
+        progress.at("reading logs", done)?;
+        let (used, stretch) = use_log(&reading, file, beside)?;
+        read.used.push(used);
+        read.stretches.push(stretch);
     }
-    let held_out = used.split_off(logs.len());
-    observe(&Step {
-        what: "estimating",
-        done: total - 3,
-        of: total,
-    });
-    // Rows are the bulk of the memory: they are lent, not copied.
-    let observations: Vec<Observation> = used.iter_mut().map(|u| std::mem::take(&mut u.observation)).collect();
-    let prepared: Vec<&PreparedLog> = used.iter().map(|u| &u.prepared).collect();
-    let normals = normal_equations(&observations);
-    let found = estimate_from(&normals, &observations, &prepared, request.estimator);
-    let judged = quality(&request.robot, &base, &prepared, &found);
-    stop_if_cancelled(cancel)?;
-    observe(&Step {
-        what: "physical parameters",
-        done: total - 2,
-        of: total,
-    });
-    let physical = request.feasible.as_ref().map(|options| {
-        let objective = FitObjective::new(&base, &normals, &found);
-        fit_feasible(&request.robot, &objective, options, &|| cancel.is_cancelled())
-    });
-    stop_if_cancelled(cancel)?;
-    let model = physical
-        .as_ref()
-        .map(|fit| model_files(request, &base, &found, fit.model()))
-        .transpose()?
-        .flatten();
-    used.iter_mut().zip(observations).for_each(|(u, rows)| u.observation = rows);
-    let mut document = document(request, &base, &found, &judged, physical.as_ref(), &used, &held_out);
-    observe(&Step {
-        what: "tracing what is left",
-        done: total - 1,
-        of: total,
-    });
-    let traced = request
-        .trace
-        .then(|| residual(&request.robot, &used, &held_out, None, request.offset));
-    let (report, traced) = traced.unzip();
-    document.residual = report;
-    let mut model = model;
-    if let (Some(files), Some(traced)) = (&mut model, &traced) {
-        add_effects(files, traced);
-    }
-    Ok(Identified {
-        document,
-        base,
-        estimate: found,
-        physical,
-        model,
-        identification: used,
-        validation: held_out,
-        augmented: traced.map(|t| t.model),
-    })
-}
-
-fn stop_if_cancelled(cancel: &CancelFlag) -> Result<(), Error> {
-    match cancel.is_cancelled() {
-        true => Err(Error::new(
-            Code::NoResult,
-            "the identification was cancelled before it had a result",
-        )),
-        false => Ok(()),
-    }
+    Ok((read, logs.len()))
 }
 
 /// The quality's verdict in words.

@@ -2,11 +2,11 @@
 
 use crate::app::{Code, Error};
 use crate::dynamics::inverse_dynamics;
-use crate::identification::Estimate;
 use crate::identification::physical::PhysicalFit;
 use crate::io::{IdentifyRequest, robot_value, urdf};
 use crate::model::{LinkPrior, Robot, from_urdf};
-use crate::parameters::{BaseParameters, Layout};
+use crate::parameters::Layout;
+use crate::residual::Fitted;
 use nalgebra::DVector;
 use serde_json::{Value, json};
 
@@ -38,16 +38,16 @@ fn identified_robot(robot: &Robot, fit: &PhysicalFit) -> Option<Robot> {
 
 pub(super) fn model_files(
     request: &IdentifyRequest,
-    base: &BaseParameters,
-    found: &Estimate,
+    declared: &Robot,
+    found: &Fitted,
     fit: &PhysicalFit,
 ) -> Result<Option<ModelFiles>, Error> {
-    let Some(robot) = identified_robot(&request.robot, fit) else {
+    let Some(robot) = identified_robot(declared, fit) else {
         return Ok(None);
     };
     let robot_json = robot_value(&robot);
     let files = ModelFiles {
-        json: model_value(&robot_json, base, found, fit),
+        json: model_value(request, &robot_json, found),
         urdf: urdf(&robot),
     };
     let internal = |what: &str, e: String| Error::new(Code::Internal, format!("the {what} model does not read back: {e}"));
@@ -71,10 +71,15 @@ pub(super) fn model_files(
 }
 
 /// The JSON model: the robot with its parameters, the offsets, and the base parameters as estimated.
-fn model_value(robot: &Value, base: &BaseParameters, found: &Estimate, fit: &PhysicalFit) -> Value {
-    let standard = base.map.ncols();
-    let offsets = (fit.values.len() > standard).then(|| &fit.values[standard..]);
-    let one = |c: usize| json!({"name": base.names[c], "value": found.is_determined(c).then_some(found.values[c]), "unit": base.units[c]});
+fn model_value(request: &IdentifyRequest, robot: &Value, found: &Fitted) -> Value {
+    let (base, estimate) = (&found.base, &found.estimate);
+    let offsets = request.offset.then(|| {
+        (0..request.robot.joint_count())
+            .map(|j| estimate.values[found.term_range(j).start])
+            .collect::<Vec<f64>>()
+    });
+    let value = |c: usize| estimate.is_determined(c).then_some(estimate.values[c]);
+    let one = |c: usize| json!({"name": base.names[c], "value": value(c), "unit": base.units[c]});
     json!({"robot": robot, "offsets": offsets, "base_parameters": (0..base.len()).map(one).collect::<Vec<_>>()})
 }
 

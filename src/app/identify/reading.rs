@@ -1,10 +1,9 @@
 //! Log files, and how they become rows.
 
 use crate::app::{Code, Error};
-use crate::identification::{Log, Observation, PreparedLog, PreprocessOptions, prepare};
+use crate::identification::{Log, PreparedLog, PreprocessOptions, prepare};
 use crate::io::log::{Columns, LogError, LogReport, read_joined_log};
 use crate::model::Robot;
-use crate::parameters::BaseParameters;
 use crate::residual::{DataFault, RawLog, Stretch, leave_out, lost_rows, sample_faults};
 use std::path::{Path, PathBuf};
 
@@ -28,14 +27,11 @@ impl LogFile {
     }
 }
 
-/// One log on its way: what was found in the file, what became of it, and its rows.
+/// One log on its way: what was found in the file, and what became of it.
 #[derive(Debug, Clone)]
 pub struct UsedLog {
     pub report: LogReport,
     pub prepared: PreparedLog,
-    pub observation: Observation,
-    /// What tracing needs of the record, where it is asked for.
-    pub stretch: Option<Stretch>,
     /// Constant, clipped or frozen columns.
     pub sample_faults: Vec<DataFault>,
 }
@@ -43,10 +39,8 @@ pub struct UsedLog {
 /// How log files become rows.
 pub(in super::super) struct Reading<'a> {
     pub robot: &'a Robot,
-    pub base: &'a BaseParameters,
     pub columns: &'a Columns,
     pub preprocess: &'a PreprocessOptions,
-    pub offset: bool,
     pub trace: bool,
 }
 
@@ -80,8 +74,12 @@ pub(in super::super) fn split_companions<'a>(
     Ok((logs, beside.into_iter().map(|f| (f.name.clone(), f.path.clone())).collect()))
 }
 
-/// Reads and prepares one log.
-pub(in super::super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(String, PathBuf)]) -> Result<UsedLog, Error> {
+/// Reads and prepares one log; its rows come beside it.
+pub(in super::super) fn use_log(
+    reading: &Reading,
+    file: &LogFile,
+    beside: &[(String, PathBuf)],
+) -> Result<(UsedLog, Stretch), Error> {
     let names: Vec<String> = reading.robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
     let (mut log, mut report) =
@@ -94,20 +92,13 @@ pub(in super::super) fn use_log(reading: &Reading, file: &LogFile, beside: &[(St
         Vec::new()
     };
     let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
-    let stretch = reading.trace.then(|| Stretch::new(&prepared, &log));
-    // The record is done with; rows come next.
-    drop(log);
-    let mut observation = Observation::new(reading.robot, reading.base, &prepared);
-    if reading.offset {
-        observation.push_offsets(&prepared);
-    }
-    Ok(UsedLog {
+    let stretch = Stretch::new(&prepared, &log);
+    let used = UsedLog {
         report,
         prepared,
-        observation,
-        stretch,
         sample_faults,
-    })
+    };
+    Ok((used, stretch))
 }
 
 /// Faults of the log's samples; the rows that they have spoiled are left out of it.

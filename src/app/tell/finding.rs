@@ -1,28 +1,19 @@
 //! One finding: what its joints leave over, what explains it, what else it could be, and what remains.
 
-use super::Teller;
 use super::words::{parameters, phrase, sentence};
+use super::{Teller, is_rejected};
 use crate::effects::{Kind, by_code};
 use crate::io::{listed, significant};
-use crate::residual::{Finding, RmsPair};
+use crate::residual::{Change, Finding, RmsPair};
 
 /// Joints that a sentence names; an effect of the whole robot changes more of them.
 const MOST_JOINTS: usize = 3;
 /// Chance of a lack of fit this large from noise, below which structure is said to remain: what single joints are tested at elsewhere.
 const STRUCTURED: f64 = 1e-3;
 
-/// Faults of the data are findings without an effect.
-pub(super) fn is_fault(f: &Finding) -> bool {
-    by_code(&f.effect).is_none()
-}
-
 impl Teller<'_> {
     pub(super) fn finding(&self, index: usize, f: &Finding) -> String {
-        if is_fault(f) {
-            // Of the data: what was seen, and what to do.
-            return sentence(f.note.as_deref().unwrap_or_default());
-        }
-        let first = index == 0 || self.report.findings[..index].iter().all(is_fault);
+        let first = index == 0;
         let held_out = !f.rms_before.held_out.is_empty();
         let of = |pair: &RmsPair, j: usize| if held_out { pair.held_out[j] } else { pair.identification[j] };
         let shown = self.shown(f, &of);
@@ -58,6 +49,16 @@ impl Teller<'_> {
             },
         );
         text += &self.others(f);
+        if is_rejected(f) {
+            text += " Held-out data speak against it: it is not in the model.";
+            return text;
+        }
+        if f.held_out.change == Change::Same {
+            text += match held_out {
+                true => " On held-out data its part of the error does not differ from chance.",
+                false => " Predicted from the rest of the log, its part of the error does not differ from chance.",
+            };
+        }
         text += &self.what_remains(&shown);
         text
     }

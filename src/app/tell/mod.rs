@@ -6,10 +6,10 @@ mod finding;
 mod tests;
 mod words;
 
-use self::words::{known, sentence, variable_in_words};
+use self::words::{known, phrase, sentence, variable_in_words};
 use crate::io::{listed, significant, unit};
 use crate::model::Robot;
-use crate::residual::{Finding, Remainder, ResidualReport, Verdict};
+use crate::residual::{Change, Finding, HeldOutVerdict, JointHeldOut, Remainder, ResidualReport, Verdict};
 use serde_json::{Value, json};
 
 /// Adds to the document of `report`: `summary`, to every finding `sentence` and `against`, to the remainder `sentence`.
@@ -27,6 +27,11 @@ pub(super) fn tell(robot: &Robot, report: &ResidualReport, document: &mut Value)
     }
 }
 
+/// Whether held-out data speak against an effect; what was not held against them is none of the model's, but explains the log all the same.
+fn is_rejected(finding: &Finding) -> bool {
+    !finding.in_model && finding.held_out.change != Change::NotTested
+}
+
 struct Teller<'a> {
     robot: &'a Robot,
     report: &'a ResidualReport,
@@ -34,30 +39,93 @@ struct Teller<'a> {
 
 impl Teller<'_> {
     fn summary(&self) -> String {
-        let is_effect = |f: &&Finding| !finding::is_fault(f);
-        let count = self.report.findings.iter().filter(is_effect).count();
-        let faults = self.report.findings.len() - count;
+        let parts = [self.faults(), Some(self.physics()), self.rejected(), self.held_out()];
+        parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
+    }
+
+    fn faults(&self) -> Option<String> {
+        match self.report.data_faults.len() {
+            0 => None,
+            1 => Some("The data have a fault, named below.".into()),
+            _ => Some("The data have faults, named below.".into()),
+        }
+    }
+
+    fn physics(&self) -> String {
+        let count = self.report.findings.iter().filter(|f| !is_rejected(f)).count();
         let effects = if count == 1 {
             "One effect explains".into()
         } else {
             format!("{count} effects explain")
         };
-        let rest = self.report.remainder.as_ref().map(|r| self.at(&r.joints)).unwrap_or_default();
-        let physics = match (self.report.verdict, count) {
-            (Verdict::NothingMissing | Verdict::Explained, 0) => {
+        let rest = self.report.remainder.as_ref().map(|r| self.at(&r.joints));
+        match (self.report.verdict, count, rest) {
+            (Verdict::NothingMissing | Verdict::Explained, 0, _) => {
                 "Nothing is missing: what the model leaves over is noise.".into()
             }
-            (Verdict::NothingMissing | Verdict::Explained, _) => format!("{effects} what the model leaves over."),
-            (Verdict::PartlyExplained, _) => {
+            (Verdict::NothingMissing | Verdict::Explained, ..) => format!("{effects} what the model leaves over."),
+            (Verdict::PartlyExplained, _, Some(rest)) => {
                 format!("{effects} a part of what the model leaves over; on {rest} something remains that no effect explains.")
             }
-            (Verdict::Unexplained, _) => format!("On {rest} the model leaves over something that no effect explains."),
-        };
-        match faults {
-            0 => physics,
-            1 => format!("The data have a fault, named below. {physics}"),
-            _ => format!("The data have faults, named below. {physics}"),
+            (Verdict::PartlyExplained, ..) => format!("{effects} a part of what the model leaves over."),
+            (Verdict::Unexplained, _, Some(rest)) => {
+                format!("On {rest} the model leaves over something that no effect explains.")
+            }
+            (Verdict::Unexplained, ..) => "No effect explains what the model leaves over.".into(),
         }
+    }
+
+    /// Effects that held-out data speak against.
+    fn rejected(&self) -> Option<String> {
+        let rejected: Vec<String> = self
+            .report
+            .findings
+            .iter()
+            .filter(|f| is_rejected(f))
+            .map(|f| format!("{} on {}", phrase(&f.effect), self.at(&f.joints)))
+            .collect();
+        (!rejected.is_empty()).then(|| {
+            let verb = if rejected.len() == 1 { "fits" } else { "fit" };
+            sentence(&format!(
+                "{} {verb} the identification data, makes held-out errors worse and is not in the model",
+                listed(&rejected, "and")
+            ))
+        })
+    }
+
+    /// What held-out data say of all effects together, and the joints whose error changed most in either direction.
+    fn held_out(&self) -> Option<String> {
+        let held_out = &self.report.held_out;
+        if held_out.verdict == HeldOutVerdict::NotTested {
+            return None;
+        }
+        let ratio = |j: &JointHeldOut| j.after / j.before.max(f64::MIN_POSITIVE);
+        let of = |change: Change| held_out.joints.iter().filter(move |j| j.change == change);
+        let told = |j: &JointHeldOut| {
+            let at = (0..self.robot.joint_count()).find(|&k| self.name(k) == j.joint).unwrap_or(0);
+            let (before, after) = (significant(j.before, 3), significant(j.after, 3));
+            format!("{} ({before} → {after} {})", j.joint, self.effort(at))
+        };
+        let best = of(Change::Better).min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+        let worst = of(Change::Worse).max_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+        let whose = match self.report.rms_before.held_out.is_empty() {
+            true => "Predicted from the rest of the log, block by block",
+            false => "On held-out data",
+        };
+        let fell = best.map(|j| format!("the error falls most on {}", told(j)));
+        let rose = worst.map(|j| format!("it rises on {}", told(j)));
+        let changes: Vec<String> = fell.into_iter().chain(rose).collect();
+        Some(match (held_out.verdict, changes.is_empty()) {
+            (HeldOutVerdict::NotConfirmed, true) => format!("{whose}, the error did not change beyond chance."),
+            (HeldOutVerdict::NotConfirmed, false) => {
+                format!(
+                    "{whose}, the error over all joints did not fall beyond chance; {}.",
+                    changes.join("; ")
+                )
+            }
+            (_, true) => format!("{whose}, the error over all joints falls beyond chance."),
+            (_, false) => format!("{whose}, {}.", changes.join("; ")),
+        })
     }
 
     fn remainder(&self, r: &Remainder) -> String {

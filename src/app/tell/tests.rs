@@ -4,7 +4,7 @@ use super::*;
 use crate::effects::all;
 use crate::io::shipped::Shipped;
 use crate::io::{NamedRobots, RobotDocument};
-use crate::residual::{Evidence, JointFit, ReportedParameter, Rival, RmsPair};
+use crate::residual::{Evaluated, Evidence, FindingHeldOut, HeldOut, JointFit, ReportedParameter, Rival, RmsPair};
 
 fn robot() -> Robot {
     let RobotDocument { robot, .. } = Shipped.named("planar_two_link").expect("is shipped");
@@ -34,6 +34,14 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
         residual_rms: 0.1,
         expected_rms: 0.1,
     };
+    let joint = |at: usize, before: f64, after: f64, change: Change| JointHeldOut {
+        joint: names[at].clone(),
+        before,
+        after,
+        floor: 0.2,
+        change,
+        p_value: if change == Change::Same { 0.5 } else { 1e-9 },
+    };
     let finding = Finding {
         effect: "joint_spring".into(),
         joints: vec![names[1].clone()],
@@ -47,9 +55,16 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
             gain: 1e4,
             log_evidence_ratio: 1e4,
             p_value: 0.0,
-            held_out_blocks: 1.0,
-            held_out_periods: None,
+            held_out_blocks: Evaluated::Value(1.0),
+            held_out_periods: Evaluated::NotEvaluated,
         },
+        held_out: FindingHeldOut {
+            before: Evaluated::Value(3.32),
+            after: Evaluated::Value(0.2),
+            change: Change::Better,
+            p_value: Evaluated::Value(1e-9),
+        },
+        in_model: true,
         rivals: vec![Rival {
             effect: "torque_offset".into(),
             joints: vec![names[1].clone()],
@@ -62,6 +77,12 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
         noise_source: "scatter between periods".into(),
         lack_of_fit: names.iter().map(|n| fit(n, 0.0)).collect(),
         verdict: Verdict::Explained,
+        held_out: HeldOut {
+            verdict: HeldOutVerdict::Confirmed,
+            source: "validation logs".into(),
+            p_value: Evaluated::Value(1e-9),
+            joints: vec![joint(0, 0.3, 0.3, Change::Same), joint(1, 3.32, 0.2, Change::Better)],
+        },
         data_faults: Vec::new(),
         findings: vec![finding],
         remainder: None,
@@ -94,7 +115,10 @@ fn a_finding_is_told_with_its_figures() {
     );
     assert_eq!(document["findings"][0]["sentence"], expected);
     assert_eq!(document["findings"][0]["against"], json!({"joint": name, "variable": "q"}));
-    assert_eq!(document["summary"], "One effect explains what the model leaves over.");
+    let summary = format!(
+        "One effect explains what the model leaves over. On held-out data, the error falls most on {name} (3.32 → 0.2 N·m)."
+    );
+    assert_eq!(document["summary"], summary);
 }
 
 #[test]
@@ -114,5 +138,29 @@ fn what_was_not_seen_is_not_said() {
     assert!(
         !text.contains("Nothing structured") && text.contains("Beyond the noise there remain 0.99 N·m"),
         "{text}"
+    );
+}
+
+#[test]
+fn what_held_out_data_reject_is_said_to_be_rejected() {
+    let robot = robot();
+    let mut report = report(&robot, true);
+    report.findings[0].in_model = false;
+    report.findings[0].held_out.change = Change::Worse;
+    report.verdict = Verdict::Unexplained;
+    report.held_out.verdict = HeldOutVerdict::NotTested;
+    let mut document = serde_json::to_value(&report).unwrap();
+    tell(&robot, &report, &mut document);
+    let (summary, sentence) = (
+        document["summary"].to_string(),
+        document["findings"][0]["sentence"].to_string(),
+    );
+    assert!(
+        summary.contains("No effect explains") && summary.contains("is not in the model"),
+        "{summary}"
+    );
+    assert!(
+        sentence.contains("it is not in the model") && !sentence.contains("Nothing structured"),
+        "{sentence}"
     );
 }

@@ -40,6 +40,20 @@ impl FitObjective {
         let mut map = DMatrix::zeros(columns, standard + extra);
         map.view_mut((0, 0), (base.len(), standard)).copy_from(&base.map);
         (0..extra).for_each(|e| map[(base.len() + e, standard + e)] = 1.0);
+        Self::of(normals.to_vec(), sigma, map)
+    }
+
+    /// What is left to the bodies beside effects: `values` holds the base parameters, then what belongs to the effects, whose torque is taken off. `normals`
+    /// are of rows that are weighted already.
+    pub fn beside(base: &BaseParameters, normals: &[JointNormal], values: &DVector<f64>) -> Self {
+        let mut effects = values.clone();
+        effects.rows_mut(0, base.len()).fill(0.0);
+        let left = normals.iter().map(|n| n.without(&effects, base.len())).collect();
+        Self::of(left, vec![1.0; normals.len()], base.map.clone())
+    }
+
+    fn of(normals: Vec<JointNormal>, sigma: Vec<f64>, map: DMatrix<f64>) -> Self {
+        let columns = map.nrows();
         let (mut gram, mut moment) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
         let mut torque_square = 0.0;
         for (normal, s) in normals.iter().zip(&sigma) {
@@ -47,7 +61,7 @@ impl FitObjective {
             torque_square += normal.torque_square / (s * s);
         }
         let mut objective = Self {
-            normals: normals.to_vec(),
+            normals,
             sigma,
             map,
             gram,

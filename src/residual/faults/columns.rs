@@ -49,6 +49,7 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
             joints: moved.iter().map(|&j| name(j)).collect(),
             detail,
             remedy: Remedy::Nothing,
+            parameters: Vec::new(),
         });
     }
     let signs = projection.dissipating(robot, motion, &order, &signs);
@@ -66,6 +67,7 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
             joints: flipped,
             detail,
             remedy: Remedy::Turn,
+            parameters: Vec::new(),
         });
     }
     found

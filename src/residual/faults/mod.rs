@@ -17,6 +17,7 @@ mod sign;
 pub use columns::column_faults;
 pub use samples::{LostRows, leave_out, lost_rows, sample_faults};
 
+use super::ReportedParameter;
 use serde::Serialize;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -45,24 +46,46 @@ impl FaultKind {
 /// A fault, named.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DataFault {
+    #[serde(rename = "code")]
     pub fault: FaultKind,
     /// Joints whose columns are concerned.
     pub joints: Vec<String>,
     /// What was seen, and what to do.
     pub detail: String,
-    /// What can be done about it without asking.
-    #[serde(skip)]
+    /// What was done about it without asking.
     pub remedy: Remedy,
+    /// Numbers that put it right, where there are any.
+    pub parameters: Vec<ReportedParameter>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Remedy {
     /// Turning the sign round.
     Turn,
+    /// Taking gravity where the data have it.
+    Reorient,
     /// Leaving the rows out that it has spoiled.
     LeaveOut,
     /// Nothing: as the data are, nothing physical can be said.
     Nothing,
+}
+
+impl Remedy {
+    /// In a sentence.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Turn => "The sign was turned in all logs before anything was estimated.",
+            Self::Reorient => "Everything was estimated with this direction; put it into the robot's description as `gravity`.",
+            Self::LeaveOut => "The rows concerned were left out of the estimate.",
+            Self::Nothing => "Nothing was changed, and no effect was looked for: correct the data and identify again.",
+        }
+    }
+}
+
+impl Serialize for Remedy {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.sentence())
+    }
 }
 
 /// A log as recorded: rows in the order of the file, before anything is repaired.

@@ -41,6 +41,7 @@ pub(super) fn degrees(robot: &Robot, motion: &Motion) -> Vec<DataFault> {
         joints,
         detail,
         remedy: Remedy::Nothing,
+        parameters: Vec::new(),
     }]
 }
 
@@ -89,6 +90,7 @@ impl Reading {
             joints,
             detail,
             remedy: Remedy::Nothing,
+            parameters: Vec::new(),
         }
     }
 }

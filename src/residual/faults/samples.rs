@@ -15,6 +15,7 @@ pub fn sample_faults(robot: &Robot, log: &RawLog) -> Vec<DataFault> {
             joints,
             detail,
             remedy,
+            parameters: Vec::new(),
         })
     };
     if let Some(detail) = time_faults(&log.time) {

@@ -1,7 +1,7 @@
 // Holding an identified model against another log: what has changed since.
 import { Refused, explain, getJson, send } from './api.js';
 import { h, sentence } from './dom.js';
-import { findingParameters } from './finding.js';
+import { dataFault, findingParameters } from './finding.js';
 
 export function checkModel(result) {
   if (!result.physical_parameters) return null;
@@ -34,8 +34,9 @@ export function checkModel(result) {
 /** What has changed since the model was made, in the words of the interface. */
 export function changes(residual) {
   if (!residual) return null;
+  const faults = residual.data_faults.map(dataFault);
   const found = residual.findings.map((f) => h('div', { class: 'finding', 'data-effect': f.effect }, h('p', { class: 'sentence' }, f.sentence), findingParameters(f)));
   const all = residual.findings.length || residual.remainder;
   return h('section', { class: 'card', id: 'changes', 'aria-labelledby': 'changes-title' }, h('h2', { id: 'changes-title' }, 'What has changed since the model was made'),
-    h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, all ? sentence(residual.summary) : 'Nothing: what the model leaves over is noise.')), found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
+    h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, all ? sentence(residual.summary) : 'Nothing: what the model leaves over is noise.')), faults, found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
 }

@@ -1,7 +1,20 @@
 // Parts of a finding that several pages show.
-import { measured, table, unit, words } from './dom.js';
+import { h, measured, sentence, table, unit, words } from './dom.js';
 
-/** Its parameters with one standard deviation; none for a fault of the data. */
+/** A fault of the data: what was seen, and what was done about it. */
+export function dataFault(fault) {
+  const joints = fault.joints.length ? ` on ${fault.joints.join(', ')}` : '';
+  return h('article', { class: 'finding', 'data-fault': fault.code }, h('h3', {}, `${words(fault.code)}${joints} `, h('span', { class: 'tag bad' }, 'fault of the data')),
+    h('p', { class: 'sentence' }, sentence(fault.detail)), h('p', { class: 'soft' }, fault.remedy), findingParameters(fault));
+}
+
+/** Whether a finding is a part of the model, where it is not. */
+export function outside(finding) {
+  if (finding.in_model) return null;
+  return finding.held_out.change === 'not_tested' ? h('span', { class: 'tag' }, 'not in the model: nothing that lasts') : h('span', { class: 'tag warn' }, 'not in the model: held-out data speak against it');
+}
+
+/** Its parameters with one standard deviation. */
 export function findingParameters(finding) {
   if (!finding.parameters.length) return null;
   return table([

@@ -1,8 +1,7 @@
 // The result of an identification.
 import { changes, checkModel } from './check-model.js';
 import { download, postJson, save, send, token } from './api.js';
-import { fill, figure, h, number, sentence, table, unit, words } from './dom.js';
-import { periodsAveraged } from './finding.js';
+import { fill, figure, h, measured, number, sentence, table, unit, words } from './dom.js';
 import { parameters } from './parameters.js';
 import { physical } from './physical.js';
 import { MODELS, torquePlots } from './torque-plots.js';
@@ -26,7 +25,7 @@ export async function showIdentification(target, result) {
   const effort = result.joints.map((_, j) => unit(drawn?.joints[j].effort_unit ?? 'N m'));
   const parts = [['summary', 'Summary'], ['torques', 'Torques'], ['parameters', 'Parameters'], ['physical', 'Physical'], ['errors', 'Errors'], ['logs', 'Logs'], ...(result.physical_parameters ? [['check', 'Check']] : [])];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
-    summary(result), notes(result), torquePlots(result, effort), parameters(result), physical(result, drawn), errors(result, effort), logs(result), checkModel(result));
+    summary(result), notes(result), torquePlots(result, effort), parameters(result), effectsFound(result), physical(result, drawn), errors(result, effort), logs(result), checkModel(result));
 }
 
 /** The result of a validation: a model held against logs; `made` is the identification that made the model, if it is known. */
@@ -36,7 +35,7 @@ export function showValidation(target, result, made) {
   const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   const worst = result.logs[0]?.percent ?? [];
   const origin = made ? h('p', {}, 'The model is that of ', h('a', { href: `/identification?id=${made.id}` }, `an identification from ${made.provenance.logs.filter((l) => l.role === 'identification').map((l) => l.file).join(', ')}`), '.') : null;
-  fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints), of the model as it is; below it the share of the torque’s own. What has changed is looked for after the model’s parameters were let move within their deviations, and told in errors of single measurements.'),
+  fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints), of the model as it is, with its effects; below it the share of the torque’s own. What has changed is looked for after the model’s parameters were let move within their deviations, and told in errors of single measurements.'),
     table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' })),
   torquePlots(result, effort, { models: { ...MODELS, base: 'the model as it is' }, first: worst.indexOf(Math.max(...worst)) }), logs(result));
 }
@@ -58,8 +57,18 @@ function summary(result) {
 function foundIn(result) {
   const { verdict, summary: said, findings } = result.residual;
   const [kind, text] = RESIDUAL[verdict] ?? ['', words(verdict)];
-  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}` }, h('p', {}, h('strong', {}, said ?? text)), findings.map((f) => h('p', {}, f.sentence)),
+  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}` }, h('p', {}, h('strong', {}, said ?? text)), result.residual.data_faults.map((f) => h('p', {}, sentence(f.detail), ' ', f.remedy)), findings.map((f) => h('p', {}, f.sentence)),
     h('p', {}, h('a', { class: 'button primary', id: 'to-loop', href: `/loop?id=${result.id}` }, 'See what the model lacks')));
+}
+
+/** Effects beside the base parameters, one estimate with them. */
+function effectsFound(result) {
+  const rows = result.effects.flatMap((e) => e.parameters.map((p) => ({ ...e, p })));
+  if (!rows.length) return null;
+  return section('effects', 'Effects beside the declared model', h('p', { class: 'soft' }, 'Estimated together with the base parameters. What is not in the model is reported only.'), table([
+    { head: 'Effect', cell: (r) => words(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
+    { head: 'Parameter', cell: (r) => words(r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', cell: (r) => (r.in_model ? 'yes' : 'no') },
+  ], rows, { caption: 'Effects, with one standard deviation' }));
 }
 
 function files(result) {
@@ -79,19 +88,20 @@ export function reportLink(result) {
   return link;
 }
 
-/** Why these errors are not those of the loop page. */
-function ofRows(result) {
-  const periods = periodsAveraged(result.log_report);
-  const loop = result.residual ? [' ', h('a', { href: `/loop?id=${result.id}#bars` }, 'The loop'), ' tells those of single measurements, with all their noise, of models fitted anew: they are greater.'] : null;
-  return [periods > 1 ? `Of the rows as they were fitted: the mean over ${periods} periods, in which the noise has fallen by √${periods}.` : 'Of the rows as they were fitted, after their preparation.', loop];
+/** What the errors are of. */
+function whichErrors(result) {
+  const effects = result.effects.filter((e) => e.in_model).length;
+  return `Of single measurements, with all their noise, about the model ${effects ? `with the ${effects === 1 ? 'effect' : `${effects} effects`} found; “declared” is the model without, estimated from the same rows with the same weights.` : 'as estimated.'}`;
 }
 
 function errors(result, effort) {
-  const rows = [...result.rms.identification.map((l) => ['identification', l]), ...result.rms.validation.map((l) => ['held out', l])].flatMap(([role, log]) =>
-    [['base', log.base], ['physical', log.physical]].filter(([, e]) => e).map(([model, e]) => ({ role, log: log.name, model, ...e })));
+  const found = result.effects.some((e) => e.in_model);
+  const declared = (role, i) => (found ? result.declared.rms[role][i].base : null);
+  const rows = [['identification', 'identification'], ['validation', 'held out']].flatMap(([role, called]) => result.rms[role].flatMap((log, i) =>
+    [['declared', declared(role, i)], ['base', log.base], ['physical', log.physical]].filter(([, e]) => e).map(([model, e]) => ({ role: called, log: log.name, model, ...e }))));
   const joint = (name, j) => ({ head: `${name} (${effort[j]})`, number: true, cell: (r) => h('span', { title: `${number(r.percent[j], 3)} % of its own RMS` }, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   const none = result.rms.validation.length ? null : h('div', { class: 'notice' }, h('p', {}, 'There was no log to validate with: these errors are those on the data that made the model.'));
-  return section('errors', 'Errors per joint', none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'), h('p', { class: 'soft', id: 'which-errors' }, ofRows(result)),
+  return section('errors', 'Errors per joint', none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'), h('p', { class: 'soft', id: 'which-errors' }, whichErrors(result)),
     table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, { head: 'Model', cell: (r) => r.model, sort: (r) => r.model }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' }),
     h('h3', {}, 'Noise'), table([
       { head: 'Joint', cell: (n) => n.joint, sort: (n) => n.joint }, { head: 'Residual RMS', number: true, cell: (n) => number(n.residual_rms, 3), sort: (n) => n.residual_rms },

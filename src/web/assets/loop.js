@@ -2,7 +2,7 @@
 import { explain, getJson, postJson } from './api.js';
 import { designButton } from './decide.js';
 import { fill, figure, find, h, number, odds, table, time, unit, words } from './dom.js';
-import { findingParameters, periodsAveraged } from './finding.js';
+import { dataFault, findingParameters, outside } from './finding.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
 import { colour, plotLater, plotly, variable } from './plot.js';
 import { residualPlot } from './residual-plot.js';
@@ -31,15 +31,19 @@ function summary({ result, report, effort: units }) {
   const sum = (list) => list.reduce((a, b) => a + b, 0);
   const of = (pair) => (heldOut ? pair.held_out : pair.identification);
   return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, words(report.verdict)), ' ', h('strong', { id: 'verdict' }, report.summary ?? text)),
-    h('dl', { class: 'figures' }, figure('Findings', report.findings.length), figure('Error before', number(sum(of(report.rms_before)), 3), `${effort}, summed over joints; single measurements of ${heldOut ? 'held-out' : 'identification'} data`),
+    h('dl', { class: 'figures' }, figure('Findings', report.findings.length, `${report.findings.filter((f) => f.in_model).length} in the model`), figure('Error before', number(sum(of(report.rms_before)), 3), `${effort}, summed over joints; single measurements of ${heldOut ? 'held-out' : 'identification'} data`),
       figure('After', number(sum(of(report.rms_after)), 3)), figure('Noise alone', number(sum(report.noise_floor), 3))),
-    heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no held-out log: before and after are told on the data that chose the effects. Give a validation log to know.')),
+    heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no validation log: before and after are errors on the data that chose the effects, and blocks of the log were held out in turn, which is weaker.')),
     h('div', { class: 'row' }, h('a', { class: 'button', href: `/identification?id=${result.id}` }, 'The identification'), reportLink(result)));
 }
 
 function findings(context) {
   const { report } = context;
-  const cards = report.findings.map((f, i) => finding(context, f, i));
+  const shown = report.findings.map((f, i) => [f, finding(context, f, i)]);
+  const small = ([f]) => f.held_out.change === 'same';
+  const folded = shown.filter(small).map(([, card]) => card);
+  const cards = [...report.data_faults.map(dataFault), ...shown.filter((s) => !small(s)).map(([, card]) => card)];
+  if (folded.length) cards.push(h('details', { id: 'small-findings' }, h('summary', {}, `${folded.length === 1 ? 'One effect' : `${folded.length} effects`} without a change of the held-out error beyond chance`), folded));
   if (report.remainder) cards.push(remainder(context));
   if (!cards.length) cards.push(h('p', {}, 'Nothing stands out of the noise. The declared model says all that these logs can say.'));
   return section('findings', 'Findings', h('div', {}, cards));
@@ -52,16 +56,18 @@ const called = (effect, all) => `${words(effect.effect).toLowerCase()} on ${wher
 /** A finding: name, its sentence in the words of the interface, its figures, what else it could be. */
 function finding(context, f, index) {
   const e = f.evidence;
-  const fault = f.parameters.length === 0;
-  const chance = (p) => (p < 1e-12 ? 'below 10⁻¹²' : number(p, 2));
+  const evaluated = (v, text) => (v === 'not_evaluated' ? 'not evaluated' : text(v));
+  const chance = (p) => evaluated(p, (v) => (v < 1e-12 ? 'below 10⁻¹²' : number(v, 2)));
+  const three = (v) => evaluated(v, (x) => number(x, 3));
+  const held = f.held_out;
   const figures = [
     ['Twice the log of the evidence ratio against leaving it out', number(e.log_evidence_ratio, 3)], ['Chance of such a gain without it', chance(e.p_value)],
-    ['Gain on blocks of time left out of the fit, in variances of the noise', number(e.held_out_blocks, 3)],
-    e.held_out_periods === null ? null : ['Gain on the other half of the periods', number(e.held_out_periods, 3)],
-  ].filter(Boolean);
-  const evidence = fault ? null : h('details', {}, h('summary', {}, 'Why it is believed'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence' }));
-  return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, `${words(f.effect)} on ${where(f.joints, context.result.joints)}`, fault ? [' ', h('span', { class: 'tag bad' }, 'fault of the data')] : null),
-    h('p', { class: 'sentence' }, f.sentence), f.note && !fault ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, findingParameters(f), evidence, rivals(context, f, index));
+    ['Gain on blocks of time left out of the fit, in variances of the noise', three(e.held_out_blocks)], ['Gain on the other half of the periods', three(e.held_out_periods)],
+    ['Held-out error without it', three(held.before)], ['Held-out error with it', three(held.after)], ['Change of the held-out error', words(held.change)], ['Chance of such a change', chance(held.p_value)],
+  ];
+  const evidence = h('details', {}, h('summary', {}, 'Why it is believed'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence' }));
+  return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, `${words(f.effect)} on ${where(f.joints, context.result.joints)}`, ' ', outside(f)),
+    h('p', { class: 'sentence' }, f.sentence), f.note ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, findingParameters(f), evidence, rivals(context, f, index));
 }
 
 function rivals(context, f, index) {
@@ -91,15 +97,23 @@ function bars({ result, report, effort }) {
     }));
     return h('div', {}, h('h3', {}, title), chart);
   });
-  return section('bars', 'Before and after', h('p', { class: 'soft' }, 'Both models are fitted anew, every joint weighted by its noise. Without the effect the fit bends its parameters to hide a part of it, and spreads the rest over the joints that share them.'),
-    h('p', { class: 'soft', id: 'which-errors' }, singles(result)),
+  return section('bars', 'Before and after', h('p', { class: 'soft' }, 'Both models are estimated from the same rows with the same weights. Without the effect the fit bends its parameters to hide a part of it, and spreads the rest over the joints that share them.'),
+    h('p', { class: 'soft', id: 'which-errors' }, 'Errors of single measurements, with all their noise: the same as on the page of the identification.'),
+    heldOutTable(report),
     h('div', { class: 'columns' }, charts));
 }
 
-/** Why these errors are not those of the identification page. */
-function singles(result) {
-  const periods = periodsAveraged(result.log_report);
-  return `These are errors of single measurements, with all their noise. ${periods > 1 ? `The identification page tells smaller ones: of the mean over ${periods} periods, which has less noise, and of its own fit of the base parameters.` : 'The identification page tells those of the rows that it fitted, as they were prepared, and of its own fit of the base parameters.'}`;
+const HELD_OUT = { confirmed: ['good', 'Held-out data confirm the effects'], not_confirmed: ['warn', 'Held-out data do not confirm the effects'], not_tested: ['', 'No effect is in the model'] };
+
+/** Whether the error on held-out data changed beyond chance, joint by joint. */
+function heldOutTable(report) {
+  const held = report.held_out;
+  if (held.verdict === 'not_tested') return null;
+  const [kind, text] = HELD_OUT[held.verdict];
+  return h('div', { id: 'held-out' }, h('p', {}, h('span', { class: `tag ${kind}` }, text), ` Data held out: ${held.source}.`), table([
+    { head: 'Joint', cell: (j) => j.joint, sort: (j) => j.joint }, { head: 'Declared model', number: true, cell: (j) => number(j.before, 3), sort: (j) => j.before }, { head: 'With the effects', number: true, cell: (j) => number(j.after, 3), sort: (j) => j.after },
+    { head: 'Noise floor', number: true, cell: (j) => number(j.floor, 3), sort: (j) => j.floor }, { head: 'Change', cell: (j) => h('span', { class: `tag ${{ better: 'good', worse: 'bad' }[j.change] ?? ''}` }, words(j.change)) }, { head: 'p', number: true, cell: (j) => (j.p_value < 1e-12 ? '< 10⁻¹²' : number(j.p_value, 2)), sort: (j) => j.p_value },
+  ], held.joints, { caption: 'Held-out error per joint' }));
 }
 
 function floor({ result, report, effort }) {

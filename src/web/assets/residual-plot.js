@@ -6,7 +6,7 @@ export function residualPlot(context) {
   const { result, report } = context;
   const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, 'What is left, against what explains it'));
   const series = result.predictions;
-  if (!series.length || !series[0].augmented) {
+  if (!series.length || !series[0].declared) {
     card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
     return card;
   }
@@ -73,7 +73,7 @@ function collect(context, series, log, joint, across, along) {
   const step = Math.max(1, Math.floor(one.time.length / 2500));
   const picked = (list) => list.filter((_, i) => i % step === 0);
   const rest = (model) => picked(one.measured.map((m, i) => m - model[i]));
-  return { joint, across, along, x: picked(of(across)), second: along === 'nothing else' ? null : picked(of(along)), before: rest(one.base), after: rest(one.augmented) };
+  return { joint, across, along, x: picked(of(across)), second: along === 'nothing else' ? null : picked(of(along)), before: rest(one.declared), after: rest(one.base) };
 }
 
 function title(context, name) {
@@ -92,7 +92,7 @@ function scatter(context, { joint, across, x, before, after }) {
   const layout = narrow
     ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `left of ${joint} (${unit})` }, height: 480 }
     : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `left of ${joint} (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
-  return { traces: [dots('base parameters, without the effects', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
+  return { traces: [dots('declared model, without the effects', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
 }
 
 /** Over two variables: the residual as colour. Blue and brown, told apart by all, white for nothing left. */

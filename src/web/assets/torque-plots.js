@@ -2,7 +2,7 @@
 import { fill, h, number } from './dom.js';
 import { colour, plotLong, variable } from './plot.js';
 
-export const MODELS = { base: 'base parameters', physical: 'physical parameters', augmented: 'with the effects found' };
+export const MODELS = { base: 'the model found', physical: 'physical parameters and effects', declared: 'declared model, without the effects' };
 
 /** `first`: number of the joint to begin with. */
 export function torquePlots(result, effort, { models: called = MODELS, first = 0 } = {}) {
@@ -13,7 +13,7 @@ export function torquePlots(result, effort, { models: called = MODELS, first = 0
     return card;
   }
   const logs = [...new Set(series.map((s) => s.log))];
-  const models = Object.keys(called).filter((m) => series[0][m] && (m !== 'augmented' || result.residual?.findings.length));
+  const models = Object.keys(called).filter((m) => series[0][m] && (m !== 'declared' || result.residual?.findings.length));
   const log = h('select', { class: 'narrow', id: 'torque-log' }, logs.map((l) => h('option', {}, l)));
   const joint = h('select', { class: 'narrow', id: 'torque-joint' }, result.joints.map((j, i) => h('option', { selected: i === first }, j)));
   const model = h('select', { class: 'narrow', id: 'torque-model' }, models.map((m) => h('option', { value: m }, called[m])));

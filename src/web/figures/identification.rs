@@ -19,11 +19,7 @@ pub(super) fn names(value: &Value) -> Vec<String> {
 /// Measured and predicted torque and their difference, from one of the document's `predictions`.
 pub fn torque_figure(prediction: &Value, effort_unit: &str) -> Figure {
     let (time, measured) = (numbers(&prediction["time"]), numbers(&prediction["measured"]));
-    let best = ["augmented", "base"]
-        .into_iter()
-        .find(|k| prediction[*k].is_array())
-        .unwrap_or("base");
-    let predicted = numbers(&prediction[best]);
+    let predicted = numbers(&prediction["base"]);
     let rest: Vec<f64> = measured.iter().zip(&predicted).map(|(m, p)| m - p).collect();
     let kept = crate::identification::keep_peaks(&[&measured, &rest], POINTS);
     let curve = |name: &str, colour: usize, values: &[f64]| Series {

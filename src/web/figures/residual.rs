@@ -44,12 +44,12 @@ fn panel(residual: &Value, key: &str, name: &str) -> Panel {
 /// Points of a cloud: more than this is ink on ink.
 const CLOUD: usize = 1500;
 
-/// What the base parameters leave on a finding's joint and what is left with all effects found, against the variable that the finding is a
+/// What the declared model leaves on a finding's joint and what the model with the effects found leaves, against the variable that the finding is a
 /// function of (its `against`). `None` where the document has no series to draw.
 pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
     let (joint, variable) = (&finding["against"]["joint"], finding["against"]["variable"].as_str()?);
     let series = document["predictions"].as_array()?;
-    let own = series.iter().find(|s| s["joint"] == *joint && s["augmented"].is_array())?;
+    let own = series.iter().find(|s| s["joint"] == *joint && s["declared"].is_array())?;
     let across = numbers(&own[if variable == "tau" { "measured" } else { variable }]);
     let measured = numbers(&own["measured"]);
     let step = measured.len().div_ceil(CLOUD).max(1);
@@ -83,8 +83,8 @@ pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
         x,
         places: Vec::new(),
         panels: vec![
-            panel("base parameters alone", "base", 1),
-            panel("with the effects found", "augmented", 0),
+            panel("declared model", "declared", 1),
+            panel("with the effects found", "base", 0),
         ],
         size: (900, 400),
     })

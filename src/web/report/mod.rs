@@ -59,7 +59,7 @@ mod tests {
             "undetermined": [], "physical_parameters": null, "feasibility": null,
             "rms": {"identification": [{"name": "a.csv", "base": {"rms": [0.1, 0.2], "percent": [1, 2], "sum": 0.3}, "physical": null}], "validation": []},
             "noise": [], "log_report": [], "residual": null, "predictions": [
-                {"log": "a.csv", "joint": "J1", "time": [0.0, 1.0], "measured": [1.0, 2.0], "base": [1.1, 1.9], "physical": null, "augmented": null}],
+                {"log": "a.csv", "joint": "J1", "time": [0.0, 1.0], "measured": [1.0, 2.0], "base": [1.1, 1.9], "physical": null, "declared": null}],
             "notes": [],
             "provenance": {"version": "0.1.0", "request": {"robot": "x</pre><script>"}, "robot": {"name": "x"},
                 "logs": [{"file": "a.csv", "role": "identification", "bytes": 3, "sha256": "ba78"}]}

@@ -32,6 +32,14 @@ pub(super) fn summary(page: &mut Html, result: &Value) {
     let residual = &result["residual"];
     if residual.is_object() {
         page.paragraph("verdict", &text(&residual["summary"]));
+        for fault in items(&residual["data_faults"]) {
+            let sentence = format!(
+                "{}. {}",
+                capital(text(&fault["detail"]).trim_end_matches('.')),
+                text(&fault["remedy"])
+            );
+            page.paragraph("finding", &sentence);
+        }
         for told in items(&residual["findings"]).chain([&residual["remainder"]]) {
             told["sentence"].as_str().iter().for_each(|s| page.paragraph("finding", s));
         }
@@ -118,6 +126,7 @@ pub(super) fn parameters(page: &mut Html, result: &Value) {
         &["Name", "#Value", "#σ", "#σ/|value| (%)", "Unit", "Expression"],
         all.map(row),
     );
+    effects(page, &result["effects"]);
     items(&result["undetermined"]).for_each(|d| page.paragraph("", &format!("Not determined: {}", text(&d["text"]))));
     for figure in parameter_figures(result) {
         let caption = format!(
@@ -152,7 +161,7 @@ pub(super) fn errors(page: &mut Html, result: &Value) {
         }
     }
     page.table(
-        "Root mean square of measured less predicted torque (N m, or N for sliding joints), of the rows as they were fitted",
+        "Root mean square of measured less predicted torque (N m, or N for sliding joints), of single measurements about the model with the effects found",
         &heads,
         rows.into_iter(),
     );
@@ -164,19 +173,45 @@ pub(super) fn errors(page: &mut Html, result: &Value) {
     }
 }
 
+/// What was found beside the declared model, and whether it is in the model.
+fn effects(page: &mut Html, list: &Value) {
+    let of = |effect: &Value| -> Vec<Vec<String>> {
+        let row = |p: &Value| {
+            vec![
+                capital(&words(&effect["effect"])),
+                listed(&effect["joints"]),
+                words(&p["name"]),
+                text(&p["value"]),
+                text(&p["std_dev"]),
+                unit(&text(&p["unit"])),
+                if effect["in_model"] == true { "yes" } else { "no" }.into(),
+            ]
+        };
+        items(&effect["parameters"]).map(row).collect()
+    };
+    let rows: Vec<Vec<String>> = items(list).flat_map(of).collect();
+    if !rows.is_empty() {
+        page.table(
+            "Effects estimated together with the base parameters",
+            &["Effect", "Joints", "Parameter", "#Value", "#σ", "Unit", "In the model"],
+            rows.into_iter(),
+        );
+    }
+}
+
 pub(super) fn torques(page: &mut Html, result: &Value) {
     if items(&result["predictions"]).next().is_none() {
         return;
     }
     page.heading(2, "Measured and predicted torque");
+    let effects = items(&result["effects"]).any(|e| e["in_model"] == true);
     let joints: Vec<&Value> = items(&result["joints"]).collect();
     for prediction in items(&result["predictions"]) {
         let j = joints.iter().position(|j| **j == prediction["joint"]).unwrap_or(0);
         let sliding = result["provenance"]["robot"]["joints"][j]["kind"] == "prismatic";
-        let by = if prediction["augmented"].is_array() {
-            "the declared model with the effects found"
-        } else {
-            "the base parameters"
+        let by = match effects {
+            true => "the base parameters with the effects found",
+            false => "the base parameters",
         };
         let caption = format!(
             "Joint {}, {}: measured, and predicted by {by}; below, their difference.",

@@ -29,6 +29,7 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
         &["Joint", "#Noise floor", "#Before", "#p", "#After", "#p"],
         fits.map(row),
     );
+    held_out(page, &residual["held_out"]);
     for finding in items(&residual["findings"]) {
         describe(page, result, finding);
     }
@@ -42,9 +43,36 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
     if let Some(figure) = before_after_figure(result) {
         page.figure(
             &figure,
-            "Error per joint before and after the effects found, beside the noise floor: of single measurements with all their noise, and of models fitted anew. The errors above are of rows as they were prepared, in which a mean over periods has less noise.",
+            "Error of single measurements per joint, of the declared model and of the model with the effects found, beside the noise floor. Both models are estimated from the same rows with the same weights.",
         );
     }
+}
+
+/// The declared model and the final one on held-out data, joint by joint.
+fn held_out(page: &mut Html, held_out: &Value) {
+    if held_out["verdict"] == "not_tested" {
+        return;
+    }
+    let row = |j: &Value| {
+        vec![
+            text(&j["joint"]),
+            text(&j["before"]),
+            text(&j["after"]),
+            text(&j["floor"]),
+            words(&j["change"]),
+            chance(&j["p_value"]),
+        ]
+    };
+    let caption = format!(
+        "Held-out error per joint (N m or N): {}. Data held out: {}",
+        words(&held_out["verdict"]),
+        text(&held_out["source"])
+    );
+    page.table(
+        &caption,
+        &["Joint", "#Declared model", "#With effects", "#Noise floor", "Change", "#p"],
+        items(&held_out["joints"]).map(row),
+    );
 }
 
 /// What every robot may have and the logs do not show.
@@ -107,6 +135,19 @@ fn describe(page: &mut Html, result: &Value, finding: &Value) {
         text(&e["log_evidence_ratio"]),
         chance(&e["p_value"])
     );
+    let held_out = &finding["held_out"];
+    if held_out["change"] != "not_tested" {
+        evidence += &format!(
+            " Held-out error without and with it: {} and {}, {} (p = {}).",
+            text(&held_out["before"]),
+            text(&held_out["after"]),
+            words(&held_out["change"]),
+            chance(&held_out["p_value"])
+        );
+    }
+    if finding["in_model"] == false {
+        evidence += " It is not in the model.";
+    }
     if let Some(note) = finding["note"].as_str() {
         evidence += &format!(" Note: {note}.");
     }
@@ -122,7 +163,7 @@ fn describe(page: &mut Html, result: &Value, finding: &Value) {
     if let Some(figure) = finding_figure(result, finding) {
         page.figure(
             &figure,
-            "What is left on the joint, with the base parameters alone and with all effects found.",
+            "What is left on the joint, of the declared model and of the model with all effects found.",
         );
     }
 }
