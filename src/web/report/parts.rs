@@ -2,7 +2,7 @@
 
 use super::Circumstances;
 use super::formula;
-use super::html::{Cell, Html, capital, escaped, items, text, words};
+use super::html::{Cell, Html, capital, escaped, items, listed, text, words};
 use crate::web::figures::{error_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
 
