@@ -36,8 +36,6 @@ pub struct TraceOptions {
     pub most_effects_per_joint: usize,
     /// Whether effects are looked for; otherwise the declared model is estimated and its lack of fit reported.
     pub search: bool,
-    /// Whether the declared model has a constant torque on every joint.
-    pub offsets: bool,
     /// How rows weigh in the estimate that is handed out.
     pub estimator: Estimator,
 }
@@ -50,7 +48,6 @@ impl Default for TraceOptions {
             offsets: false,
             most_effects_per_joint: 3,
             search: true,
-            offsets: false,
             estimator: Estimator::Weighted,
         }
     }

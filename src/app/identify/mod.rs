@@ -18,7 +18,9 @@ use crate::identification::{Estimate, PreparedLog, Quality, quality};
 use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
-use crate::residual::{AugmentedModel, DataFault, Estimates, Fitted, Remedy, Stretch, TraceOptions, Traced, trace, trace_mounted};
+use crate::residual::{
+    AugmentedModel, DataFault, Estimates, Fitted, Remedy, Stretch, TraceOptions, Traced, trace, trace_mounted,
+};
 
 /// Where an identification stands, for whoever watches.
 #[derive(Debug, Clone, PartialEq, Eq)]
