@@ -13,6 +13,7 @@ const PAGES: &[(&str, &str, &str)] = &[
     ("/design", "Design", "design"),
     ("/identification", "Identification", "identification"),
     ("/loop", "The loop", "loop"),
+    ("/runs", "Runs", "runs"),
 ];
 
 /// What the pages may load: their own files, and no script that stands in a page. plotly.js sets styles on elements and hands pictures out as

@@ -6,7 +6,7 @@ use serde_json::json;
 #[test]
 fn every_page_has_its_modules_and_its_style() {
     let server = Server::start();
-    for address in ["/", "/robot", "/design", "/identification", "/loop"] {
+    for address in ["/", "/robot", "/design", "/identification", "/loop", "/runs"] {
         let page = server.get(address);
         assert_eq!(page.status, 200);
         assert!(page.header("content-type").unwrap().starts_with("text/html"));
@@ -27,7 +27,7 @@ fn every_page_has_its_modules_and_its_style() {
 #[test]
 fn modules_find_each_other() {
     let server = Server::start();
-    let mut open = vec!["header.js", "lab.js", "robot.js", "design.js", "identification.js", "loop.js"]
+    let mut open = vec!["header.js", "lab.js", "robot.js", "design.js", "identification.js", "loop.js", "runs.js"]
         .into_iter()
         .map(String::from)
         .collect::<Vec<_>>();

@@ -190,7 +190,7 @@ fn with_tokens_the_token_decides() {
 #[test]
 fn every_answer_is_protected() {
     let server = Server::start();
-    let pages = ["/", "/robot", "/design", "/identification", "/loop", "/docs/"];
+    let pages = ["/", "/robot", "/design", "/identification", "/loop", "/runs", "/docs/"];
     let data = [
         "/jobs",
         "/openapi.json",

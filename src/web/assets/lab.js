@@ -2,25 +2,11 @@
 import { explain, follow, getJson, send, summaryOf } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, seconds, table, time, words } from './dom.js';
+import { NAMES, page, state } from './job-words.js';
 import { on } from './known-form.js';
 
 const LIVE = ['queued', 'running'];
 const followed = new Set();
-const NAMES = { excitation: 'Design', identification: 'Identification', validation: 'Validation' };
-
-/** The page that shows a job. */
-function page(job) {
-  if (job.kind === 'excitation') return `/design?id=${job.id}`;
-  if (job.kind === 'identification') return `/identification?id=${job.id}`;
-  return `/identification?validation=${job.id}`;
-}
-
-export function state(job) {
-  const kinds = { queued: '', running: 'live', finished: 'good', cancelled: 'warn', failed: 'bad' };
-  const text = job.state === 'finished' && job.outcome === 'Infeasible' ? 'infeasible' : job.state;
-  return h('span', { class: `tag ${text === 'infeasible' ? 'bad' : kinds[job.state] ?? ''}` }, text);
-}
-
 function progress(job) {
   if (job.state === 'queued') return 'waits for its turn';
   if (job.step) return h('span', {}, `${job.step.what} `, h('progress', { value: job.step.done, max: job.step.of, 'aria-label': job.step.what }));
@@ -48,7 +34,7 @@ function showJobs(jobs) {
 
 function results(jobs) {
   return table([
-    { head: 'What', cell: (j) => h('a', { href: page(j) }, NAMES[j.kind] ?? j.kind), sort: (j) => j.kind },
+    { head: 'Run', cell: (j) => h('a', { href: page(j) }, j.name ?? NAMES[j.kind] ?? j.kind), sort: (j) => j.kind },
     { head: 'Robot', cell: (j) => names.get(j.id) ?? j.robot ?? '–', sort: (j) => names.get(j.id) ?? '' },
     { head: 'Result', cell: (j) => outcome(j) },
     { head: 'State', cell: state, sort: (j) => j.state },
