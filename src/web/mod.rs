@@ -12,4 +12,4 @@ mod report;
 
 #[cfg(feature = "service")]
 pub use pages::{PAGE_POLICY, pages};
-pub use report::{Circumstances, report};
+pub use report::{Circumstances, REPORT_POLICY, report};

@@ -27,10 +27,18 @@ fn every_page_has_its_modules_and_its_style() {
 #[test]
 fn modules_find_each_other() {
     let server = Server::start();
-    let mut open = vec!["header.js", "lab.js", "robot.js", "design.js", "identification.js", "loop.js", "runs.js"]
-        .into_iter()
-        .map(String::from)
-        .collect::<Vec<_>>();
+    let mut open = vec![
+        "header.js",
+        "lab.js",
+        "robot.js",
+        "design.js",
+        "identification.js",
+        "loop.js",
+        "runs.js",
+    ]
+    .into_iter()
+    .map(String::from)
+    .collect::<Vec<_>>();
     let mut seen = Vec::new();
     while let Some(name) = open.pop() {
         let module = server.get(&format!("/assets/{name}"));

@@ -41,7 +41,9 @@ def main():
             shown = page.evaluate("document.querySelector('#torques .plot').data.map(t => t.x.length)")
             assert shown and all(n > 100 for n in shown), shown
             name = page.url.split("id=")[1]
-            page.goto(f"{options.server}/identify/{name}/report")
+            answer = page.goto(f"{options.server}/identify/{name}/report")
+            assert "default-src 'none'" in answer.headers["content-security-policy"] and "script-src" not in answer.headers["content-security-policy"]
+            assert page.locator("meta[http-equiv=Content-Security-Policy]").count() == 1
             assert page.locator("svg").count() >= 3
             check_accessible(page, f"report at {rate} Hz")
             pictures(options, path, page.folder)

@@ -9,9 +9,10 @@ use crate::service::problem::Failure;
 use crate::service::state::Service;
 use crate::service::store::JobRow;
 use crate::service::work::Kind;
-use crate::web::{Circumstances, report};
+use crate::web::{Circumstances, REPORT_POLICY, report};
 use axum::extract::{Path, State};
-use axum::response::Html;
+use axum::http::header;
+use axum::response::{Html, IntoResponse};
 use serde_json::Value;
 
 /// The report of an identification.
@@ -28,7 +29,7 @@ use serde_json::Value;
         (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Html<String>, Failure> {
+pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<impl IntoResponse, Failure> {
     let job = find(&service, &access, &id, Kind::Identification).await?;
     if !job.state.is_final() {
         return Err(Failure(Error::new(Code::NoResult, "the identification goes on")));
@@ -48,7 +49,9 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
         ended: JobDocument::of(&job).finished_at,
         design,
     };
-    Ok(Html(service.blocking(move |_| Ok(report(&result, &circumstances))).await?))
+    let page = service.blocking(move |_| Ok(report(&result, &circumstances))).await?;
+    let policy = format!("{REPORT_POLICY}; frame-ancestors 'none'");
+    Ok(([(header::CONTENT_SECURITY_POLICY, policy)], Html(page)))
 }
 
 /// The stored result of a job.

@@ -11,6 +11,10 @@ use serde_json::Value;
 
 const STYLE: &str = include_str!("style.css");
 
+/// What a report may load: nothing. It stands in the file as well, for reports that are kept and opened from a disk.
+pub const REPORT_POLICY: &str =
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'";
+
 /// What the report says beside the result.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Circumstances {
@@ -37,7 +41,8 @@ pub fn report(result: &Value, circumstances: &Circumstances) -> String {
     physical::physical(&mut page, result);
     parts::again(&mut page, result, circumstances);
     format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{REPORT_POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
         escaped(&format!("Identification of {}", html::text(&result["robot"]))),
         page.0
@@ -80,6 +85,7 @@ mod tests {
             assert!(!page.contains(outside), "{outside} reaches outside the file");
         }
         for needed in [
+            "http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'",
             "ba78",
             "0.1.0",
             "some-id",
