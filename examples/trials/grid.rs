@@ -119,6 +119,7 @@ fn on_joint(finding: &str, robot: &Robot, hidden: &HiddenEffect) -> bool {
         | AsymmetricViscousFriction { joint, .. }
         | LoadDependentFriction { joint, .. }
         | PreslidingHysteresis { joint, .. }
+        | SmoothCoulombFriction { joint, .. }
         | RotorInertia { joint, .. }
         | JointSpring { joint, .. }
         | PositionRipple { joint, .. }

@@ -46,6 +46,15 @@ pub fn truth(hidden: &HiddenEffect) -> Truth {
             vec![*joint],
             vec![("amplitude", *amplitude), ("width", *width)],
         ),
+        SmoothCoulombFriction {
+            joint,
+            amplitude,
+            velocity,
+        } => (
+            "smooth_coulomb_friction",
+            vec![*joint],
+            vec![("amplitude", *amplitude), ("velocity", *velocity)],
+        ),
         RotorInertia { joint, inertia } => ("rotor_inertia", vec![*joint], vec![("inertia", *inertia)]),
         TransmissionCoupling {
             joints,

@@ -21,6 +21,7 @@ mod position_ripple;
 mod presliding_hysteresis;
 pub mod ranges;
 mod rotor_inertia;
+mod smooth_coulomb_friction;
 mod stribeck_friction;
 mod torque_crosstalk;
 mod torque_delay;
@@ -44,6 +45,7 @@ pub fn all() -> &'static [&'static dyn Effect] {
         &asymmetric_viscous_friction::AsymmetricViscousFriction,
         &load_dependent_friction::LoadDependentFriction,
         &presliding_hysteresis::PreslidingHysteresis,
+        &smooth_coulomb_friction::SmoothCoulombFriction,
         &rotor_inertia::RotorInertia,
         &transmission_coupling::TransmissionCoupling,
         &joint_spring::JointSpring,

@@ -20,6 +20,11 @@ pub const STRIBECK_VELOCITY_M: [f64; 2] = [1e-5, 0.5];
 /// Exponent of the Stribeck peak: 1/2 to 2 are in use (Armstrong-Hélouvry, Dupont & Canudas de Wit 1994), and above 4 it is a step.
 pub const STRIBECK_EXPONENT: [f64; 2] = [0.4, 4.0];
 
+/// Speed over which smoothed Coulomb friction grows (rad/s): simulators take 1e-4 to 0.1, creep of greased gears is of the order of the Stribeck velocity.
+pub const SMOOTHING_RAD: [f64; 2] = [1e-5, 0.5];
+/// The same of a slide (m/s).
+pub const SMOOTHING_M: [f64; 2] = [1e-6, 0.1];
+
 /// Exponent of speed in viscous friction: 0 and 1 are columns of the declared model; turbulent churning has 2, and nothing published is above 3.
 pub const VISCOUS_EXPONENT: [f64; 2] = [0.15, 5.0];
 

@@ -124,7 +124,7 @@ pub(super) fn honest_covariance(system: &System, at: usize) -> DMatrix<f64> {
         term.joints.clone()
     };
     if system.has_misfit(&joints) {
-        system.spread(at)
+        system.jackknife(at)
     } else {
         system.term_covariance(at)
     }

@@ -23,6 +23,8 @@ pub enum HiddenEffect {
     LoadDependentFriction { joint: usize, coefficient: f64 },
     /// Dahl's friction of this level in addition to an equally lower Coulomb friction; `width` in rad or m.
     PreslidingHysteresis { joint: usize, amplitude: f64, width: f64 },
+    /// Coulomb friction of this level that goes through zero as `tanh(qd/velocity)`, in addition to an equally lower one that jumps.
+    SmoothCoulombFriction { joint: usize, amplitude: f64, velocity: f64 },
     /// `inertia · qdd` [kg m² or kg].
     RotorInertia { joint: usize, inertia: f64 },
     /// A rotor that turns with `qd_first + ratio · qd_second`.

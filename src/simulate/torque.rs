@@ -47,6 +47,11 @@ pub(super) fn add_torque(
             let z = dahl(motor.velocities(*joint), 1.0 / experiment.rate_hz, *width);
             add(*joint, &|s, [_, v, _]| amplitude * (z[s] - direction(v)));
         }
+        SmoothCoulombFriction {
+            joint,
+            amplitude,
+            velocity,
+        } => add(*joint, &|_, [_, v, _]| amplitude * ((v / velocity).tanh() - direction(v))),
         RotorInertia { joint, inertia } => add(*joint, &|_, [_, _, a]| inertia * a),
         TransmissionCoupling {
             joints,

@@ -104,6 +104,13 @@ fn prop_friction_is_traced_from_simulated_logs() {
         &["A4"],
         &[("amplitude", 1.0), ("width", 0.03)],
     );
+    let smooth = json!({"joint": "A6", "amplitude": 0.5, "velocity": 0.03});
+    assert_traced(
+        "smooth_coulomb_friction",
+        smooth,
+        &["A6"],
+        &[("amplitude", 0.5), ("velocity", 0.03)],
+    );
     let drift = json!({"joint": "A2", "viscous": 1.0, "coulomb": 1.5, "time_constant": 25});
     assert_traced("friction_drift", drift, &["A2"], &[("time_constant", 25.0)]);
 }
@@ -165,4 +172,42 @@ fn prop_a_payload_is_traced_against_the_model_without_it() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let result: Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_told(&result["residual"], "payload", &["A7"], &[("mass", 1.2), ("center_z", 0.08)]);
+}
+
+/// Rotor inertias on several joints of one log, which came out as `unexplained` and as a coupling of A3 and A6.
+#[test]
+fn rotor_inertias_of_several_joints_are_found_together() {
+    let cases = [
+        (
+            include_str!("../data/requests/iiwa_rotor567.json"),
+            vec![("A5", 0.1), ("A6", 0.1), ("A7", 0.1)],
+        ),
+        (
+            include_str!("../data/requests/iiwa_rotor34567.json"),
+            vec![("A3", 0.195), ("A4", 0.195), ("A5", 0.074), ("A6", 0.074), ("A7", 0.074)],
+        ),
+    ];
+    for (i, (request, hidden)) in cases.into_iter().enumerate() {
+        let folder = Folder::new(&format!("rotors-{i}"));
+        let request = folder.write("request.json", request);
+        let [log, out] = ["log.csv", "result.json"].map(|n| folder.file(n));
+        let output = run(&["simulate", "--robot", "iiwa14", "--request", &request, "--out", &log]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let output = run(&["identify", "--robot", "iiwa14", "--log", &log, "--out", &out]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let result: Value = serde_json::from_str(&folder.read("result.json")).unwrap();
+        let findings = result["residual"]["findings"].as_array().unwrap();
+        let joints: Vec<&str> = findings.iter().filter_map(|f| f["joints"][0].as_str()).collect();
+        assert_eq!(joints, hidden.iter().map(|h| h.0).collect::<Vec<_>>(), "{findings:?}");
+        for (finding, (joint, truth)) in findings.iter().zip(hidden) {
+            assert_eq!(finding["effect"], "rotor_inertia", "{joint}");
+            let [value, std_dev] = ["value", "std_dev"].map(|f| finding["parameters"][0][f].as_f64().unwrap());
+            // Four standard deviations: one in 16,000 by chance.
+            assert!(
+                (value - truth).abs() < 4.0 * std_dev,
+                "{joint}: {value} ± {std_dev}, {truth} was hidden"
+            );
+        }
+        assert_eq!(result["residual"]["verdict"], "explained");
+    }
 }

@@ -31,6 +31,11 @@ const KNOWN: &[Known] = &[
     ),
     effect("load_dependent_friction", "friction that grows with the load", "tau"),
     effect("presliding_hysteresis", "hysteresis of friction before sliding", "q"),
+    effect(
+        "smooth_coulomb_friction",
+        "Coulomb friction that goes smoothly through zero",
+        "qd",
+    ),
     effect("rotor_inertia", "the inertia of the rotor", "qdd"),
     effect("transmission_coupling", "a coupling of the transmissions", "qd"),
     effect("joint_spring", "a spring at the joint", "q"),

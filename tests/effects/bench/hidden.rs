@@ -111,6 +111,11 @@ impl Hidden {
                 amplitude: level,
                 width: 0.005 * 16f64.powf(u),
             },
+            "smooth_coulomb_friction" => SmoothCoulombFriction {
+                joint,
+                amplitude: level,
+                velocity: 0.01 * 10f64.powf(u),
+            },
             "rotor_inertia" => RotorInertia {
                 joint,
                 inertia: 0.3 * level,
@@ -198,13 +203,14 @@ pub fn effect(code: &'static str, joint: usize, size: f64, robot: &Robot) -> Hid
     Hidden::plain(code, joint, robot).at(size)
 }
 
-pub const CODES: [&str; 19] = [
+pub const CODES: [&str; 20] = [
     "torque_offset",
     "stribeck_friction",
     "nonlinear_viscous_friction",
     "asymmetric_viscous_friction",
     "load_dependent_friction",
     "presliding_hysteresis",
+    "smooth_coulomb_friction",
     "rotor_inertia",
     "transmission_coupling",
     "joint_spring",

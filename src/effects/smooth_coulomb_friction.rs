@@ -1,0 +1,60 @@
+//! Coulomb friction without a jump.
+
+use super::ranges::{SMOOTHING_M, SMOOTHING_RAD, by_kind};
+use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint};
+use crate::model::Robot;
+
+/// `tau_j += F (s(qd/v) − sign qd)`: with the declared Coulomb friction at the same level F the sum is `F s(qd/v)`, which goes through zero with the speed. Forms:
+/// `s = tanh`, and `s` a straight line up to the level (`qd/v` within ±1), as of friction that a simulator computes as a soft constraint.
+pub struct SmoothCoulombFriction;
+
+fn smooth(form: usize, x: f64) -> f64 {
+    if form == 0 { x.tanh() } else { x.clamp(-1.0, 1.0) }
+}
+
+impl Effect for SmoothCoulombFriction {
+    fn code(&self) -> &'static str {
+        "smooth_coulomb_friction"
+    }
+
+    fn about(&self) -> About {
+        About {
+            meaning: "Coulomb friction that grows from zero over a small speed instead of jumping: simulators' friction, creep, speeds that were \
+                      filtered",
+            identifiable: "when samples lie within the speed over which it grows; which of the two shapes it has is hard to tell",
+            rivals: &["presliding_hysteresis", "stribeck_friction", "torque_delay"],
+            source: "Andersson, Söderberg & Björklund 2007 (smoothed friction laws); Todorov 2014 (friction loss as a soft constraint)",
+        }
+    }
+
+    fn forms(&self) -> usize {
+        2
+    }
+
+    fn shapes(&self, _form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
+        // Below a thousandth of the top speed no row is left that shows it; above a third it is viscous friction.
+        let speed = spans[joints[0]].speed.max(f64::MIN_POSITIVE);
+        vec![Shape::geometric(1e-3 * speed, 0.3 * speed, 12)]
+    }
+
+    fn ranges(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {
+        vec![by_kind(robot, joints[0], SMOOTHING_RAD, SMOOTHING_M)]
+    }
+
+    fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
+        let missing = |[_, v, _]: [f64; 3]| smooth(form, v / shape[0]) - scene.sign(v);
+        vec![own_joint(scene, joints[0], missing)]
+    }
+
+    fn positive(&self, _form: usize) -> &'static [usize] {
+        &[0]
+    }
+
+    fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+        let joint = &robot.joints()[joints[0]];
+        vec![
+            ParameterInfo::new("amplitude", joint.effort_unit()),
+            ParameterInfo::new("velocity", format!("{}/s", joint.position_unit())),
+        ]
+    }
+}
