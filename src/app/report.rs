@@ -260,13 +260,19 @@ fn status(ending: FitEnding) -> &'static str {
     }
 }
 
-fn margin_values(margins: &[ConstraintMargin]) -> Vec<MarginValue> {
+fn margin_values(fit: &PhysicalFit) -> Vec<MarginValue> {
+    let cost = |m: &ConstraintMargin| {
+        let active = fit.active.iter().find(|a| (a.link, a.constraint) == (m.link, m.constraint));
+        active.map(|a| a.cost_percent)
+    };
     let one = |m: &ConstraintMargin| MarginValue {
         link: m.link + 1,
         constraint: m.constraint.code(),
         margin: m.margin,
+        active: cost(m).is_some(),
+        cost_percent: cost(m),
     };
-    margins.iter().map(one).collect()
+    fit.margins.iter().map(one).collect()
 }
 
 fn feasibility(robot: &Robot, feasible: &FeasibleFit) -> Feasibility {
@@ -278,7 +284,7 @@ fn feasibility(robot: &Robot, feasible: &FeasibleFit) -> Feasibility {
         },
         status: status(model.ending),
         rms_ratio: model.fit.ratio,
-        margins: margin_values(&model.margins),
+        margins: margin_values(model),
         paper: feasible.paper.as_ref().map(|paper| paper_problem(robot, paper)),
     }
 }
@@ -302,7 +308,7 @@ fn paper_problem(robot: &Robot, paper: &PaperFit) -> PaperProblem {
                 evaluations: s.evaluations,
             })
             .collect(),
-        margins: margin_values(&paper.fit.margins),
+        margins: margin_values(&paper.fit),
         physical_parameters: link_values(robot, &paper.links),
     }
 }

@@ -199,6 +199,10 @@ pub struct MarginValue {
     pub constraint: &'static str,
     /// Above zero where the constraint holds.
     pub margin: f64,
+    /// Whether it holds the solution: without it the bodies would be others.
+    pub active: bool,
+    /// What it costs where it is active: by how many percent the fit is worse than the best without it.
+    pub cost_percent: Option<f64>,
 }
 
 /// Root mean square errors [N m or N] per joint, of single measurements about the model with the effects found.

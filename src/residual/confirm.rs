@@ -110,10 +110,27 @@ pub(super) fn wald(term: &Term, covariance: &DMatrix<f64>) -> (f64, usize) {
     let k = values.len();
     let block = covariance.view((0, 0), (k, k)).into_owned();
     let theta = DVector::from_column_slice(values);
-    // Without a covariance nothing is known against the effect.
-    let statistic = block.cholesky().map_or(f64::INFINITY, |c| theta.dot(&c.solve(&theta)));
-    (statistic, k)
+    determined(&theta, &block)
 }
+
+/// `θᵀ C⁺ θ` and the number of directions that the covariance says anything of. Where it is not positive definite the data leave a direction open, or rounding is
+/// all there is: that confirms nothing.
+fn determined(theta: &DVector<f64>, covariance: &DMatrix<f64>) -> (f64, usize) {
+    // Parameters have units of their own: the scale is that of their deviations.
+    let scale = covariance.diagonal().map(|v| if v > 0.0 { v.sqrt().recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(theta.len(), theta.len(), |r, c| covariance[(r, c)] * scale[r] * scale[c]);
+    if scaled.iter().any(|v| !v.is_finite()) {
+        return (0.0, theta.len());
+    }
+    let eigen = scaled.symmetric_eigen();
+    let along = eigen.eigenvectors.tr_mul(&theta.component_mul(&scale));
+    let known: Vec<usize> = (0..theta.len()).filter(|&i| eigen.eigenvalues[i] > CERTAIN).collect();
+    let statistic = known.iter().map(|&i| along[i] * along[i] / eigen.eigenvalues[i]).sum();
+    (statistic, known.len().max(1))
+}
+
+/// Least eigenvalue of a correlation matrix that is more than rounding: the pseudo-inverse it comes from has lost up to 1e-13 of its own largest.
+const CERTAIN: f64 = 1e-12;
 
 /// Covariance of the parameters of term `at`. Misfit that is left on its joints widens it as it narrows the evidence.
 pub(super) fn honest_covariance(system: &System, at: usize) -> DMatrix<f64> {

@@ -7,5 +7,6 @@ mod faults;
 mod findings;
 mod measured;
 mod mountings;
+mod one_model;
 mod rivals;
 mod unsteady;

@@ -70,7 +70,7 @@ fn val_emps_gives_its_published_parameters() {
         {"name": "axis", "kind": "prismatic", "placement": {"rpy": [FRAC_PI_2, 0, 0]}}]});
     let found = run(json!({"robot": robot, "offset": true}), &folder, &["DATA_EMPS.csv.gz"]);
     for (c, published) in [95.1089, 203.5034, 20.3935, -3.1648].into_iter().enumerate() {
-        let (value, std_dev) = (found.estimate.values[c], found.estimate.std_dev(c));
+        let (value, std_dev) = (found.found.estimate.values[c], found.found.estimate.std_dev(c));
         let error = value - published;
         assert!(error.abs() < 3.0 * std_dev, "{value} for {published} ± {std_dev}");
         assert!(error.abs() < 0.02 * f64::abs(published), "{value} for {published}");

@@ -1,20 +1,25 @@
 //! Least squares over physically consistent parameters: a semidefinite programme.
 
 use super::blas::single_threaded_blas;
-use super::{FitEnding, FitObjective, LinkScale, PhysicalFit, bound_margins, margins, priors};
+use super::margins::box_margins;
+use super::plausible::pull_back_metric;
+use super::{ActiveBound, Constraint, FitEnding, FitObjective, LinkScale, PhysicalFit, bound_margins, margins, priors};
 use crate::model::{LinkBounds, LinkPrior, Robot};
 use crate::parameters::{Inertial, Layout, ParameterKind};
 use crate::spatial::LinkInertia;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3};
 
 /// What to ask beyond consistency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConsistentOptions {
-    /// Weight of the pull towards the prior parameters: the cost of being off by all of a link's own size, in units of one noise
-    /// variance. Where the log determines a parameter the pull is nothing beside it; where it does not, it decides.
+    /// Weight of the pull towards the prior body, the divergence between the two (Lee, Wensing & Park 2019), in units of one noise variance. Where the log
+    /// determines a parameter the pull is nothing beside it; where it does not, it decides.
     pub prior_weight: f64,
+    /// Where the centre of mass of every link may be, in its own frame: lowest and highest along x, y, z (m). Empty for anywhere. Stated
+    /// [bounds](Self::bounds) of a link take the place of its box.
+    pub boxes: Vec<[[f64; 2]; 3]>,
     /// Per link; empty for none. Bounds on the inertia about the centre of mass have no convex form and are left to the nonlinear problem.
     pub bounds: Vec<LinkBounds>,
     /// Least eigenvalue of the pseudo-inertia, as a fraction of the prior link's mass and radius of gyration.
@@ -41,6 +46,7 @@ impl Default for ConsistentOptions {
     fn default() -> Self {
         Self {
             prior_weight: 1.0,
+            boxes: Vec::new(),
             bounds: Vec::new(),
             least_eigenvalue: 1e-4,
             least_viscous: 0.0,
@@ -57,12 +63,24 @@ impl Default for ConsistentOptions {
 /// # Panics
 /// When the objective is not one of `robot`.
 pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> PhysicalFit {
-    let solved = solve(robot, objective, options);
+    let solved = solve(robot, objective, options, None);
     let layout = Layout::standard(robot);
     let mut margins = margins(&layout, &solved.values);
     margins.extend(bound_margins(robot, &layout, &options.bounds, &solved.values));
+    margins.extend(box_margins(&layout, options, &solved.values));
+    let fit = objective.fit(&solved.values);
+    let cost = |&(link, constraint): &Label| {
+        let without = solve(robot, objective, options, Some((link, constraint)));
+        let least = objective.fit(&without.values).cost.max(f64::MIN_POSITIVE);
+        ActiveBound {
+            link,
+            constraint,
+            cost_percent: 100.0 * ((fit.cost / least).sqrt() - 1.0).max(0.0),
+        }
+    };
     PhysicalFit {
-        fit: objective.fit(&solved.values),
+        active: solved.active.iter().map(cost).collect(),
+        fit,
         margins,
         values: solved.values,
         ending: solved.ending,
@@ -74,7 +92,7 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
 /// the primal solution lacks in precision, and in any case the cost without constraints. Infinite where the constraints contradict each
 /// other. The pull towards priors must be zero to bound the cost alone.
 pub fn lower_bound(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> f64 {
-    let solved = solve(robot, objective, options);
+    let solved = solve(robot, objective, options, None);
     match solved.ending {
         FitEnding::Infeasible => f64::INFINITY,
         FitEnding::Converged | FitEnding::Stalled => solved.dual_cost.max(objective.unconstrained()),
@@ -82,15 +100,21 @@ pub fn lower_bound(robot: &Robot, objective: &FitObjective, options: &Consistent
     }
 }
 
+/// A link and what holds it.
+type Label = (usize, Constraint);
+
 struct Solved {
     values: Vec<f64>,
+    /// Constraints that hold the solution.
+    active: Vec<Label>,
     ending: FitEnding,
     iterations: u32,
     /// Bound on the cost, pull included, from the dual.
     dual_cost: f64,
 }
 
-fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> Solved {
+/// `without` leaves one constraint out.
+fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions, without: Option<Label>) -> Solved {
     let layout = Layout::standard(robot);
     assert!(
         objective.len() >= layout.len(),
@@ -103,7 +127,7 @@ fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -
     // noise may be a ten-thousandth of the torque, its square would be lost beside the whole.
     let center = unconstrained_minimum(&p, &q);
     let slope = &q + &p * &center;
-    let constraints = constraints(robot, &layout, &links, &scale, options);
+    let constraints = constraints(robot, &layout, &links, &scale, options, without);
     let matrix = constraints.dense();
     let right = DVector::from_column_slice(&constraints.right) - &matrix * &center;
     let settings = DefaultSettings {
@@ -129,6 +153,7 @@ fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -
     let unscaled: Vec<f64> = (0..scale.len()).map(|i| center[i] * scale[i]).collect();
     Solved {
         values,
+        active: constraints.active(&solver.solution.s, &solver.solution.z),
         ending: match solver.solution.status {
             SolverStatus::Solved => FitEnding::Converged,
             SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => FitEnding::Stalled,
@@ -185,11 +210,16 @@ fn cost(
     let n = scale.len();
     let mut p = DMatrix::from_fn(n, n, |r, c| 2.0 * h[(r, c)] * scale[r] * scale[c]);
     let mut q = DVector::from_fn(n, |i, _| -2.0 * g[i] * scale[i]);
-    for (i, parameter) in layout.parameters().iter().enumerate() {
-        if let ParameterKind::Inertial(which) = parameter.kind {
-            let prior = links[parameter.link].inertia.about_origin().parameters()[which as usize];
-            p[(i, i)] += 2.0 * weight;
-            q[i] -= 2.0 * weight * prior / scale[i];
+    for (link, prior) in links.iter().enumerate() {
+        let metric = pull_back_metric(prior) * weight;
+        let body = DVector::from_column_slice(&prior.inertia.about_origin().parameters());
+        let slope = &metric * &body;
+        let at = Inertial::ALL.map(|which| layout.inertial(link, which));
+        for (r, &row) in at.iter().enumerate() {
+            q[row] -= slope[r] * scale[row];
+            for (c, &column) in at.iter().enumerate() {
+                p[(row, column)] += metric[(r, c)] * scale[row] * scale[column];
+            }
         }
     }
     let size = cost_size(objective);
@@ -210,14 +240,38 @@ struct Constraints {
     rows: Vec<Vec<(usize, f64)>>,
     right: Vec<f64>,
     cones: Vec<SupportedConeT<f64>>,
+    /// Of every row, and whether it is one of a cone of matrices.
+    labels: Vec<(Label, bool)>,
+    /// What is left out.
+    without: Option<Label>,
     variables: usize,
 }
 
 impl Constraints {
     /// `Σ coefficient x ≥ least`.
-    fn at_least(&mut self, coefficients: &[(usize, f64)], least: f64) {
+    fn at_least(&mut self, label: Label, coefficients: &[(usize, f64)], least: f64) {
+        if self.without != Some(label) {
+            self.row(label, false, coefficients, least);
+        }
+    }
+
+    fn row(&mut self, label: Label, matrix: bool, coefficients: &[(usize, f64)], least: f64) {
         self.rows.push(coefficients.iter().map(|&(i, v)| (i, -v)).collect());
         self.right.push(-least);
+        self.labels.push((label, matrix));
+    }
+
+    /// What holds the solution: of single rows those whose multiplier is above the slack (one of the two is zero), of matrices those on whose multiplier more
+    /// rests than the solver's tolerance.
+    fn active(&self, slack: &[f64], multipliers: &[f64]) -> Vec<Label> {
+        let mut found: Vec<Label> = Vec::new();
+        for (((label, matrix), s), z) in self.labels.iter().zip(slack).zip(multipliers) {
+            let holds = if *matrix { z.abs() > 1e-6 } else { z > s };
+            if holds && !found.contains(label) {
+                found.push(*label);
+            }
+        }
+        found
     }
 
     fn dense(&self) -> DMatrix<f64> {
@@ -235,25 +289,37 @@ fn constraints(
     links: &[LinkPrior],
     scale: &DVector<f64>,
     options: &ConsistentOptions,
+    without: Option<Label>,
 ) -> Constraints {
     let mut found = Constraints {
         variables: scale.len(),
+        without,
         ..Constraints::default()
     };
     for (i, parameter) in layout.parameters().iter().enumerate() {
         match parameter.kind {
-            ParameterKind::Viscous => found.at_least(&[(i, scale[i])], options.least_viscous),
-            ParameterKind::Coulomb => found.at_least(&[(i, scale[i])], 0.0),
+            ParameterKind::Viscous => {
+                let label = (parameter.link, Constraint::Viscous);
+                found.at_least(label, &[(i, scale[i])], options.least_viscous);
+            }
+            ParameterKind::Coulomb => found.at_least((parameter.link, Constraint::Coulomb), &[(i, scale[i])], 0.0),
             ParameterKind::Inertial(_) => {}
         }
     }
     for (link, bounds) in options.bounds.iter().enumerate() {
         bound_rows(robot, layout, link, bounds, scale, &mut found);
     }
+    for (link, sides) in boxes(options) {
+        let turn = Matrix3::identity();
+        center_rows(layout, (link, Constraint::CenterOfMassBox), &turn, sides, scale, &mut found);
+    }
     if !found.rows.is_empty() {
         found.cones.push(SupportedConeT::NonnegativeConeT(found.rows.len()));
     }
     for (link, prior) in links.iter().enumerate() {
+        if without == Some((link, Constraint::PseudoInertia)) {
+            continue;
+        }
         let LinkScale { mass, length } = LinkScale::of(prior);
         let (unit, matrix): (Vec<f64>, LinkMatrix) = match options.cone {
             Cone::PseudoInertia => (vec![length, length, length, 1.0], |body| {
@@ -283,31 +349,52 @@ fn spatial_inertia(body: &LinkInertia) -> DMatrix<f64> {
 fn bound_rows(robot: &Robot, layout: &Layout, link: usize, bounds: &LinkBounds, scale: &DVector<f64>, found: &mut Constraints) {
     let mass = layout.inertial(link, Inertial::M);
     if let Some([low, high]) = bounds.mass {
-        found.at_least(&[(mass, scale[mass])], low);
-        found.at_least(&[(mass, -scale[mass])], -high);
+        found.at_least((link, Constraint::BoundMass), &[(mass, scale[mass])], low);
+        found.at_least((link, Constraint::BoundMass), &[(mass, -scale[mass])], -high);
     }
-    let turn = robot.joints()[link].description_frame;
-    for (axis, &[low, high]) in bounds.center_of_mass.iter().flatten().enumerate() {
+    if let Some(sides) = &bounds.center_of_mass {
+        let turn = robot.joints()[link].description_frame;
+        center_rows(layout, (link, Constraint::BoundCenterOfMass), &turn, sides, scale, found);
+    }
+    for (kind, bound, constraint) in [
+        (ParameterKind::Viscous, bounds.viscous, Constraint::BoundViscous),
+        (ParameterKind::Coulomb, bounds.coulomb, Constraint::BoundCoulomb),
+    ] {
+        let at = layout.parameters().iter().position(|p| p.link == link && p.kind == kind);
+        if let (Some(at), Some([low, high])) = (at, bound) {
+            found.at_least((link, constraint), &[(at, scale[at])], low);
+            found.at_least((link, constraint), &[(at, -scale[at])], -high);
+        }
+    }
+}
+
+/// Boxes of the links whose centre of mass has no stated bounds.
+pub(super) fn boxes(options: &ConsistentOptions) -> impl Iterator<Item = (usize, &[[f64; 2]; 3])> {
+    let stated = |link: usize| options.bounds.get(link).is_some_and(|b| b.center_of_mass.is_some());
+    options.boxes.iter().enumerate().filter(move |(link, _)| !stated(*link))
+}
+
+/// `m low ≤ (R h)_axis ≤ m high` along the three axes of the frame that `turn` leads to.
+fn center_rows(
+    layout: &Layout,
+    label: Label,
+    turn: &Matrix3<f64>,
+    sides: &[[f64; 2]; 3],
+    scale: &DVector<f64>,
+    found: &mut Constraints,
+) {
+    let mass = layout.inertial(label.0, Inertial::M);
+    for (axis, &[low, high]) in sides.iter().enumerate() {
         let along = |sign: f64, end: f64| -> Vec<(usize, f64)> {
             let moments = [Inertial::MX, Inertial::MY, Inertial::MZ].into_iter().enumerate();
-            let moments = moments.map(|(k, which)| (layout.inertial(link, which), sign * turn[(axis, k)]));
+            let moments = moments.map(|(k, which)| (layout.inertial(label.0, which), sign * turn[(axis, k)]));
             moments
                 .chain([(mass, -sign * end)])
                 .map(|(at, v)| (at, v * scale[at]))
                 .collect()
         };
-        found.at_least(&along(1.0, low), 0.0);
-        found.at_least(&along(-1.0, high), 0.0);
-    }
-    for (kind, bound) in [
-        (ParameterKind::Viscous, bounds.viscous),
-        (ParameterKind::Coulomb, bounds.coulomb),
-    ] {
-        let at = layout.parameters().iter().position(|p| p.link == link && p.kind == kind);
-        if let (Some(at), Some([low, high])) = (at, bound) {
-            found.at_least(&[(at, scale[at])], low);
-            found.at_least(&[(at, -scale[at])], -high);
-        }
+        found.at_least(label, &along(1.0, low), 0.0);
+        found.at_least(label, &along(-1.0, high), 0.0);
     }
 }
 
@@ -340,7 +427,12 @@ fn cone_rows(
                 .filter(|(_, v)| *v != 0.0)
                 .map(|(i, v)| (i, v * scale[i]))
                 .collect();
-            found.at_least(&row, if r == c { least } else { 0.0 });
+            found.row(
+                (link, Constraint::PseudoInertia),
+                true,
+                &row,
+                if r == c { least } else { 0.0 },
+            );
         }
     }
     found.cones.push(SupportedConeT::PSDTriangleConeT(unit.len()));

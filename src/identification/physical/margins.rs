@@ -1,5 +1,6 @@
 //! How far a parameter set is from every limit of what is physical.
 
+use super::consistent::{ConsistentOptions, boxes};
 use crate::model::{LinkBounds, Robot};
 use crate::parameters::{Layout, ParameterKind};
 
@@ -27,6 +28,8 @@ pub enum Constraint {
     ProductsOfInertia,
     /// The smallest diagonal entry less the least that was asked for [kg m²].
     LeastMoment,
+    /// Distance of the centre of mass from the sides of the box around the link, the least (m).
+    CenterOfMassBox,
     /// Stated bounds, in the unit of what they bound.
     BoundMass,
     BoundCenterOfMass,
@@ -49,6 +52,7 @@ impl Constraint {
             Self::SlenderAxis => "slender_axis",
             Self::ProductsOfInertia => "products_of_inertia",
             Self::LeastMoment => "least_moment",
+            Self::CenterOfMassBox => "center_of_mass_box",
             Self::BoundMass => "bound_mass",
             Self::BoundCenterOfMass => "bound_center_of_mass",
             Self::BoundInertia => "bound_inertia",
@@ -104,6 +108,31 @@ pub fn margins(layout: &Layout, values: &[f64]) -> Vec<ConstraintMargin> {
         }
     }
     found
+}
+
+/// A constraint that holds the solution, and what the fit would gain without it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ActiveBound {
+    /// From 0.
+    pub link: usize,
+    pub constraint: Constraint,
+    /// By how much the root of the cost is above that of the best fit without this constraint, in percent.
+    pub cost_percent: f64,
+}
+
+/// Margins of the boxes around the links; in the frames of the links.
+pub(super) fn box_margins(layout: &Layout, options: &ConsistentOptions, values: &[f64]) -> Vec<ConstraintMargin> {
+    let of = |(link, sides): (usize, &[[f64; 2]; 3])| {
+        let body = layout.link_inertia(values, link);
+        let center = body.first_moment / body.mass;
+        let margins = sides.iter().zip(&center).map(|([low, high], c)| (c - low).min(high - c));
+        ConstraintMargin {
+            link,
+            constraint: Constraint::CenterOfMassBox,
+            margin: margins.fold(f64::INFINITY, f64::min),
+        }
+    };
+    boxes(options).map(of).collect()
 }
 
 /// Margins of stated bounds, the least of every kind and link; in the frames of the description.

@@ -4,7 +4,8 @@
 //! may be no body at all (the paper's Table 2 has negative inertias). Two ways to a model that is one:
 //!
 //! - [`fit_consistent`]: least squares over the standard parameters with the pseudo-inertia of every link positive definite (Traversaro
-//!   et al. 2016, Wensing et al. 2018). Convex: the answer is the global one.
+//!   et al. 2016, Wensing et al. 2018), its centre of mass about the link, and what the log leaves open as near to a prior body as can be (Lee,
+//!   Wensing & Park 2019). Convex: the answer is the global one.
 //! - [`fit_paper`]: the paper's (10a–d), nonlinear in mass, centre of mass and inertia about it, with bounds and the constraints that
 //!   simulators like. [`lower_bound`] says how far it can be from its global minimum.
 
@@ -13,15 +14,17 @@ mod consistent;
 mod margins;
 mod objective;
 mod paper;
+mod plausible;
 mod prior;
 
 pub use crate::model::LinkBounds;
 pub(crate) use blas::single_threaded_blas;
 pub use consistent::{Cone, ConsistentOptions, fit_consistent, lower_bound};
 use margins::bound_margins;
-pub use margins::{Constraint, ConstraintMargin, margins};
+pub use margins::{ActiveBound, Constraint, ConstraintMargin, margins};
 pub use objective::{FitObjective, FitRms};
 pub use paper::{PaperFit, PaperOptions, StartFit, Triangle, fit_paper};
+pub use plausible::link_boxes;
 pub use prior::{LinkScale, priors, rod_prior};
 
 use crate::model::Robot;
@@ -35,6 +38,8 @@ pub struct PhysicalFit {
     pub values: Vec<f64>,
     pub fit: FitRms,
     pub margins: Vec<ConstraintMargin>,
+    /// Constraints that hold the solution of the convex problem, with their cost in fit.
+    pub active: Vec<ActiveBound>,
     pub ending: FitEnding,
     /// Iterations of the solver, over all starts.
     pub iterations: u32,
@@ -110,6 +115,7 @@ impl FeasibleOptions {
         Self {
             method: FeasibleMethod::default(),
             consistent: ConsistentOptions {
+                boxes: link_boxes(robot),
                 bounds: bounds.clone(),
                 ..ConsistentOptions::default()
             },

@@ -16,7 +16,7 @@ export function physical(result, drawn) {
     return card;
   }
   if (drawn) card.append(bodies(links, drawn));
-  const free = h('p', { class: 'soft' }, 'Base parameters determine only combinations of these; where they leave a choice, the one nearest to what was known beforehand is taken.');
+  const free = h('p', { class: 'soft' }, 'Base parameters determine only combinations of these; where they leave a choice, the body nearest to the prior is taken, or to a rod along the link where none is given, with its centre of mass in a box around the link.');
   card.append(free, table([
     { head: 'Link', cell: (l) => `${l.link} ${l.name}`, sort: (l) => l.link }, { head: 'Mass (kg)', number: true, cell: (l) => number(l.mass), sort: (l) => l.mass },
     ...['x', 'y', 'z'].map((axis, i) => ({ head: `${axis} (m)`, number: true, cell: (l) => number(l.center_of_mass[i], 3), sort: (l) => l.center_of_mass[i], title: 'Centre of mass' })),
@@ -59,6 +59,9 @@ function margins(feasibility) {
   }));
   const table_ = table([
     { head: 'Link', number: true, cell: (m) => m.link, sort: (m) => m.link }, { head: 'Constraint', cell: (m) => words(m.constraint), sort: (m) => m.constraint }, { head: 'Margin', number: true, cell: (m) => number(m.margin), sort: (m) => m.margin },
+    { head: 'Cost in fit', number: true, cell: (m) => (m.active ? `active, ${m.cost_percent < 0.01 ? '< 0.01' : number(m.cost_percent, 2)} %` : '–'), sort: (m) => m.cost_percent ?? -1, title: 'By how much the fit is worse than the best without an active constraint' },
   ], feasibility.margins, { caption: 'Margins to what is physically possible', sort: { column: 2, way: 'ascending' } });
-  return h('div', {}, h('h3', {}, 'Margins to what is possible'), chart, h('details', {}, h('summary', {}, 'As a table'), table_));
+  const active = feasibility.margins.filter((m) => m.active);
+  const held = active.length ? h('p', { id: 'active-bounds' }, `Active: ${active.map((m) => `${words(m.constraint).toLowerCase()} on link ${m.link}`).join(', ')}. These bounds, and not the log alone, decide these bodies; the table says what each costs in fit.`) : null;
+  return h('div', {}, h('h3', {}, 'Margins to what is possible'), held, chart, h('details', {}, h('summary', {}, 'As a table'), table_));
 }

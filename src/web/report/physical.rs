@@ -29,7 +29,24 @@ pub(super) fn physical(page: &mut Html, result: &Value) {
         &["Link", "#Ixx", "#Iyy", "#Izz", "#Ixy", "#Ixz", "#Iyz"],
         items(&result["physical_parameters"]).map(inertia),
     );
-    margins(page, &result["feasibility"]["margins"]);
+    let all = &result["feasibility"]["margins"];
+    margins(page, all);
+    let row = |m: &Value| {
+        vec![
+            text(&m["link"]),
+            capital(&words(&m["constraint"])),
+            text(&m["margin"]),
+            text(&m["cost_percent"]),
+        ]
+    };
+    let active: Vec<Vec<String>> = items(all).filter(|m| m["active"] == true).map(row).collect();
+    if !active.is_empty() {
+        page.table(
+            "Active constraints: these, and not the log alone, decide the bodies. By how much the fit is worse than the best without each",
+            &["Link", "Constraint", "#Margin", "#Cost (%)"],
+            active.into_iter(),
+        );
+    }
 }
 
 /// A row per link and a column per constraint.

@@ -135,6 +135,7 @@ pub fn fit_paper(
             values,
             fit,
             margins: all,
+            active: Vec::new(),
             ending: if best.violation > 0.0 {
                 FitEnding::Infeasible
             } else {
@@ -160,6 +161,7 @@ pub fn fit_paper(
 /// 6 × 6 inertia of the body is.
 fn relaxation(options: &PaperOptions) -> ConsistentOptions {
     ConsistentOptions {
+        boxes: Vec::new(),
         prior_weight: 0.0,
         bounds: options.bounds.clone(),
         least_eigenvalue: 0.0,
