@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 
 #[derive(RustEmbed)]
 #[folder = "src/web/assets"]
+#[exclude = "*.md"]
 struct Files;
 
 /// A file as it is sent.

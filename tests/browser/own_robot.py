@@ -78,6 +78,9 @@ def edit(page, options):
     page.locator("#joint-1 summary").click()
     page.locator("#joint-1").get_by_role("button", name="Add capsule").click()
     assert page.input_value("[data-pointer='/robot/joints/1/geometry/0/to/0']") == "0.4"
+    page.get_by_role("button", name="Suggest a shape").click()
+    # Only the second link is long enough, and it has a shape already.
+    assert page.locator("#editor .tag", has_text="capsule").count() == 1
     page.locator("#tool-part summary").click()
     page.fill("#tool-mass", "2")
     page.fill("#tool-z", "0.1")
@@ -132,6 +135,48 @@ def identified(page):
     return name
 
 
+def compared(page, options, log, other, first):
+    """A second identification, and both side by side: named, found, compared, printed, deleted."""
+    page.goto(f"{options.server}/identification?robot=bench-arm")
+    page.locator("#robot option").first.wait_for(state="attached")
+    # The next log with the same columns is read as the last one was.
+    page.set_input_files("#log", other)
+    page.locator("#result h2", has_text=other.name).wait_for()
+    assert page.locator("#columns .notice").count() == 0
+    page.set_input_files("#validation", log)
+    page.locator("#result h2", has_text=log.name).wait_for()
+    second = identified(page)
+    page.get_by_role("link", name="Runs", exact=True).click()
+    for name, words in [(first, "First try"), (second, "Second try")]:
+        page.get_by_role("button", name=f"Edit name and note of {name[:8]}").click()
+        page.fill("#edit-name", words)
+        page.fill("#edit-note", "new grease")
+        page.get_by_role("button", name="Save", exact=True).click()
+        page.locator("#list").get_by_role("link", name=words).wait_for()
+    page.fill("#search", "SECOND")
+    page.wait_for_function("() => document.querySelectorAll('#list tbody tr').length === 1")
+    assert "search=SECOND" in page.url
+    page.fill("#search", "")
+    page.wait_for_function("() => document.querySelectorAll('#list tbody tr').length === 2")
+    page.get_by_label("Select First try").check()
+    page.get_by_label("Select Second try").check()
+    page.click("#compare")
+    page.locator("#parameters .plot").wait_for()
+    settle(page)
+    check(page, "comparison")
+    picture(page, options, "comparison", "#comparison")
+    assert page.locator("#parameters .errorbar").count() >= 2
+    assert page.locator("#errors tbody tr").count() == 4
+    # The address says it all: to be shared.
+    page.goto(page.url)
+    page.locator("#parameters .plot").wait_for()
+    settle(page)
+    printed = page.pdf()
+    assert printed.startswith(b"%PDF") and len(printed) > 20_000
+    page.get_by_role("button", name="Delete Second try").click()
+    page.wait_for_function("() => document.querySelectorAll('#list tbody tr').length === 1")
+
+
 def refusals(page, options, log):
     """Files that are no logs are named by what they are."""
     binary = page.folder / "run.mcap"
@@ -154,7 +199,6 @@ def shipped_copy(page, options):
     page.get_by_role("button", name="Edit a copy").click()
     page.locator("#editor").wait_for()
     page.fill("#robot-id", "iiwa14")
-    page.on("dialog", lambda dialog: dialog.accept())
     page.get_by_role("button", name="Save robot").click()
     page.locator("#editor [role=alert]").get_by_text("comes with the program").wait_for()
     page.trouble.clear()
@@ -179,6 +223,8 @@ def main():
             result = json.load(answer)
         errors = result["rms"]["validation"][0]
         assert all(e < 0.3 for e in next(v for k, v in errors.items() if isinstance(v, list) and len(v) == 3)), errors
+        page.on("dialog", lambda dialog: dialog.accept())
+        compared(page, options, log, other, name)
         refusals(page, options, log)
         shipped_copy(page, options)
         if options.pictures:

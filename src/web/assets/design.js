@@ -18,6 +18,7 @@ const some = (object) => (Object.values(object).some((v) => v !== undefined) ? o
 const known = new Known(() => explainForm());
 const obstacles = new Obstacles(find('#obstacles'), () => explainForm());
 const cell = new CellView();
+const query = new URLSearchParams(location.search);
 
 /** `1-5; 1-3, 7` → one list per joint. */
 function harmonics(text) {
@@ -90,6 +91,19 @@ function showCell({ robot, constraints: { space: placed, start_position: start }
   if (wanted) cell.show(robot, placed, start);
 }
 
+/** A robot whose links have a shape avoids itself, unless somebody says otherwise; for one without, where to give it a shape. */
+let selfTouched = false;
+async function avoidSelf(fresh) {
+  const robot = value('robot');
+  const { shape } = await cell.load(robot);
+  if (robot !== value('robot')) return;
+  const links = new Set(shape.map((capsule) => capsule.joint)).size;
+  const box = find('#self-collision');
+  if (fresh && !selfTouched) box.checked = links > 1;
+  fill(find('#self-help'), links > 1 ? null : h('span', {}, 'The description of this robot has no shape to check. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules, or let them be suggested there.'));
+  explainForm();
+}
+
 async function addObstacle(what) {
   const { robot, constraints: { start_position: start } } = request();
   obstacles.add(what, what === 'floor' ? await cell.floor(robot, numeric(value('clearance')) || 0, start).catch(() => ({})) : {});
@@ -100,6 +114,7 @@ async function fillRobots(chosen) {
   fill(find('#robot'), robots.map((r) => h('option', { value: r.id, selected: r.id === chosen }, `${r.name} (${r.joints.length} joints)`)));
   await known.load(value('robot'));
   explainForm();
+  await avoidSelf(!query.get('id'));
 }
 
 /** Puts an earlier request into the form; a robot that stood in the request itself is offered under its own name. */
@@ -166,7 +181,8 @@ find('#form').addEventListener('input', (event) => {
   unmarkAround(event.target);
   explainForm();
 });
-find('#robot').addEventListener('change', () => known.load(value('robot')).then(explainForm).catch((e) => explain(find('#form-trouble'), e)));
+find('#self-collision').addEventListener('input', () => { selfTouched = true; });
+find('#robot').addEventListener('change', () => known.load(value('robot')).then(() => avoidSelf(true)).catch((e) => explain(find('#form-trouble'), e)));
 document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => addObstacle(button.dataset.add)));
 find('#space-part').addEventListener('toggle', explainForm);
 find('#form').addEventListener('submit', async (event) => {
@@ -187,7 +203,6 @@ find('#form').addEventListener('submit', async (event) => {
 });
 addEventListener('popstate', () => location.reload());
 
-const query = new URLSearchParams(location.search);
 if (query.get('id')) plotly();
 
 fillRobots(query.get('robot') ?? 'iiwa14')

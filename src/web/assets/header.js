@@ -3,6 +3,8 @@ import { keepToken, token } from './api.js';
 import { find } from './dom.js';
 
 const page = document.body.dataset.page;
+const query = new URLSearchParams(location.search);
+if (query.has('tour')) import('./tour.js').then((tour) => tour.guide(query));
 find(`header nav [data-name="${page}"]`)?.setAttribute('aria-current', 'page');
 
 find('#theme-button').addEventListener('click', () => {

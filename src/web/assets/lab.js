@@ -4,6 +4,7 @@ import { reached } from './criteria.js';
 import { fill, find, h, number, seconds, table, time, words } from './dom.js';
 import { NAMES, page, state } from './job-words.js';
 import { on } from './known-form.js';
+import { invitation } from './tour.js';
 
 const LIVE = ['queued', 'running'];
 const followed = new Set();
@@ -102,7 +103,8 @@ async function keepUp(job) {
 async function refresh() {
   const { jobs } = await getJson('/jobs');
   showJobs(jobs);
-  await learn(jobs);
+  learn(jobs).catch((e) => explain(find('#trouble'), e));
+  return jobs;
 }
 
 async function showRobots() {
@@ -117,5 +119,12 @@ async function showRobots() {
   ], robots, { caption: 'All robots' }));
 }
 
-Promise.all([refresh(), showRobots()]).catch((e) => explain(find('#trouble'), e));
+/** On an empty server first of all, later out of the way. */
+function invite(jobs) {
+  const place = find('#demo-place');
+  if (!jobs.length) find('#trouble').after(place);
+  invitation(place, !jobs.length);
+}
+
+Promise.all([refresh().then(invite), showRobots()]).catch((e) => explain(find('#trouble'), e));
 setInterval(() => document.visibilityState === 'visible' && followed.size === 0 && refresh().catch(() => {}), 5000);

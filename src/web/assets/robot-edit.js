@@ -3,7 +3,7 @@ import { ArmView } from './arm.js';
 import { explain, postJson, send, unmark } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
 import { fill, find, h } from './dom.js';
-import { jointDetails } from './robot-joint.js';
+import { jointDetails, suggestShape } from './robot-joint.js';
 import { Fields } from './robot-fields.js';
 import { tipChoice } from './robot-source.js';
 import { toolForm } from './robot-tool.js';
@@ -20,7 +20,7 @@ export function editor({ id, start, saved, cancel }) {
   const name = h('input', { id: 'robot-id', value: id ?? slug(fields.doc.name), autocomplete: 'off', spellcheck: 'false' });
   const picture = preview();
   const draw = () => fill(form, h('h2', { id: 'editor-title' }, id ? `Edit ${fields.doc.name}` : 'Describe the robot'), notes, start.ends?.length ? tipChoice(start.ends, start.tip, start.again) : null,
-    general(fields), joints(fields, draw), h('h3', {}, 'Links, shapes and bounds'), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), asJson(fields, draw), trouble,
+    general(fields), joints(fields, draw), h('div', { class: 'row spread' }, h('h3', {}, 'Links, shapes and bounds'), h('button', { type: 'button', onclick: () => { suggestShape(fields.doc); draw(); fields.changed(); } }, 'Suggest a shape')), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), asJson(fields, draw), trouble,
     h('div', { class: 'row field' }, h('label', { class: 'inline', for: 'robot-id' }, 'ID'), (name.disabled = Boolean(id), name), h('span', { class: 'help' }, 'In requests and addresses: letters, digits, - and _.')),
     h('div', { class: 'actions' }, h('button', { class: 'primary' }, 'Save robot'), h('button', { type: 'button', onclick: cancel }, 'Cancel')));
   form.addEventListener('submit', async (event) => {

@@ -38,14 +38,28 @@ function capsules(fields, joint, j, { number, draw }) {
   const line = (_, k) => h('div', { class: 'capsule' }, ['from', 'to'].map((end) => h('div', { class: 'three' }, [0, 1, 2].map((i) => h('label', { class: 'stacked' }, `${end} ${'xyz'[i]} (m)`, number(['geometry', k, end, i], `capsule ${k + 1} ${end} ${'xyz'[i]}`, { required: true }))))),
     h('div', { class: 'row' }, h('label', { class: 'stacked' }, 'Radius (m)', number(['geometry', k, 'radius'], `capsule ${k + 1} radius`, { required: true })), h('button', { type: 'button', 'aria-label': `${joint.name}: remove capsule ${k + 1}`, onclick: () => { list.splice(k, 1); if (!list.length) delete joint.geometry; draw(); fields.changed(); } }, 'Remove')));
   const add = () => {
-    // Towards the next joint, where that is: most links are about as long.
-    const next = fields.doc.joints[j + 1];
-    const to = next?.placement?.xyz ?? (next?.mdh ? [next.mdh.d, -Math.sin(next.mdh.alpha) * next.mdh.r, Math.cos(next.mdh.alpha) * next.mdh.r] : [0, 0, 0.1]);
-    joint.geometry = [...list, { from: [0, 0, 0], to: to.map((v) => Number(v.toFixed(4)) + 0), radius: 0.06 }];
+    joint.geometry = [...list, towards(nextJoint(fields.doc, j) ?? [0, 0, 0.1])];
     draw();
     fields.changed();
   };
   return h('fieldset', {}, h('legend', {}, 'Shape, as capsules in the link frame'), list.map(line), h('button', { type: 'button', onclick: add }, 'Add capsule'), h('p', { class: 'help' }, 'All points within the radius of a segment. Needed for self-collision, floors and obstacles.'));
+}
+
+/** Where the next joint is, in the frame of link `j`: most links are about as long. */
+function nextJoint(doc, j) {
+  const next = doc.joints[j + 1];
+  return next?.placement?.xyz ?? (next?.mdh ? [next.mdh.d, -Math.sin(next.mdh.alpha) * next.mdh.r, Math.cos(next.mdh.alpha) * next.mdh.r] : null);
+}
+
+const towards = (to, radius = 0.06) => ({ from: [0, 0, 0], to: to.map((v) => Number(v.toFixed(4)) + 0), radius });
+
+/** Capsules along all links that are long enough to have one, about as thick as arms of this size are; links that have a shape keep it. */
+export function suggestShape(doc) {
+  const reaches = doc.joints.map((_, j) => nextJoint(doc, j) ?? [0, 0, 0]);
+  const whole = reaches.reduce((sum, p) => sum + Math.hypot(...p), 0);
+  // An arm of one metre has links of about 12 cm; shorter pieces are inside those of their neighbours.
+  const radius = Number(Math.min(Math.max(0.06 * whole, 0.02), 0.12).toFixed(3));
+  doc.joints.forEach((joint, j) => { if (!joint.geometry?.length && Math.hypot(...reaches[j]) > 1.5 * radius) joint.geometry = [towards(reaches[j], radius)]; });
 }
 
 function bounds(fields, joint, { group, number, labelled, slides, draw }) {
