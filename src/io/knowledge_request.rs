@@ -154,9 +154,12 @@ pub(super) fn read_knowledge(
     let mut terms = DesignTerms::default();
     let mut knowledge = Knowledge::default();
     if let Some(model) = model {
-        if names_of(&model.robot) != names_of(robot) {
+        if !same_parameters(&model.robot, robot) {
             let pointer = fields.pointer_to("model");
-            fields.complain_at(&pointer, "is of an arm with other joints than `robot`");
+            fields.complain_at(
+                &pointer,
+                "is of an arm with other joints or other declared friction than `robot`",
+            );
             return (knowledge, terms);
         }
         let own = &model.read.model;
@@ -194,6 +197,11 @@ pub(super) fn read_knowledge(
     let most = 1_000_000;
     knowledge.periods = fields.nullable("periods").and_then(|c| c.whole(1, most)).unwrap_or(1) as f64;
     (knowledge, terms)
+}
+
+/// Whether standard parameters of one are those of the other, in the same places.
+fn same_parameters(one: &Robot, other: &Robot) -> bool {
+    names_of(one) == names_of(other) && one.friction() == other.friction()
 }
 
 fn names_of(robot: &Robot) -> Vec<&str> {
@@ -261,8 +269,8 @@ fn read_given(cursor: &Cursor, known: &dyn NamedRobots, robot: &Robot, base: &Ba
     let value = cursor.value();
     if value.get("identification").is_some() || value.get("robot").is_some() {
         let model = read_model_of(cursor, known)?;
-        if names_of(&model.robot) != names_of(robot) {
-            cursor.complain("is of an arm with other joints than `robot`");
+        if !same_parameters(&model.robot, robot) {
+            cursor.complain("is of an arm with other joints or other declared friction than `robot`");
             return None;
         }
         return Some(Given::Information(known_of(&model, base, wanted)));

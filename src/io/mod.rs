@@ -45,7 +45,7 @@ pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, 
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
 pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts};
 pub use validate_request::{ModelEffect, ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
-pub use words::{listed, measured, significant, unit};
+pub use words::{listed, measured, shortest, significant, unit};
 
 /// Every object that requests may have, by its name in the OpenAPI document, with the fields that its reader knows.
 pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[

@@ -1,5 +1,6 @@
 //! Sampled trajectories for robot controllers.
 
+use super::words::shortest;
 use crate::trajectory::{FourierSeries, Trajectory, sample_count};
 use serde_json::json;
 use std::fmt::Write;
@@ -82,7 +83,7 @@ pub fn trajectory_csv_parts(
     let write = |text: &mut String, _, row: Vec<f64>| {
         for (column, value) in row.iter().enumerate() {
             let separator = if column == 0 { "" } else { "," };
-            write!(text, "{separator}{value}").expect("writing to a string cannot fail");
+            write!(text, "{separator}{}", shortest(*value)).expect("writing to a string cannot fail");
         }
         text.push('\n');
     };

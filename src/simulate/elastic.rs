@@ -124,6 +124,8 @@ impl ElasticArm<'_> {
             let [theta, speed, _] = motor.get(elastic[i], s);
             (theta - q[i]) / self.compliance[elastic[i]] + damping[i] * (speed - v[i])
         });
-        masses.lu().solve(&(spring - rest)).expect("masses of links are positive")
+        // Positive for bodies; what parameters of no body or numbers beyond those of a double make of them is not finite.
+        let none = || DVector::from_element(elastic.len(), f64::NAN);
+        masses.lu().solve(&(spring - rest)).unwrap_or_else(none)
     }
 }

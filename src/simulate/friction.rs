@@ -15,6 +15,10 @@ pub(super) fn dahl(speed: &[f64], interval: f64, width: f64) -> Vec<f64> {
         let next = speed.get(s + 1).copied().unwrap_or(v);
         // The state settles over the width: a tenth of it per step keeps the method stable and accurate.
         let sub_steps = (SUB_STEPS).max((interval * v.abs().max(next.abs()) / (0.1 * width)).ceil() as usize);
+        if sub_steps > MOST_SUB_STEPS {
+            z = direction(if next == 0.0 { v } else { next });
+            continue;
+        }
         let h = interval / sub_steps as f64;
         for k in 0..sub_steps {
             let at = |u: f64| v + (next - v) * (k as f64 + u) / sub_steps as f64;
@@ -30,3 +34,5 @@ pub(super) fn dahl(speed: &[f64], interval: f64, width: f64) -> Vec<f64> {
 }
 
 const SUB_STEPS: usize = 4;
+/// A path of so many tenths of the width within a sample leaves nothing of the state before it: `exp(-100)`.
+const MOST_SUB_STEPS: usize = 1000;

@@ -245,11 +245,11 @@ impl Problem {
             jacobian.row_mut(i).copy_from(&row.transpose());
         }
         let curvature = jacobian.transpose() * &self.h * &jacobian * (2.0 / self.size) + DMatrix::identity(n, n) * FLAT;
-        let lower = curvature.cholesky().expect("a Gram matrix and the identity").l();
-        lower
-            .transpose()
-            .solve_upper_triangular(&DMatrix::identity(n, n))
-            .expect("the diagonal of a Cholesky factor is positive")
+        // A Gram matrix and the identity, positive definite unless its numbers are beyond those of a double; the search then goes without.
+        let whitening = curvature
+            .cholesky()
+            .and_then(|c| c.l().transpose().solve_upper_triangular(&DMatrix::identity(n, n)));
+        whitening.unwrap_or_else(|| DMatrix::identity(n, n))
     }
 
     fn descend(&self, start: Vec<f64>, cancelled: &dyn Fn() -> bool) -> Descent {

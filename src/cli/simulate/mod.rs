@@ -1,9 +1,12 @@
 //! `dynident simulate`: a virtual robot writes a log.
 
+mod check;
+
+use self::check::{check, not_finite};
 use super::{Ending, files};
 use crate::app::{Code, Error};
 use crate::io::shipped::Shipped;
-use crate::io::{NamedRobots, RobotDocument, robot_document};
+use crate::io::{NamedRobots, RobotDocument, robot_document, shortest};
 use crate::model::{FieldProblem, Robot};
 use crate::parameters::Layout;
 use crate::simulate::{Experiment, HiddenEffect, LogFault, Noise, RecordedLog, corrupt, simulate};
@@ -76,8 +79,10 @@ enum Path {
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let robot = robot(&arguments.robot)?;
-    let mut document = files::parse_json(&arguments.request)?.value;
-    let mut problems = Vec::new();
+    let crate::io::Parsed {
+        value: mut document,
+        mut problems,
+    } = files::parse_json(&arguments.request)?;
     number_joints(&mut document, &robot, "", &mut problems);
     if problems.is_empty() {
         readable::<HiddenEffect>(&document, "effects", &mut problems);
@@ -98,6 +103,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
             "is missing, and the robot has no prior parameters for every link",
         )])
     })?;
+    if let Some(problem) = not_finite(&log, &robot) {
+        return Err(invalid(vec![problem]));
+    }
     let table = csv(&log);
     match &arguments.out {
         Some(out) => files::write(out, &table)?,
@@ -174,61 +182,6 @@ fn number_joints(value: &mut Value, robot: &Robot, at: &str, problems: &mut Vec<
     }
 }
 
-fn check(request: &Request, robot: &Robot, problems: &mut Vec<FieldProblem>) {
-    let n = robot.joint_count();
-    let mut count = |field: &str, have: usize, want: usize| {
-        if have != want {
-            problems.push(FieldProblem::new(
-                field,
-                format!("has {have} entries where {want} are wanted"),
-            ));
-        }
-    };
-    if let Some(noise) = &request.noise {
-        count("/noise/torque", noise.torque.len(), n);
-    }
-    if let Some(parameters) = &request.parameters {
-        count("/parameters", parameters.len(), Layout::standard(robot).len());
-    }
-    match &request.trajectory {
-        Path::Fourier { a, b, offset, .. } => {
-            count("/trajectory/fourier/a", a.len(), n);
-            count("/trajectory/fourier/b", b.len(), n);
-            let order = a.first().map_or(0, Vec::len);
-            a.iter()
-                .chain(b)
-                .for_each(|row| count("/trajectory/fourier", row.len(), order));
-            offset.iter().for_each(|o| count("/trajectory/fourier/offset", o.len(), n));
-        }
-        Path::WayPoints { positions, durations } => {
-            count("/trajectory/way_points/positions", positions.len(), durations.len() + 1);
-            positions
-                .iter()
-                .for_each(|p| count("/trajectory/way_points/positions", p.len(), n));
-        }
-        Path::Sines { terms, .. } => count("/trajectory/sines/terms", terms.len(), n),
-    }
-    let durations: Vec<f64> = match &request.trajectory {
-        Path::Fourier { fundamental_hz, .. } => vec![*fundamental_hz],
-        Path::WayPoints { durations, .. } => {
-            if durations.is_empty() {
-                vec![0.0]
-            } else {
-                durations.clone()
-            }
-        }
-        Path::Sines { duration, .. } => vec![*duration],
-    };
-    let mut positive = |field: &str, values: &[f64]| {
-        if !values.iter().all(|v| v.is_finite() && *v > 0.0) {
-            problems.push(FieldProblem::new(field, "is not a positive number"));
-        }
-    };
-    positive("/trajectory", &durations);
-    positive("/periods", &[request.periods]);
-    positive("/sample_rate_hz", &[request.sample_rate_hz]);
-}
-
 /// `None` when nobody says the parameters.
 fn record(request: &Request, robot: &Robot) -> Option<RecordedLog> {
     let n = robot.joint_count();
@@ -281,9 +234,9 @@ fn csv(log: &RecordedLog) -> String {
     let names = |prefix: &str| (1..=log.q.len()).map(|j| format!(",{prefix}{j}")).collect::<String>();
     let mut text = format!("time{}{}\n", names("q"), names("tau"));
     for (s, time) in log.time.iter().enumerate() {
-        let _ = write!(text, "{time}");
+        text.push_str(&shortest(*time));
         for column in log.q.iter().chain(&log.tau) {
-            let _ = write!(text, ",{}", column[s]);
+            let _ = write!(text, ",{}", shortest(column[s]));
         }
         text.push('\n');
     }
