@@ -4,7 +4,7 @@
 //! `cargo bench --bench identify [-- repetitions]`. Every run is a process of its own, so that its peak memory is its own.
 //! `PYTHON` names the interpreter, `python3` if it is not set.
 
-use dynident::app::{CancelFlag, LogFile, identify, settle_process};
+use dynident::app::{CancelFlag, LogFile, identify};
 use dynident::io::{NamedRobots, NoExcitations, Parsed, read_identify_request, shipped::Shipped};
 use dynident::parameters::Layout;
 use dynident::simulate::{Experiment, Noise, simulate};
@@ -72,8 +72,6 @@ fn run_one(chain: &str, path: &Path) {
         value: request(chain),
         problems: Vec::new(),
     };
-    // As the program does.
-    settle_process();
     let begun = Instant::now();
     let request = read_identify_request(&parsed, &Shipped, &NoExcitations).expect("a valid request");
     let found = identify(&request, &[LogFile::at(path)], &[], &CancelFlag::default(), &|_| {}).expect("a good log");

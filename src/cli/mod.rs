@@ -4,6 +4,8 @@
 //! far is written.
 
 mod base_parameters;
+#[cfg(feature = "service")]
+mod child;
 mod excite;
 mod files;
 mod identify;
@@ -76,6 +78,10 @@ enum Command {
     /// Do jobs of a server's PostgreSQL database on this machine.
     #[cfg(feature = "service")]
     Worker(Box<serve::Arguments>),
+    /// Work for a server that has started this.
+    #[cfg(feature = "service")]
+    #[command(hide = true)]
+    Child(child::Arguments),
     /// Print the settings of serve and worker, and where they come from.
     #[cfg(feature = "service")]
     Config(Box<serve::Arguments>),
@@ -98,7 +104,6 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    crate::app::settle_process();
     let arguments = Arguments::parse();
     let json = arguments.json;
     match run(arguments) {
@@ -141,6 +146,8 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
         Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "service")]
         Command::Worker(arguments) => serve::run_worker(&arguments),
+        #[cfg(feature = "service")]
+        Command::Child(arguments) => child::run(&arguments),
         #[cfg(feature = "service")]
         Command::Config(arguments) => serve::run_config(&arguments),
         #[cfg(feature = "service")]

@@ -15,6 +15,13 @@ pub struct Config {
     /// Identifications and validations that run at the same time, beside the searches; with at least one place for them there is one for searches that
     /// are not long. 0 leaves the work to workers.
     pub short_jobs: usize,
+    /// Program that is started for the work of jobs and requests, as `PROGRAM child`. `None` does it on threads of this process, which an abort or
+    /// an endless loop takes with it.
+    pub program: Option<PathBuf>,
+    /// Memory that one job or request may take (bytes); half of that of the machine, or of its container, if `None`.
+    pub job_memory: Option<u64>,
+    /// Time that an identification or a validation may take, and a search beside its own limit.
+    pub job_time: Duration,
     /// A search that may take longer than this is long (s).
     pub shortest_long_s: f64,
     /// Jobs of one robot that run at the same time, long searches, others, and the rest each; `None` for no bound.
@@ -68,6 +75,10 @@ impl Default for Config {
             database_url: None,
             concurrent_jobs: 1,
             short_jobs: 2,
+            program: None,
+            job_memory: None,
+            // The largest log, two hours of seven joints at 1 kHz, takes some minutes.
+            job_time: Duration::from_secs(1800),
             shortest_long_s: 5.0,
             running_per_robot: None,
             waiting_jobs: 1000,

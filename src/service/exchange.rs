@@ -4,16 +4,14 @@
 //! those of the others when an epoch ends; whoever takes a job over begins with all of them, and with the time that was left. Only
 //! searches that are limited by time do so: those limited by evaluations give the same answer in every life.
 
+use super::child::{Latest, Spot};
 use super::state::Service;
 use super::store::{Dialect, FoundRow, Spent};
 use super::worker::in_time;
-use crate::app::Exchange;
-use crate::excitation::{Found, Point};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use tokio::runtime::Handle;
 use tokio::time::Instant;
 
 /// What is found is written down at most this often: what a killed process loses.
@@ -23,10 +21,9 @@ const SELDOM: Duration = Duration::from_secs(10);
 /// How long a search that has finished an epoch waits for what others have found: its cores are idle meanwhile.
 const LISTENING: Duration = Duration::from_secs(1);
 
-/// The link of one search; shared by the threads that search and the task that keeps the lease.
+/// The link of one search, whose child tells what it finds.
 pub struct Link {
     service: Service,
-    runtime: Handle,
     job: String,
     lease: i64,
     /// Of the share, 0 for the job itself.
@@ -43,12 +40,6 @@ struct State {
     written: Option<(Instant, Progress)>,
     /// Versions of what has been taken in, by number of the share.
     seen: HashMap<i64, i64>,
-}
-
-struct Latest {
-    progress: Progress,
-    points: Vec<Point>,
-    evaluations: u64,
 }
 
 /// Changes when there is something worth telling.
@@ -68,7 +59,6 @@ impl Link {
     fn new(service: &Service, job: &str, lease: i64, number: i64, before: Spent) -> Self {
         Self {
             service: service.clone(),
-            runtime: Handle::current(),
             job: job.to_string(),
             lease,
             number,
@@ -83,6 +73,11 @@ impl Link {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Takes in what the search has found.
+    pub fn found(&self, latest: Latest) {
+        self.state().latest = Some(latest);
+    }
+
     /// Writes down what has been found since the last time, if it is time; `now` at once.
     pub async fn write(&self, now: bool) {
         let Some((progress, row)) = self.due(now) else { return };
@@ -95,9 +90,10 @@ impl Link {
 
     fn due(&self, now: bool) -> Option<(Progress, FoundRow)> {
         let state = self.state();
-        let latest = state.latest.as_ref().filter(|l| l.progress.1.is_finite())?;
+        let latest = state.latest.as_ref().filter(|l| l.best.is_finite())?;
+        let progress = (latest.epochs, latest.best);
         if let Some((at, before)) = state.written {
-            let wait = if before == latest.progress { SELDOM } else { OFTEN };
+            let wait = if before == progress { SELDOM } else { OFTEN };
             if !now && at.elapsed() < wait {
                 return None;
             }
@@ -108,15 +104,16 @@ impl Link {
         };
         let row = FoundRow {
             number: self.number,
-            value: latest.progress.1,
-            points: json!(latest.points.iter().map(document).collect::<Vec<_>>()).to_string(),
+            value: latest.best,
+            points: json!(latest.points).to_string(),
             spent,
             version: 0,
         };
-        Some((latest.progress, row))
+        Some((progress, row))
     }
 
-    async fn read(&self) -> Vec<Point> {
+    /// What others have found since it was last asked for.
+    pub async fn others(&self) -> Vec<Spot> {
         // On SQLite nobody searches beside this process: only its earlier life has left something.
         let alone = self.service.store().dialect() == Dialect::Sqlite && self.state().latest.is_some();
         if alone {
@@ -136,48 +133,16 @@ impl Link {
     }
 }
 
-impl Exchange for Link {
-    fn found(&self, found: &Found) {
-        let progress = (found.epochs, found.best());
-        let mut state = self.state();
-        match &mut state.latest {
-            Some(latest) if latest.progress == progress => latest.evaluations = found.evaluations,
-            _ => {
-                state.latest = Some(Latest {
-                    progress,
-                    points: found.points(),
-                    evaluations: found.evaluations,
-                });
-            }
-        }
-    }
-
-    fn others(&self) -> Vec<Point> {
-        self.runtime.block_on(self.read())
-    }
-}
-
-fn document(point: &Point) -> Value {
-    json!({"x": point.x, "value": point.value, "polished": point.polished})
-}
-
 /// What cannot be read was written by another version of the program: the search begins without it.
-fn points(text: &str) -> Vec<Point> {
-    let read = |p: &Value| {
-        let x: Option<Vec<f64>> = p["x"].as_array()?.iter().map(Value::as_f64).collect();
-        Some(Point {
-            x: x?,
-            value: p["value"].as_f64()?,
-            polished: p["polished"].as_bool()?,
-        })
-    };
-    let all: Value = serde_json::from_str(text).unwrap_or_default();
-    all.as_array().into_iter().flatten().filter_map(read).collect()
+fn points(text: &str) -> Vec<Spot> {
+    let all: Vec<serde_json::Value> = serde_json::from_str(text).unwrap_or_default();
+    all.into_iter().filter_map(|p| serde_json::from_value(p).ok()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excitation::Point;
 
     #[test]
     fn points_are_read_as_they_were_written() {
@@ -186,7 +151,8 @@ mod tests {
             value: 4.05,
             polished: true,
         };
-        let text = json!([document(&point)]).to_string();
+        let point = Spot::from(point);
+        let text = json!([point]).to_string();
         assert_eq!(points(&text), [point]);
         assert_eq!((points("{}"), points("[{\"x\": [1]}, 3]")), (vec![], vec![]));
     }

@@ -85,6 +85,16 @@ impl Known {
         Ok(known)
     }
 
+    /// All names that the request might have called, for proposals.
+    pub fn all_names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The same with all names that the request might have called.
+    pub fn among(self, names: Vec<String>) -> Self {
+        Self { names, ..self }
+    }
+
     /// The robot whose model the request calls by the id of its identification.
     pub fn owner(&self) -> Option<&str> {
         self.owner.as_deref()

@@ -1,5 +1,6 @@
 //! What Prometheus reads.
 
+use super::child::Death;
 use super::store::{Claimed, Store, now_us};
 use crate::app::Error;
 use prometheus_client::encoding::EncodeLabelSet;
@@ -38,6 +39,12 @@ pub struct Metrics {
     waited: Family<OfKind, Histogram>,
     worked: Family<OfKind, Histogram>,
     lost_leases: Counter,
+    child_deaths: Family<OfReason, Counter>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct OfReason {
+    reason: &'static str,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -60,6 +67,7 @@ impl Default for Metrics {
             waited: Family::new_with_constructor(seconds),
             worked: Family::new_with_constructor(seconds),
             lost_leases: Counter::default(),
+            child_deaths: Family::default(),
         };
         let registry = &mut metrics.registry;
         registry.register("http_requests", "Requests answered", metrics.requests.clone());
@@ -79,6 +87,11 @@ impl Default for Metrics {
             "lost_leases",
             "Jobs that another worker took because this one was too slow to keep them",
             metrics.lost_leases.clone(),
+        );
+        registry.register(
+            "child_deaths",
+            "Processes that died of the work of a job or request, or were ended at a limit",
+            metrics.child_deaths.clone(),
         );
         metrics
     }
@@ -111,6 +124,10 @@ impl Metrics {
             kind: job.kind.name().to_string(),
         };
         self.worked.get_or_create(&labels).observe(time.as_secs_f64());
+    }
+
+    pub fn child_died(&self, death: &Death) {
+        self.child_deaths.get_or_create(&OfReason { reason: death.reason() }).inc();
     }
 
     pub fn lost_lease(&self) {

@@ -4,6 +4,7 @@ mod access;
 mod address;
 pub mod api;
 mod blocking;
+pub mod child;
 mod config;
 mod connections;
 mod design;
@@ -62,6 +63,7 @@ pub async fn serve(
     connections::serve_connections(listener, router(service.clone()), service.config(), graceful).await;
     service.close();
     service.drained().await;
+    service.children().end();
     service.store().close().await;
     Ok(())
 }
@@ -79,6 +81,7 @@ pub async fn work(config: Config, shutdown: impl Future<Output = ()> + Send + 's
     tracing::info!("shutting down");
     service.close();
     service.drained().await;
+    service.children().end();
     service.store().close().await;
     Ok(())
 }

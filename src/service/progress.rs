@@ -1,13 +1,13 @@
-//! News of a running job, from the threads that do it to the one that writes it down.
+//! News of a running job, from the threads of the child that does it to the task that writes it down.
 
-use super::store::Spent;
+use super::child::Advance;
 use super::work::Told;
 use crate::app::Step;
 use crate::excitation::Progress;
 use crate::io::{StartDocument, criterion_name};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// State of a running search.
@@ -54,20 +54,17 @@ impl ProgressDocument {
     }
 }
 
-/// The last that was told of a search, with all starts that ended since it was asked for, and of an identification.
-type Latest = (Option<ProgressDocument>, Option<Value>);
-
-/// What was told since it was last asked for. Clones share.
-#[derive(Clone, Default)]
+/// What was told in a child since it was last asked for: the last of a search, with all starts that ended, and of an identification.
+#[derive(Default)]
 pub struct News {
-    latest: Arc<Mutex<Latest>>,
+    latest: Mutex<(Option<ProgressDocument>, Option<Value>)>,
     /// By earlier lives of the search.
-    before: Spent,
+    before: Advance,
 }
 
 impl News {
     /// Of a search that goes on.
-    pub fn after(before: Spent) -> Self {
+    pub fn after(before: Advance) -> Self {
         Self {
             before,
             ..Self::default()
@@ -78,7 +75,7 @@ impl News {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         match told {
             Told::Search(p) => {
-                let mut news = ProgressDocument::of(&p, self.before.time + elapsed);
+                let mut news = ProgressDocument::of(&p, Duration::from_secs_f64(self.before.seconds) + elapsed);
                 news.evaluations += self.before.evaluations;
                 if let Some(before) = latest.0.take() {
                     news.ended.splice(..0, before.ended);
@@ -86,6 +83,8 @@ impl News {
                 latest.0 = Some(news);
             }
             Told::Step(Step { what, done, of }) => latest.1 = Some(json!(StepDocument { what, done, of })),
+            // The end of the work is no news of it.
+            Told::Result(_) => {}
         }
     }
 
@@ -93,5 +92,31 @@ impl News {
     pub fn take(&self) -> (Option<Value>, Option<Value>) {
         let (search, step) = std::mem::take(&mut *self.latest.lock().unwrap_or_else(PoisonError::into_inner));
         (search.map(|p| json!(p)), step)
+    }
+}
+
+/// The same in the server: what children have told since it was last written down.
+#[derive(Default)]
+pub struct Latest(Mutex<(Option<Value>, Option<Value>)>);
+
+impl Latest {
+    pub fn put(&self, progress: Option<Value>, step: Option<Value>) {
+        let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(mut news) = progress {
+            let before = latest
+                .0
+                .take()
+                .and_then(|mut p| p["ended"].as_array_mut().map(std::mem::take));
+            if let (Some(before), Some(ended)) = (before, news["ended"].as_array_mut()) {
+                ended.splice(..0, before);
+            }
+            latest.0 = Some(news);
+        }
+        latest.1 = step.or(latest.1.take());
+    }
+
+    /// Progress of a search and step of an identification.
+    pub fn take(&self) -> (Option<Value>, Option<Value>) {
+        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }

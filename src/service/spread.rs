@@ -3,16 +3,16 @@
 //! Each searches for itself and hears of what the others have found when an epoch of its own ends ([`super::exchange`]): their evaluations
 //! add up without waiting for each other, and a worker that is lost takes nothing with it but its own. A search that is limited by a number of evaluations is not spread: it gives the same answer everywhere.
 
+use super::child::{Advance, JobTask, ShareOf, Task};
 use super::exchange::Link;
-use super::progress::News;
+use super::progress::Latest;
 use super::state::Service;
 use super::store::{Claimed, Share, Spent};
-use super::work::{Class, Input, Outcome, Request};
-use super::worker::{NEWS, in_time, on_a_thread};
+use super::work::{Class, Input, Kind, Outcome, Request};
+use super::worker::{Course, Ending, NEWS, in_time};
 use crate::app::{CancelFlag, Code, Error};
 use crate::io::ExcitationRequest;
 use serde_json::{Value, json};
-use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 
@@ -27,13 +27,11 @@ const EVERY_LIFE: u64 = 0xc13f_a9a9_02a6_328f;
 /// How often a share is written down, and asked whether there is other work.
 const LOOK_AGAIN: Duration = Duration::from_millis(500);
 
-/// Time in which other workers may search for this request; `None` where they may not.
-pub fn time_to_spread(request: &Request, class: Class) -> Option<Duration> {
+/// Whether other workers may search for this request.
+pub fn may_be_shared(request: &Request, long: bool) -> bool {
     match request {
-        Request::Excite(r) if class == Class::Long && r.is_single() && r.search.options.max_evaluations.is_none() => {
-            Some(Duration::from_secs_f64(r.search.time_limit_s))
-        }
-        _ => None,
+        Request::Excite(r) => long && r.is_single() && r.search.options.max_evaluations.is_none(),
+        _ => false,
     }
 }
 
@@ -57,11 +55,11 @@ pub async fn with_shares(service: &Service, job: &Claimed, progress: Value) -> V
 
 /// Ends the shares of a search and takes in what they found: the document of the best, with the work of all, and of earlier lives.
 pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome, before: Spent) -> Result<Vec<u8>, Error> {
-    let own = outcome.document();
+    let own = &outcome.document;
     let store = service.store();
     let mut shares = store.shares(&job.id, job.lease).await?;
     if shares.results.is_empty() && shares.outstanding == 0 && before == Spent::default() {
-        return Ok(own);
+        return Ok(own.to_vec());
     }
     store.spread(&job.id, job.lease, Duration::ZERO).await?;
     let until = Instant::now() + GATHERING;
@@ -69,7 +67,7 @@ pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome, before:
         sleep(NEWS).await;
         shares = store.shares(&job.id, job.lease).await?;
     }
-    let mut own: Value = serde_json::from_slice(&own).unwrap_or_default();
+    let mut own: Value = serde_json::from_slice(own).unwrap_or_default();
     let spent = &mut own["search"];
     spent["evaluations"] = json!(spent["evaluations"].as_u64().unwrap_or(0) + before.evaluations);
     spent["elapsed_s"] = json!(spent["elapsed_s"].as_f64().unwrap_or(0.0) + before.time.as_secs_f64());
@@ -87,9 +85,9 @@ pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome, before:
 
 /// Lets a search go on where an earlier life of it, that took `before`, had come: in the time that is left, and with other random
 /// numbers, which would lead to the same points again.
-pub fn go_on(search: &mut ExcitationRequest, lease: i64, before: Spent) {
-    search.search.time_limit_s = (search.search.time_limit_s - before.time.as_secs_f64()).max(0.0);
-    search.search.options.seed ^= (lease as u64).wrapping_mul(EVERY_LIFE);
+pub fn go_on(search: &mut ExcitationRequest, before: Advance) {
+    search.search.time_limit_s = (search.search.time_limit_s - before.seconds).max(0.0);
+    search.search.options.seed ^= (before.lease as u64).wrapping_mul(EVERY_LIFE);
 }
 
 /// The best of several documents of one design; how the search ended is told by the first.
@@ -140,10 +138,7 @@ pub async fn help(service: &Service) -> bool {
         number = share.number,
         "searching for another worker's design"
     );
-    let ended = match request_of(service, &share).await {
-        Ok(request) => search(service, &share, request).await,
-        Err(error) => Err(error),
-    };
+    let ended = search(service, &share).await;
     let (result, evaluations) = ended.unwrap_or_else(|error| {
         tracing::warn!(job = share.job, %error, "a share failed");
         (None, 0)
@@ -157,66 +152,78 @@ pub async fn help(service: &Service) -> bool {
     true
 }
 
-async fn request_of(service: &Service, share: &Share) -> Result<Request, Error> {
-    let input: Input =
-        serde_json::from_slice(&service.files().read(&share.input).await?).map_err(|_| super::problem::internal_error())?;
-    let mut request = Request::of(super::work::Kind::Excitation, &input)?;
-    if let Request::Excite(search) = &mut request {
-        set_apart(search, share);
-    }
-    Ok(request)
-}
-
 /// Other random numbers, and all the time that is left.
-fn set_apart(request: &mut ExcitationRequest, share: &Share) {
+pub fn set_apart(request: &mut ExcitationRequest, share: ShareOf) {
     let options = &mut request.search.options;
     options.seed ^= (share.number as u64).wrapping_mul(EVERY_SHARE);
     options.until_halted = true;
-    request.search.time_limit_s = share.left.saturating_sub(HANDING_IN).as_secs_f64();
+    request.search.time_limit_s = share.seconds;
 }
 
-async fn search(service: &Service, share: &Share, request: Request) -> Result<(Option<String>, u64), Error> {
-    let (cancel, news) = (CancelFlag::default(), News::default());
-    let (flag, told, started) = (cancel.clone(), news.clone(), std::time::Instant::now());
-    let link = Arc::new(Link::of_share(service, &share.job, share.lease, share.number));
-    let beside = link.clone();
-    let mut result = on_a_thread(Class::Long, move || {
-        request.run(&[], &[], Some(&*beside), &flag, &|t| told.tell(t, started.elapsed()))
-    });
-    let mut ticks = interval(LOOK_AGAIN);
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+async fn task(service: &Service, share: &Share) -> Result<Task, Error> {
+    let input: Input =
+        serde_json::from_slice(&service.files().read(&share.input).await?).map_err(|_| super::problem::internal_error())?;
+    Ok(Task::Job(Box::new(JobTask {
+        kind: Kind::Excitation,
+        input,
+        logs: Vec::new(),
+        validation: Vec::new(),
+        most_rows: 0,
+        long: true,
+        nice: true,
+        advance: Advance::default(),
+        share: Some(ShareOf {
+            number: share.number,
+            seconds: share.left.saturating_sub(HANDING_IN).as_secs_f64(),
+        }),
+    })))
+}
+
+async fn search(service: &Service, share: &Share) -> Result<(Option<String>, u64), Error> {
+    let (cancel, news) = (CancelFlag::default(), Latest::default());
+    let link = Link::of_share(service, &share.job, share.lease, share.number);
+    let mut child = service.child().await?;
+    child.begin(task(service, share).await?);
+    let course = Course {
+        service,
+        cancel: &cancel,
+        link: Some(&link),
+        news: &news,
+        job: None,
+    };
     let mut so_far = (0, None);
-    let outcome = loop {
-        tokio::select! {
-            outcome = &mut result => break outcome.unwrap_or_else(|_| Err(super::problem::internal_error()))?,
-            _ = ticks.tick() => {
-                if let Some(progress) = news.take().0 {
-                    so_far = (progress["evaluations"].as_u64().unwrap_or(0), progress["best"].as_f64());
-                }
-                link.write(false).await;
-                if !goes_on(service, share, so_far).await {
-                    cancel.cancel();
+    let ending = {
+        let mut work = std::pin::pin!(course.follow(&mut child));
+        let mut ticks = interval(LOOK_AGAIN);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            tokio::select! {
+                ending = &mut work => break ending,
+                _ = ticks.tick() => {
+                    if let Some(progress) = news.take().0 {
+                        so_far = (progress["evaluations"].as_u64().unwrap_or(0), progress["best"].as_f64());
+                    }
+                    link.write(false).await;
+                    if !goes_on(service, share, so_far).await {
+                        cancel.cancel();
+                    }
                 }
             }
         }
     };
-    let evaluations = match &outcome {
-        Outcome::Excited(excited) => excited.document.search.evaluations,
-        _ => so_far.0,
+    let outcome = match ending {
+        Ending::Done(outcome) => outcome,
+        Ending::Failed(error) => return Err(error),
+        Ending::Died(death) => return Err(death.error("the search")),
+        Ending::Deaf => return Err(Error::new(Code::NoResult, "the search did not end when it was asked to")),
     };
-    let result = match found(&outcome) {
-        Some(document) => Some(service.files().put(&document).await?),
-        None => None,
+    service.children().give_back(child);
+    let found = outcome.found.unwrap_or_default();
+    let result = match found.is_feasible {
+        true => Some(service.files().put(&outcome.document).await?),
+        false => None,
     };
-    Ok((result, evaluations))
-}
-
-/// The document of a search that has found a trajectory.
-fn found(outcome: &Outcome) -> Option<Vec<u8>> {
-    match outcome {
-        Outcome::Excited(excited) if excited.series.is_some() => Some(outcome.document()),
-        _ => None,
-    }
+    Ok((result, found.evaluations))
 }
 
 /// Whether the search wants this share still, and this worker has nothing else to do.

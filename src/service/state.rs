@@ -2,6 +2,7 @@
 
 use super::access::Access;
 use super::blocking::places;
+use super::child::{Children, Limits};
 use super::config::Config;
 use super::folder::DataFolder;
 use super::known::{is_shipped, shipped, shipped_names};
@@ -23,6 +24,7 @@ struct Inner {
     folder: DataFolder,
     store: Store,
     files: Files,
+    children: Children,
     metrics: Metrics,
     /// Ids of jobs that changed in this process. Those that changed elsewhere are found by looking.
     changes: broadcast::Sender<Arc<str>>,
@@ -60,6 +62,7 @@ impl Service {
             tracing::warn!(jobs = again, "jobs that the last process left unfinished are done again");
         }
         Ok(Self(Arc::new(Inner {
+            children: Children::new(Limits::of(&config)),
             config,
             folder,
             store,
@@ -84,6 +87,11 @@ impl Service {
 
     pub fn files(&self) -> &Files {
         &self.0.files
+    }
+
+    /// The processes that compute.
+    pub(super) fn children(&self) -> &Children {
+        &self.0.children
     }
 
     pub(super) fn metrics(&self) -> &Metrics {

@@ -1,11 +1,12 @@
 //! Asking for jobs, looking at them and waiting for them.
 
 use super::access::Access;
+use super::child::{REQUEST, Task};
 use super::known::{Known, robot_inside, robot_named};
 use super::problem::internal_error;
 use super::state::Service;
 use super::store::{JobRow, Key, NewJob, Role, State, Submission, Waiting, sha256};
-use super::work::{Input, Kind, Request, StoredLog};
+use super::work::{Input, Kind, Measure, StoredLog};
 use crate::app::{CancelFlag, Code, Error};
 use crate::io::Parsed;
 use crate::model::FieldProblem;
@@ -80,15 +81,19 @@ impl Service {
             logs: asked.logs,
             validation: asked.validation,
         };
-        let parsed = asked.parsed;
-        // Base parameters of a long arm take a while, and so do megabytes of JSON.
-        let read = move |_: &CancelFlag| {
-            let request = Request::read(kind, &parsed, &input.known)?;
+        let check = Task::Check {
+            kind,
+            document: asked.parsed.into(),
+            known: input.known.clone().into(),
+        };
+        let request: Measure = self.compute_document(check, REQUEST).await?;
+        // Megabytes of JSON take a while.
+        let write = move |_: &CancelFlag| {
             let content = serde_json::to_vec(&input).expect("plain data");
             let fingerprint = sha256(&[kind.name().as_bytes(), env!("CARGO_PKG_VERSION").as_bytes(), &content].concat());
-            Ok((request, input, content, fingerprint))
+            Ok((input, content, fingerprint))
         };
-        let (request, input, content, fingerprint) = self.blocking(read).await?;
+        let (input, content, fingerprint) = self.blocking(write).await?;
         self.check_limits(&request)?;
         let robot = access.owner(robot_named(&input.request).or(owner.as_deref()), robot_inside(&input.request))?;
         if key.is_none()
@@ -133,7 +138,7 @@ impl Service {
     }
 
     /// What a document may ask of this server, beyond what is right or wrong in itself.
-    fn check_limits(&self, request: &Request) -> Result<(), Error> {
+    fn check_limits(&self, request: &Measure) -> Result<(), Error> {
         let config = self.config();
         let mut problems = Vec::new();
         let mut check = |pointer: &str, value: f64, most: f64| {
@@ -142,18 +147,10 @@ impl Service {
                 problems.push(problem.with_hint("ask its operator for more, or run it on the command line"));
             }
         };
-        check("/robot/joints", request.joints() as f64, config.most_joints as f64);
-        if let Request::Excite(excitation) = request {
-            check(
-                "/search/time_limit_s",
-                excitation.search.time_limit_s,
-                config.longest_search_s,
-            );
-            check(
-                "/fourier/order",
-                excitation.problem.spec().order as f64,
-                config.highest_order as f64,
-            );
+        check("/robot/joints", request.joints as f64, config.most_joints as f64);
+        if let Some((time_limit_s, order)) = request.search {
+            check("/search/time_limit_s", time_limit_s, config.longest_search_s);
+            check("/fourier/order", order as f64, config.highest_order as f64);
         }
         match problems.is_empty() {
             true => Ok(()),
@@ -233,7 +230,11 @@ pub(super) fn stored_error(error: &Error) -> serde_json::Value {
 
 /// The error of a failed job.
 pub(super) fn error_of(job: &JobRow) -> Option<Error> {
-    let stored = job.error.as_ref()?;
+    job.error.as_ref().map(error_from)
+}
+
+/// An error as it was stored.
+pub(super) fn error_from(stored: &serde_json::Value) -> Error {
     let text = |value: &serde_json::Value| value.as_str().map(str::to_string);
     let code = Code::ALL
         .into_iter()
@@ -244,7 +245,7 @@ pub(super) fn error_of(job: &JobRow) -> Option<Error> {
         detail: text(&p["detail"]).unwrap_or_default(),
         hint: text(&p["hint"]),
     };
-    Some(Error {
+    Error {
         code,
         detail: text(&stored["detail"]).unwrap_or_default(),
         hint: text(&stored["hint"]),
@@ -252,7 +253,7 @@ pub(super) fn error_of(job: &JobRow) -> Option<Error> {
             .as_array()
             .map(|all| all.iter().map(problem).collect())
             .unwrap_or_default(),
-    })
+    }
 }
 
 /// Whether a job has a result to hand out.

@@ -1,18 +1,18 @@
-//! What has to be done now and then: forgetting what is not kept, sweeping files, handing back memory.
+//! What has to be done now and then: forgetting what is not kept, sweeping files, ending children that nobody needs.
 
 use super::state::Service;
-use crate::app::{Error, hand_back_memory};
+use crate::app::Error;
 use std::time::Duration;
 
 /// Files wait an hour before they are swept: looking every ten minutes is often enough.
 const PERIOD: Duration = Duration::from_secs(600);
 
-/// What the jobs of a minute have left is handed back: fetching it again takes some milliseconds of the next minute.
-const MEMORY: Duration = Duration::from_secs(60);
+/// Children that a busy time has left are ended, but for one: another is there in some milliseconds.
+const REST: Duration = Duration::from_secs(60);
 
 /// Starts the upkeep; needs a running tokio runtime.
 pub fn start(service: &Service) {
-    tokio::spawn(hand_back(service.clone()));
+    tokio::spawn(rest(service.clone()));
     let service = service.clone();
     tokio::spawn(async move {
         while !service.is_closing() {
@@ -24,10 +24,11 @@ pub fn start(service: &Service) {
     });
 }
 
-async fn hand_back(service: Service) {
+async fn rest(service: Service) {
+    service.children().warm_up().await;
     while !service.is_closing() {
-        tokio::time::sleep(MEMORY).await;
-        let _ = tokio::task::spawn_blocking(hand_back_memory).await;
+        tokio::time::sleep(REST).await;
+        service.children().rest();
     }
 }
 

@@ -1,17 +1,18 @@
 //! What jobs do: from the files of a job to its result.
 
 use super::known::Known;
-use crate::app::{CancelFlag, Code, Error, Exchange, Excited, Identified, LogFile, Step, excite_beside, identify, validate};
+use crate::app::{CancelFlag, Code, Error, Exchange, Excited, LogFile, Step, excite_beside, identify, validate};
 use crate::excitation::Progress;
 use crate::io::{
-    ExcitationRequest, IdentifyRequest, Parsed, ValidateDocument, ValidateRequest, parse, read_excitation_request,
-    read_identify_request, read_validate_request,
+    ExcitationRequest, IdentifyRequest, Parsed, ValidateRequest, parse, read_excitation_request, read_identify_request,
+    read_validate_request,
 };
 use serde::{Deserialize, Serialize};
+use serde_bytes::ByteBuf;
 use serde_json::{Value, json};
 
 /// The three things that jobs do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Kind {
     Excitation,
     Identification,
@@ -125,20 +126,11 @@ impl Request {
         Self::read(kind, &parsed, &input.known)
     }
 
-    /// A search that may take longer than `shortest_long_s` is long.
-    pub fn class(&self, shortest_long_s: f64) -> Class {
+    /// How long a search may take (s); 0 for what has no limit of its own.
+    pub fn search_s(&self) -> f64 {
         match self {
-            Self::Excite(request) if request.search.time_limit_s > shortest_long_s => Class::Long,
-            Self::Excite(_) => Class::Brief,
-            Self::Identify(_) | Self::Validate(_) => Class::Short,
-        }
-    }
-
-    pub fn joints(&self) -> usize {
-        match self {
-            Self::Excite(request) => request.problem.robot().joint_count(),
-            Self::Identify(request) => request.robot.joint_count(),
-            Self::Validate(request) => request.robot.joint_count(),
+            Self::Excite(request) => request.search.time_limit_s,
+            Self::Identify(_) | Self::Validate(_) => 0.0,
         }
     }
 
@@ -154,22 +146,66 @@ impl Request {
         match self {
             Self::Excite(request) => {
                 let excited = excite_beside(request, exchange, cancel, &|p| tell(Told::Search(p.clone())));
-                Ok(Outcome::Excited(Box::new(excited)))
+                Ok(Outcome::of_search(&excited))
             }
             Self::Identify(request) => {
                 let mut found = identify(request, logs, validation, cancel, &|s| tell(Told::Step(s.clone())))?;
+                let model = found.model.as_ref();
+                let model = model.map(|m| json!({"json": m.json, "urdf": m.urdf}).to_string().into_bytes());
+                let result = Outcome::of_logs(&found.document, model);
+                if request.prediction_points == 0 {
+                    return Ok(result);
+                }
+                tell(Told::Result(result.clone()));
                 let predicted = found.predictions(request);
                 found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
                 found.document.predictions = predicted.unwrap_or_default();
-                Ok(Outcome::Identified(Box::new(found)))
+                Ok(Outcome::of_logs(&found.document, result.model.map(ByteBuf::into_vec)))
             }
             Self::Validate(request) => {
                 let mut found = validate(request, logs, cancel)?;
+                let result = Outcome::of_logs(&found.document, None);
+                if request.prediction_points == 0 {
+                    return Ok(result);
+                }
+                tell(Told::Result(result));
                 let predicted = found.predictions(request);
                 found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
                 found.document.predictions = predicted.unwrap_or_default();
-                Ok(Outcome::Validated(Box::new(found.document)))
+                Ok(Outcome::of_logs(&found.document, None))
             }
+        }
+    }
+}
+
+/// How large a request is, for the limits of a server.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Measure {
+    pub joints: usize,
+    /// Time and order of a search.
+    pub search: Option<(f64, usize)>,
+}
+
+impl Measure {
+    pub fn of(request: &Request) -> Self {
+        let search = |r: &ExcitationRequest| (r.search.time_limit_s, r.problem.spec().order);
+        let (robot, search) = match request {
+            Request::Excite(request) => (request.problem.robot(), Some(search(request))),
+            Request::Identify(request) => (&request.robot, None),
+            Request::Validate(request) => (&request.robot, None),
+        };
+        Self {
+            joints: robot.joint_count(),
+            search,
+        }
+    }
+
+    /// A search that may take longer than `shortest_long_s` is long.
+    pub fn class(&self, shortest_long_s: f64) -> Class {
+        match self.search {
+            Some((time_limit_s, _)) if time_limit_s > shortest_long_s => Class::Long,
+            Some(_) => Class::Brief,
+            None => Class::Short,
         }
     }
 }
@@ -179,38 +215,63 @@ impl Request {
 pub enum Told {
     Search(Progress),
     Step(Step),
+    /// All but what is made for pictures, which comes next.
+    Result(Outcome),
 }
 
 /// What came out.
-pub enum Outcome {
-    Excited(Box<Excited>),
-    Identified(Box<Identified>),
-    Validated(Box<ValidateDocument>),
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// How a search ended; an identification that has a result has converged.
+    pub status: String,
+    /// The document, as it is handed out.
+    pub document: ByteBuf,
+    /// The identified model in all its forms, where there is one.
+    pub model: Option<ByteBuf>,
+    /// Of a search.
+    pub found: Option<SearchFound>,
+}
+
+/// What a search has come to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SearchFound {
+    pub is_feasible: bool,
+    pub evaluations: u64,
+}
+
+fn bytes(document: &impl Serialize) -> ByteBuf {
+    ByteBuf::from(serde_json::to_vec(document).expect("documents are plain data"))
 }
 
 impl Outcome {
-    /// How a search ended; an identification that has a result has converged.
-    pub fn status(&self) -> &'static str {
-        match self {
-            Outcome::Excited(excited) => excited.document.status,
-            _ => "Converged",
+    fn of_search(excited: &Excited) -> Self {
+        Self {
+            status: excited.document.status.to_string(),
+            document: bytes(&excited.document),
+            model: None,
+            found: Some(SearchFound {
+                is_feasible: excited.series.is_some(),
+                evaluations: excited.document.search.evaluations,
+            }),
         }
     }
 
-    /// The document, as it is handed out.
-    pub fn document(&self) -> Vec<u8> {
-        let written = match self {
-            Outcome::Excited(excited) => serde_json::to_vec(&excited.document),
-            Outcome::Identified(found) => serde_json::to_vec(&found.document),
-            Outcome::Validated(found) => serde_json::to_vec(found),
-        };
-        written.expect("documents are plain data")
+    fn of_logs(document: &impl Serialize, model: Option<Vec<u8>>) -> Self {
+        Self {
+            status: "Converged".to_string(),
+            document: bytes(document),
+            model: model.map(ByteBuf::from),
+            found: None,
+        }
     }
 
-    /// The identified model in all its forms, where there is one.
-    pub fn model(&self) -> Option<Vec<u8>> {
-        let Outcome::Identified(found) = self else { return None };
-        let model = found.model.as_ref()?;
-        Some(json!({"json": model.json, "urdf": model.urdf}).to_string().into_bytes())
+    /// The same, saying why it has no predictions.
+    pub fn without_predictions(mut self, error: &Error) -> Self {
+        let Ok(Value::Object(mut fields)) = serde_json::from_slice(&self.document) else {
+            return self;
+        };
+        fields.insert("predictions_error".into(), error.detail.clone().into());
+        self.document = bytes(&fields);
+        self
     }
 }

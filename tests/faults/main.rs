@@ -5,6 +5,7 @@ mod postgres;
 #[path = "../support/process.rs"]
 mod process;
 
+mod children;
 mod deploy;
 mod handles;
 mod kill;

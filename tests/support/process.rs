@@ -85,6 +85,12 @@ impl Process {
         self.send("GET", path, &[], "")
     }
 
+    /// An answer that is no document.
+    pub fn text(&self, path: &str) -> String {
+        let mut answer = ureq::get(format!("{}{path}", self.url)).call().unwrap();
+        answer.body_mut().read_to_string().unwrap()
+    }
+
     pub fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> (u16, Value) {
         let agent: ureq::Agent = ureq::Agent::config_builder()
             .http_status_as_error(false)

@@ -64,7 +64,10 @@ impl Server {
         Self::with(Config::default())
     }
 
+    /// Its work is done in processes, as by the program, unless the configuration has a program of its own.
     pub fn with(config: Config) -> Self {
+        let program = config.program.or_else(|| Some(env!("CARGO_BIN_EXE_dynident").into()));
+        let config = Config { program, ..config };
         let (shutdown, stop) = oneshot::channel();
         let (told, address) = std::sync::mpsc::channel();
         let thread = std::thread::spawn(move || {

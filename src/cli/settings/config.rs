@@ -5,6 +5,7 @@ use crate::app::{Code, Error};
 use crate::service::Config;
 use axum::http::uri::Authority;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::time::Duration;
 
 impl Settings {
@@ -44,6 +45,9 @@ impl Settings {
             database_url: self.database_url.clone(),
             concurrent_jobs: count(self.concurrent_jobs, default.concurrent_jobs),
             short_jobs: count(self.short_jobs, default.short_jobs),
+            program: self.isolate.unwrap_or(true).then(own_program),
+            job_memory: self.job_memory,
+            job_time: seconds("job_time_s", self.job_time_s, default.job_time)?,
             shortest_long_s: self.shortest_long_s.unwrap_or(default.shortest_long_s),
             running_per_robot: self.running_per_robot,
             waiting_jobs: count(self.waiting_jobs, default.waiting_jobs),
@@ -79,6 +83,15 @@ fn hosts(names: Vec<String>) -> Result<Vec<String>, Error> {
             let detail = format!("the setting allowed_hosts has `{wrong}`, which is no name of a host");
             Err(Error::new(Code::InvalidDocument, detail).with_hint("names are like dynident.example.org or lab-pc:8443"))
         }
+    }
+}
+
+/// This program, also after its file was replaced by that of another version.
+fn own_program() -> PathBuf {
+    let running = PathBuf::from("/proc/self/exe");
+    match running.exists() {
+        true => running,
+        false => std::env::current_exe().unwrap_or_else(|_| PathBuf::from("dynident")),
     }
 }
 

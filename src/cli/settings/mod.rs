@@ -51,6 +51,15 @@ pub struct Settings {
     /// Identifications and validations that run at the same time beside them, and one search that is not long. 0 leaves them to workers.
     #[arg(long, env = "DYNIDENT_SHORT_JOBS", value_name = "N")]
     pub short_jobs: Option<usize>,
+    /// Work in processes of their own, so that what goes wrong in one costs nothing else.
+    #[arg(long, env = "DYNIDENT_ISOLATE", num_args = 0..=1, default_missing_value = "true", value_name = "BOOL")]
+    pub isolate: Option<bool>,
+    /// Memory that one job or request may take; half of that of the machine or container if left out.
+    #[arg(long, env = "DYNIDENT_JOB_MEMORY", value_name = "BYTES")]
+    pub job_memory: Option<u64>,
+    /// Time that an identification or validation may take, and a search beside its own limit.
+    #[arg(long, env = "DYNIDENT_JOB_TIME_S", value_name = "SECONDS")]
+    pub job_time_s: Option<f64>,
     /// A search that may take longer than this is long.
     #[arg(long, env = "DYNIDENT_SHORTEST_LONG_S", value_name = "SECONDS")]
     pub shortest_long_s: Option<f64>,
@@ -138,6 +147,9 @@ fn defaults() -> Settings {
         open_to_anyone: Some(false),
         concurrent_jobs: Some(config.concurrent_jobs),
         short_jobs: Some(config.short_jobs),
+        isolate: Some(true),
+        job_memory: config.job_memory,
+        job_time_s: Some(config.job_time.as_secs_f64()),
         shortest_long_s: Some(config.shortest_long_s),
         running_per_robot: config.running_per_robot,
         waiting_jobs: Some(config.waiting_jobs),

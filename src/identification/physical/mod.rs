@@ -18,7 +18,6 @@ mod plausible;
 mod prior;
 
 pub use crate::model::LinkBounds;
-pub(crate) use blas::single_threaded_blas;
 pub use consistent::{Cone, ConsistentOptions, fit_consistent, lower_bound};
 use margins::bound_margins;
 pub use margins::{ActiveBound, Constraint, ConstraintMargin, margins};

@@ -1,21 +1,20 @@
 //! `/identify/preview`: what is understood of logs, before anything is estimated.
 
 use super::common::UploadRefused;
-use super::results::not_multipart;
+use super::results::{computed, not_multipart};
 use super::schemas::IdentifyUpload;
-use crate::app::{CancelFlag, Error, inspect};
-use crate::io::{InspectDocument, read_identify_request};
+use crate::io::InspectDocument;
 use crate::service::access::Access;
-use crate::service::blocking::{JsonDocument, ended, go_on, json_document};
+use crate::service::child::Task;
 use crate::service::known::Known;
 use crate::service::problem::Failure;
-use crate::service::rows;
 use crate::service::state::Service;
 use crate::service::store::Role;
 use crate::service::upload::Upload;
 use crate::service::worker::local;
 use axum::extract::multipart::MultipartRejection;
 use axum::extract::{Multipart, State};
+use axum::response::Response;
 
 /// What is understood of logs.
 ///
@@ -33,7 +32,7 @@ pub async fn post(
     State(service): State<Service>,
     access: Access,
     body: Result<Multipart, MultipartRejection>,
-) -> Result<JsonDocument, Failure> {
+) -> Result<Response, Failure> {
     access.require(Role::Run)?;
     // Logs that no job names are swept away later.
     let upload = Upload::read(body.map_err(not_multipart)?, true, service.files()).await?;
@@ -42,16 +41,13 @@ pub async fn post(
         local(&service, &upload.logs).await?,
         local(&service, &upload.validation).await?,
     );
-    let most_rows = service.config().most_rows;
-    let work = move |cancel: &CancelFlag| {
-        let request = read_identify_request(&upload.request, &known, &known);
-        let request = request.map_err(|e| Error::invalid("the identification request", e))?;
-        for log in logs.iter().chain(&held_out) {
-            go_on(cancel)?;
-            rows::check(log, most_rows, cancel)?;
-        }
-        let seen = inspect(&request, &logs, &held_out, cancel)?.ok_or_else(ended)?;
-        Ok(json_document(&seen))
+    let task = Task::Preview {
+        document: upload.request.into(),
+        known: known.into(),
+        logs: logs.into_iter().map(Into::into).collect(),
+        validation: held_out.into_iter().map(Into::into).collect(),
+        most_rows: service.config().most_rows,
     };
-    Ok(service.blocking(work).await?)
+    // It reads the same logs as an identification.
+    Ok(computed(service.compute(task, service.config().job_time).await?))
 }

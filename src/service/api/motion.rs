@@ -1,15 +1,17 @@
 //! `/motion`: what a robot looks like, and what a motion asks of it.
 
+use super::results::computed;
 use super::schemas::RobotOrName;
-use crate::app::{CancelFlag, Error, Problem, motion};
-use crate::io::{Coefficients, MotionDocument, read_motion_request};
+use crate::app::Problem;
+use crate::io::{Coefficients, MotionDocument};
 use crate::service::access::Access;
-use crate::service::blocking::{JsonDocument, ended, json_document};
+use crate::service::child::{REQUEST, Task};
 use crate::service::document::JsonBody;
 use crate::service::known::Known;
 use crate::service::problem::Failure;
 use crate::service::state::Service;
 use axum::extract::State;
+use axum::response::Response;
 use serde::Serialize;
 
 /// A robot, and a Fourier series to move it by.
@@ -48,12 +50,11 @@ pub struct SeriesSchema {
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn post(State(service): State<Service>, access: Access, body: JsonBody) -> Result<JsonDocument, Failure> {
+pub async fn post(State(service): State<Service>, access: Access, body: JsonBody) -> Result<Response, Failure> {
     let known = Known::of(&body.parsed.value, &service, &access).await?;
-    let work = move |cancel: &CancelFlag| {
-        let request = read_motion_request(&body.parsed, &known).map_err(|errors| Error::invalid("the motion request", errors))?;
-        let drawn = motion(&request, cancel).ok_or_else(ended)?;
-        Ok(json_document(&drawn))
+    let task = Task::Motion {
+        document: body.parsed.into(),
+        known: known.into(),
     };
-    Ok(service.blocking(work).await?)
+    Ok(computed(service.compute(task, REQUEST).await?))
 }

@@ -2,14 +2,15 @@
 
 use super::jobs::JobDocument;
 use super::results::{document, find};
-use crate::app::{Code, Error, Problem};
+use crate::app::{CancelFlag, Code, Error, Problem};
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
-use crate::service::problem::Failure;
+use crate::service::child::{REQUEST, Task};
+use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
 use crate::service::store::JobRow;
 use crate::service::work::Kind;
-use crate::web::{Circumstances, REPORT_POLICY, report};
+use crate::web::REPORT_POLICY;
 use axum::extract::{Path, State};
 use axum::http::header;
 use axum::response::{Html, IntoResponse};
@@ -34,8 +35,12 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
     if !job.state.is_final() {
         return Err(Failure(Error::new(Code::NoResult, "the identification goes on")));
     }
-    let result = read(&service, &job).await?;
-    let executed = result["provenance"]["request"]["excitation"].clone();
+    let bytes = document(&service, &job).await?;
+    let executed = move |_: &CancelFlag| {
+        let result: Value = serde_json::from_slice(&bytes).map_err(|_| internal_error())?;
+        Ok((result["provenance"]["request"]["excitation"].clone(), bytes))
+    };
+    let (executed, bytes) = service.blocking(executed).await?;
     let design = match &executed {
         Value::String(id) => match service.find_job(id, &access).await? {
             Some(job) => read(&service, &job).await.ok(),
@@ -44,12 +49,13 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
         Value::Object(_) => Some(executed),
         _ => None,
     };
-    let circumstances = Circumstances {
-        id: Some(id),
+    let task = Task::Report {
+        result: bytes,
+        id,
         ended: JobDocument::of(&job).finished_at,
         design,
     };
-    let page = service.blocking(move |_| Ok(report(&result, &circumstances))).await?;
+    let page = String::from_utf8(service.compute(task, REQUEST).await?).map_err(|_| internal_error())?;
     let policy = format!("{REPORT_POLICY}; frame-ancestors 'none'");
     Ok(([(header::CONTENT_SECURITY_POLICY, policy)], Html(page)))
 }

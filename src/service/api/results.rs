@@ -89,6 +89,11 @@ pub async fn document(service: &Service, job: &JobRow) -> Result<Vec<u8>, Failur
     Err(Failure(error_of(job).unwrap_or_else(none)))
 }
 
+/// A JSON document that a child has made.
+pub fn computed(document: Vec<u8>) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], document).into_response()
+}
+
 /// A stored JSON object with `id` as its first field.
 fn with_id(id: &str, object: &[u8]) -> Vec<u8> {
     let id = format!("{{\"id\":\"{id}\",");

@@ -1,11 +1,12 @@
 //! `/robots`: those that come with the program and those of the lab.
 
+use super::results::computed;
 use super::schemas::RobotSchema;
-use crate::app::{CancelFlag, Code, Error, Problem};
-use crate::io::{BaseParametersDocument, Parsed, RobotDocument, robot_document};
+use crate::app::{Code, Error, Problem};
+use crate::io::{BaseParametersDocument, Parsed};
 use crate::model::FieldProblem;
 use crate::service::access::{Access, slug};
-use crate::service::blocking::{JsonDocument, json_document};
+use crate::service::child::{REQUEST, RobotRead, Task};
 use crate::service::document::RobotBody;
 use crate::service::known::is_shipped;
 use crate::service::problem::Failure;
@@ -38,36 +39,39 @@ pub struct RobotList {
 }
 
 impl RobotSummary {
-    fn of(id: &str, read: &RobotDocument) -> Self {
+    fn of(id: &str, read: RobotRead) -> Self {
         Self {
             id: id.to_string(),
-            name: read.robot.name().to_string(),
-            joints: read.robot.joints().iter().map(|j| j.name.clone()).collect(),
+            name: read.name,
+            joints: read.joints,
             shipped: is_shipped(id),
-            notes: read.notes.clone(),
+            notes: read.notes,
         }
     }
 }
 
-/// Reads a document on a thread that may take its time.
-async fn read(service: &Service, parsed: Parsed) -> Result<RobotDocument, Error> {
-    let work = move |_: &CancelFlag| robot_document(&parsed).map_err(|errors| Error::invalid("the robot", errors));
-    service.blocking(work).await
+/// Reads a document where it can do no harm.
+async fn read(service: &Service, parsed: Parsed) -> Result<RobotRead, Error> {
+    let document = parsed.into();
+    service.compute_document(Task::Robot { document }, REQUEST).await
 }
 
-/// A robot that is kept. What is wrong with its document is not the client's, who has only called it by its name.
-async fn read_stored(service: &Service, id: &str, access: &Access) -> Result<RobotDocument, Error> {
-    let parsed = Parsed {
+async fn stored(service: &Service, id: &str, access: &Access) -> Result<Parsed, Error> {
+    Ok(Parsed {
         value: service.robot(id, access).await?,
         problems: Vec::new(),
-    };
-    read(service, parsed).await.map_err(|e| match e.code {
-        Code::InvalidDocument => Error {
-            errors: e.errors,
-            ..unreadable_robot(id, &e.detail)
-        },
-        _ => e,
     })
+}
+
+/// What is wrong with the document of a robot that is kept is not the client's, who has only called it by its name.
+fn unreadable(id: &str, error: Error) -> Error {
+    match error.code {
+        Code::InvalidDocument => Error {
+            errors: error.errors,
+            ..unreadable_robot(id, &error.detail)
+        },
+        _ => error,
+    }
 }
 
 /// All robots. One that is kept and cannot be read is left out; asked for by its name, it is said why.
@@ -75,8 +79,12 @@ async fn read_stored(service: &Service, id: &str, access: &Access) -> Result<Rob
 pub async fn list(State(service): State<Service>, access: Access) -> Result<Json<RobotList>, Failure> {
     let mut robots = Vec::new();
     for id in service.robot_names(&access).await? {
-        match read_stored(&service, &id, &access).await {
-            Ok(read) => robots.push(RobotSummary::of(&id, &read)),
+        let read = match stored(&service, &id, &access).await {
+            Ok(parsed) => read(&service, parsed).await.map_err(|e| unreadable(&id, e)),
+            Err(e) => Err(e),
+        };
+        match read {
+            Ok(read) => robots.push(RobotSummary::of(&id, read)),
             // A robot that was removed meanwhile is not listed.
             Err(e) if e.code == Code::UnknownRobot => {}
             Err(e) if e.code == Code::RobotUnreadable => {
@@ -116,11 +124,10 @@ pub async fn base_parameters(
     State(service): State<Service>,
     access: Access,
     Path(id): Path<String>,
-) -> Result<JsonDocument, Failure> {
-    let robot = read_stored(&service, &id, &access).await?.robot;
-    Ok(service
-        .blocking(move |_| Ok(json_document(&BaseParametersDocument::of(&robot))))
-        .await?)
+) -> Result<Response, Failure> {
+    let document = stored(&service, &id, &access).await?.into();
+    let made = service.compute(Task::BaseParameters { document }, REQUEST).await;
+    Ok(computed(made.map_err(|e| unreadable(&id, e))?))
 }
 
 /// Keep a robot of the lab; its id is made from its name.
@@ -142,7 +149,7 @@ pub async fn post(State(service): State<Service>, access: Access, RobotBody(pars
     access.require(Role::Admin)?;
     let document = parsed.value.clone();
     let robot = read(&service, parsed).await?;
-    let id = slug(robot.robot.name());
+    let id = slug(&robot.name);
     keep(&service, &access, &id, (document, robot), false).await
 }
 
@@ -182,12 +189,12 @@ async fn keep(
     service: &Service,
     access: &Access,
     id: &str,
-    (document, read): (Value, RobotDocument),
+    (document, read): (Value, RobotRead),
     replace: bool,
 ) -> Result<Response, Failure> {
     let new = service.put_robot(id, &document, replace, access).await?;
     let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-    let summary = RobotSummary::of(id, &read);
+    let summary = RobotSummary::of(id, read);
     Ok((status, [(header::LOCATION, format!("/robots/{id}"))], Json(summary)).into_response())
 }
 

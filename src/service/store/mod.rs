@@ -19,7 +19,7 @@ pub use dump::{Amount, backup, restore};
 pub use files::{Files, NewFile, hex, sha256};
 pub use found::{FoundRow, Spent};
 pub use jobs::{JobFilter, JobPlace, JobRow, State};
-pub use queue::{Claimed, Ended, Renewed};
+pub use queue::{Claimed, Ended, Kept, Renewed};
 pub(super) use robots::unreadable as unreadable_robot;
 pub use shares::{Share, ShareResult};
 pub use submission::{Key, NewJob, Submission, Waiting};
@@ -37,6 +37,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (1, "first", include_str!("migrations/0001_first.sql")),
     (2, "found", include_str!("migrations/0002_found.sql")),
     (3, "expiry_and_names", include_str!("migrations/0003_expiry_and_names.sql")),
+    (4, "children", include_str!("migrations/0004_children.sql")),
 ];
 
 type Transaction = sqlx::Transaction<'static, sqlx::Any>;

@@ -4,7 +4,7 @@
 //! claimed again by whoever comes first. Everything a worker writes names the number it was given: a worker that was presumed dead and
 //! comes back finds its number outdated and changes nothing, so that every job has exactly one result.
 
-use super::{Dialect, Store, now_us, submission::name_file, unavailable};
+use super::{Dialect, Store, Transaction, now_us, submission::name_file, unavailable};
 use crate::app::Error;
 use crate::service::store::jobs::State;
 use crate::service::work::{Class, Kind};
@@ -21,10 +21,19 @@ pub struct Claimed {
     pub robot: String,
     pub input: String,
     pub lease: i64,
-    /// With this one.
-    pub attempts: i64,
     pub cancel_requested: bool,
     pub created_us: i64,
+    /// Of an earlier life that did not come to its end.
+    pub kept: Option<Kept>,
+}
+
+/// A result that is stored and may still get its predictions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Kept {
+    pub outcome: Option<String>,
+    /// Files.
+    pub result: String,
+    pub model: Option<String>,
 }
 
 /// What a worker is told when it renews its lease.
@@ -86,7 +95,7 @@ impl Store {
                     SELECT MAX(r.started_us) FROM jobs r WHERE r.robot = j.robot AND r.class = j.class) t), \
                  j.urgency * {STEP_OF_URGENCY} + j.created_us, j.id \
                LIMIT 1 {{skip}}) \
-             RETURNING id, kind, robot, input, lease, attempts, cancel_requested, created_us"
+             RETURNING id, kind, robot, input, lease, cancel_requested, created_us, outcome, result, model"
         );
         let rows = sqlx::query(self.sql(&sql))
             .bind(class.name())
@@ -142,9 +151,47 @@ impl Store {
         }))
     }
 
+    /// Counts a death of the process that does the job, and hands back how many there were; `None` if the job is no longer this worker's.
+    pub async fn child_died(&self, id: &str, lease: i64) -> Result<Option<i64>, Error> {
+        let rows = sqlx::query(
+            "UPDATE jobs SET child_deaths = child_deaths + 1 WHERE id = $1 AND lease = $2 AND state = 'running' RETURNING child_deaths",
+        )
+        .bind(id)
+        .bind(lease)
+        .fetch_all(&self.pool)
+        .await
+        .map_err(unavailable)?;
+        let read = |row: &AnyRow| row.try_get("child_deaths").map_err(unavailable);
+        rows.first().map(read).transpose()
+    }
+
+    /// Stores the result of a job that goes on: whatever becomes of the rest, it has this.
+    pub async fn keep_result(&self, id: &str, lease: i64, kept: &Kept) -> Result<(), Error> {
+        let mut transaction = self.begin().await?;
+        forget_result(&mut transaction, id, lease).await?;
+        let done = sqlx::query(
+            "UPDATE jobs SET outcome = $3, result = $4, model = $5 WHERE id = $1 AND lease = $2 AND state = 'running'",
+        )
+        .bind(id)
+        .bind(lease)
+        .bind(kept.outcome.clone())
+        .bind(kept.result.clone())
+        .bind(kept.model.clone())
+        .execute(&mut *transaction)
+        .await
+        .map_err(unavailable)?;
+        if done.rows_affected() == 1 {
+            for hash in [Some(&kept.result), kept.model.as_ref()].into_iter().flatten() {
+                name_file(&mut transaction, id, hash).await?;
+            }
+        }
+        transaction.commit().await.map_err(unavailable)
+    }
+
     /// Ends a job; `false` if it is no longer this worker's, and then nothing has changed.
     pub async fn finish(&self, id: &str, lease: i64, ended: &Ended) -> Result<bool, Error> {
         let mut transaction = self.begin().await?;
+        forget_result(&mut transaction, id, lease).await?;
         let done = sqlx::query(
             "UPDATE jobs SET state = $3, outcome = $4, result = $5, model = $6, error = $7, finished_us = $8, \
              lease_until_us = NULL, sequence = sequence + 1 WHERE id = $1 AND lease = $2 AND state = 'running'",
@@ -200,6 +247,14 @@ impl Store {
     }
 }
 
+/// The files of a result that is about to be replaced are no longer the job's.
+async fn forget_result(transaction: &mut Transaction, id: &str, lease: i64) -> Result<(), Error> {
+    let sql = "DELETE FROM job_files WHERE job = $1 AND hash IN (SELECT result FROM jobs WHERE id = $1 AND lease = $2 AND state = 'running' \
+         UNION SELECT model FROM jobs WHERE id = $1 AND lease = $2 AND state = 'running')";
+    let done = sqlx::query(sql).bind(id).bind(lease).execute(&mut **transaction).await;
+    done.map(drop).map_err(unavailable)
+}
+
 fn claimed(row: &AnyRow) -> Result<Claimed, sqlx::Error> {
     let kind: String = row.try_get("kind")?;
     Ok(Claimed {
@@ -208,8 +263,15 @@ fn claimed(row: &AnyRow) -> Result<Claimed, sqlx::Error> {
         robot: row.try_get("robot")?,
         input: row.try_get("input")?,
         lease: row.try_get("lease")?,
-        attempts: row.try_get("attempts")?,
         cancel_requested: row.try_get::<i64, _>("cancel_requested")? != 0,
         created_us: row.try_get("created_us")?,
+        kept: match row.try_get("result")? {
+            Some(result) => Some(Kept {
+                outcome: row.try_get("outcome")?,
+                result,
+                model: row.try_get("model")?,
+            }),
+            None => None,
+        },
     })
 }

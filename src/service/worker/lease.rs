@@ -3,7 +3,7 @@
 use super::{NEWS, in_time};
 use crate::app::CancelFlag;
 use crate::service::exchange::Link;
-use crate::service::progress::News;
+use crate::service::progress::Latest;
 use crate::service::spread;
 use crate::service::state::Service;
 use crate::service::store::{Claimed, Dialect};
@@ -15,8 +15,8 @@ pub(super) struct Lease<'a> {
     service: &'a Service,
     job: &'a Claimed,
     cancel: &'a CancelFlag,
-    pub(super) news: News,
-    /// Of a search that another can go on with.
+    pub(super) news: Arc<Latest>,
+    /// Of a search that another may go on with.
     pub(super) link: Option<Arc<Link>>,
     renewed: Instant,
     pub(super) cancel_requested: bool,
@@ -29,7 +29,7 @@ impl<'a> Lease<'a> {
             service,
             job,
             cancel,
-            news: News::default(),
+            news: Arc::default(),
             link: None,
             renewed: Instant::now(),
             cancel_requested: job.cancel_requested,

@@ -1,9 +1,11 @@
 //! Doing jobs: claim, run under a lease, hand in.
 
+mod course;
 mod lease;
 mod run;
 
-pub(super) use run::{local, on_a_thread};
+pub(super) use course::{Course, Ending};
+pub(super) use run::local;
 
 use self::run::run;
 use super::exchange::Link;
@@ -25,8 +27,6 @@ pub(super) const NEWS: Duration = Duration::from_millis(200);
 const PAUSE: Duration = Duration::from_secs(1);
 /// Time in which logs are fetched or a result is written, shares gathered and all: a gigabyte comes over a line of 100 Mbit/s in 80 s.
 const HANDING_IN: Duration = Duration::from_secs(120);
-/// A job whose worker died this often is what kills them.
-const MOST_ATTEMPTS: i64 = 25;
 
 /// Starts as many workers of each class as configured; needs a running tokio runtime.
 pub fn start(service: &Service) {
@@ -95,14 +95,12 @@ async fn do_job(service: &Service, job: &Claimed, class: Class) {
 
 /// A job that is not even begun.
 async fn refused(service: &Service, job: &Claimed) -> Option<Ended> {
-    if job.cancel_requested {
-        // What an earlier life of it has found is handed out.
-        let found = in_time(HANDING_IN, service.store().spent(&job.id)).await;
-        return found.ok().flatten().is_none().then(|| without_result(State::Cancelled, None));
+    if !job.cancel_requested {
+        return None;
     }
-    let detail = format!("the job was begun {MOST_ATTEMPTS} times, and each time the process that did it ended");
-    let deadly = || Error::new(Code::Internal, detail).with_hint("it may need more memory than the machine has");
-    (job.attempts > MOST_ATTEMPTS).then(|| without_result(State::Failed, Some(&deadly())))
+    // What an earlier life of it has found is handed out.
+    let found = in_time(HANDING_IN, service.store().spent(&job.id)).await;
+    found.ok().flatten().is_none().then(|| without_result(State::Cancelled, None))
 }
 
 fn without_result(state: State, error: Option<&Error>) -> Ended {
@@ -162,11 +160,11 @@ async fn try_to_hand_in(service: &Service, job: &Claimed, done: &Done) -> Result
     };
     let mut ended = ended.clone();
     if let Some((outcome, before)) = outcome {
-        ended.outcome = Some(outcome.status().to_string());
+        ended.outcome = Some(outcome.status.clone());
         let document = spread::gather(service, job, outcome, *before).await?;
         ended.result = Some(service.files().put(&document).await?);
-        if let Some(model) = outcome.model() {
-            ended.model = Some(service.files().put(&model).await?);
+        if let Some(model) = &outcome.model {
+            ended.model = Some(service.files().put(model).await?);
         }
     }
     if !service.store().finish(&job.id, job.lease, &ended).await? {

@@ -1,0 +1,252 @@
+//! What goes through the socket between a server and a child, as MessagePack: each value says where it ends, and numbers keep every bit.
+
+use crate::app::LogFile;
+use crate::excitation::Point;
+use crate::io::{Parsed, RobotDocument};
+use crate::model::FieldProblem;
+use crate::service::known::Known;
+use crate::service::work::{Input, Kind, Outcome};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::io::{self, Read, Write};
+use std::path::PathBuf;
+
+/// To a child.
+#[derive(Debug, Serialize, Deserialize)]
+pub enum ToChild {
+    Begin(Box<Task>),
+    /// End with the best there is.
+    Cancel,
+    /// What the searches beside this one have found.
+    Others(Vec<Spot>),
+}
+
+/// From a child.
+#[derive(Debug, Serialize, Deserialize)]
+pub enum FromChild {
+    /// The request of a job is read: how long its search may take (s), and whether others may share it.
+    Begun {
+        search_s: f64,
+        shareable: bool,
+    },
+    News {
+        progress: Option<Value>,
+        step: Option<Value>,
+    },
+    Found(Latest),
+    /// Wants to know what others have found, and waits.
+    AskOthers,
+    /// The result, complete but for what is made for pictures.
+    Result(Outcome),
+    /// The end of a job.
+    Done(Outcome),
+    /// The end of any other task.
+    Answer(#[serde(with = "serde_bytes")] Vec<u8>),
+    /// The end of a task without a result; a stored error.
+    Failed(Value),
+}
+
+/// What a search has found so far.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Latest {
+    pub epochs: usize,
+    /// Logarithm of the criterion at the best point.
+    pub best: f64,
+    pub points: Vec<Spot>,
+    pub evaluations: u64,
+}
+
+/// A [`Point`] of a search.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Spot {
+    x: Vec<f64>,
+    value: f64,
+    polished: bool,
+}
+
+impl From<Point> for Spot {
+    fn from(Point { x, value, polished }: Point) -> Self {
+        Self { x, value, polished }
+    }
+}
+
+impl From<Spot> for Point {
+    fn from(Spot { x, value, polished }: Spot) -> Self {
+        Self { x, value, polished }
+    }
+}
+
+/// What a child is to do.
+#[derive(Debug, Serialize, Deserialize)]
+pub enum Task {
+    Job(Box<JobTask>),
+    /// Reads a request: whether it is right, and how large it is. Answers with a [`super::super::work::Measure`].
+    Check {
+        kind: Kind,
+        document: Document,
+        known: Named,
+    },
+    /// `POST /motion`.
+    Motion {
+        document: Document,
+        known: Named,
+    },
+    /// `POST /identify/preview`.
+    Preview {
+        document: Document,
+        known: Named,
+        logs: Vec<Log>,
+        validation: Vec<Log>,
+        most_rows: usize,
+    },
+    /// A robot that is to be kept. Answers with a [`RobotRead`].
+    Robot {
+        document: Document,
+    },
+    /// `GET /robots/{id}/base-parameters`.
+    BaseParameters {
+        document: Document,
+    },
+    /// `GET /identify/{id}/report`: the result, and what the report says beside it.
+    Report {
+        #[serde(with = "serde_bytes")]
+        result: Vec<u8>,
+        id: String,
+        ended: Option<String>,
+        design: Option<Value>,
+    },
+}
+
+/// What there is to say of a robot.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct RobotRead {
+    pub name: String,
+    pub joints: Vec<String>,
+    pub notes: Vec<String>,
+}
+
+impl From<RobotDocument> for RobotRead {
+    fn from(RobotDocument { robot, notes, .. }: RobotDocument) -> Self {
+        Self {
+            name: robot.name().to_string(),
+            joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
+            notes,
+        }
+    }
+}
+
+/// A job of the queue.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct JobTask {
+    pub kind: Kind,
+    pub input: Input,
+    pub logs: Vec<Log>,
+    pub validation: Vec<Log>,
+    pub most_rows: usize,
+    /// Whether the search may take longer than a short one.
+    pub long: bool,
+    /// Whether other work goes before it.
+    pub nice: bool,
+    /// What an earlier life of the search has come to.
+    pub advance: Advance,
+    /// A search beside that of another worker.
+    pub share: Option<ShareOf>,
+}
+
+/// What earlier lives of a search have spent, and the number of this one.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub struct Advance {
+    pub lease: i64,
+    pub seconds: f64,
+    pub evaluations: u64,
+}
+
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct ShareOf {
+    pub number: i64,
+    /// Until the search is over (s).
+    pub seconds: f64,
+}
+
+/// A file by its path, and as the client calls it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Log {
+    pub name: String,
+    pub path: PathBuf,
+}
+
+impl From<LogFile> for Log {
+    fn from(LogFile { name, path }: LogFile) -> Self {
+        Self { name, path }
+    }
+}
+
+impl From<Log> for LogFile {
+    fn from(Log { name, path }: Log) -> Self {
+        Self { name, path }
+    }
+}
+
+/// A [`Parsed`] document.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Document {
+    value: Value,
+    /// Pointer, detail, hint.
+    problems: Vec<(String, String, Option<String>)>,
+}
+
+impl From<Parsed> for Document {
+    fn from(parsed: Parsed) -> Self {
+        let parts = |p: FieldProblem| (p.pointer, p.detail, p.hint);
+        Self {
+            value: parsed.value,
+            problems: parsed.problems.into_iter().map(parts).collect(),
+        }
+    }
+}
+
+impl From<Document> for Parsed {
+    fn from(document: Document) -> Self {
+        let whole = |(pointer, detail, hint)| FieldProblem { pointer, detail, hint };
+        Self {
+            value: document.value,
+            problems: document.problems.into_iter().map(whole).collect(),
+        }
+    }
+}
+
+/// What a request calls by name, with all names that it might have called.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Named {
+    known: Known,
+    names: Vec<String>,
+}
+
+impl From<Known> for Named {
+    fn from(known: Known) -> Self {
+        let names = known.all_names().to_vec();
+        Self { known, names }
+    }
+}
+
+impl From<Named> for Known {
+    fn from(Named { known, names }: Named) -> Self {
+        known.among(names)
+    }
+}
+
+/// Writes one message.
+pub fn send(stream: &mut impl Write, message: &impl Serialize) -> io::Result<()> {
+    // At once: a message in many small writes would wake the reader for each.
+    let bytes = rmp_serde::to_vec_named(message).map_err(io::Error::other)?;
+    stream.write_all(&bytes)
+}
+
+/// Reads one message.
+///
+/// # Errors
+/// The other end is gone, or says what cannot be understood.
+pub fn receive<T: DeserializeOwned>(stream: &mut impl Read) -> io::Result<T> {
+    rmp_serde::from_read(stream).map_err(io::Error::other)
+}
