@@ -3,8 +3,6 @@
 use super::problem::internal_error;
 use super::state::Service;
 use crate::app::{CancelFlag, Code, Error};
-use axum::http::header;
-use serde::Serialize;
 use std::thread::available_parallelism;
 
 /// Bytes that are read or written as JSON in a few milliseconds: above this the work is taken elsewhere.
@@ -72,14 +70,6 @@ pub(super) fn go_on(cancel: &CancelFlag) -> Result<(), Error> {
         true => Err(ended()),
         false => Ok(()),
     }
-}
-
-/// An answer that was written off the threads that serve: numbers by the million take longer to write than to compute.
-pub type JsonDocument = ([(header::HeaderName, &'static str); 1], Vec<u8>);
-
-pub(super) fn json_document(document: &impl Serialize) -> JsonDocument {
-    let written = serde_json::to_vec(document).expect("documents are plain data");
-    ([(header::CONTENT_TYPE, "application/json")], written)
 }
 
 /// Does `work` on so many bytes at once where they are few, else on a thread that may take its time.
