@@ -173,7 +173,9 @@ fn preview(
     let (parsed, known) = (Parsed::from(document), Known::from(known));
     let request = read_identify_request(&parsed, &known, &known);
     let request = request.map_err(|e| Error::invalid("the identification request", e))?;
-    logs.iter().chain(&held_out).try_for_each(|log| rows::check(log, most_rows, cancel))?;
+    logs.iter()
+        .chain(&held_out)
+        .try_for_each(|log| rows::check(log, most_rows, cancel))?;
     answer(&inspect(&request, &logs, &held_out, cancel)?.ok_or_else(ended)?)
 }
 
