@@ -63,15 +63,6 @@ pub(super) fn ended() -> Error {
     Error::new(Code::ShuttingDown, "the server is shutting down")
 }
 
-/// # Errors
-/// Nobody waits for the work any more.
-pub(super) fn go_on(cancel: &CancelFlag) -> Result<(), Error> {
-    match cancel.is_cancelled() {
-        true => Err(ended()),
-        false => Ok(()),
-    }
-}
-
 /// Does `work` on so many bytes at once where they are few, else on a thread that may take its time.
 pub(super) async fn sized<T: Send + 'static>(bytes: usize, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Error> {
     match bytes <= SMALL {
@@ -93,6 +84,13 @@ mod tests {
     use std::sync::mpsc;
     use std::time::Duration;
     use tokio::time::{sleep, timeout};
+
+    fn go_on(cancel: &CancelFlag) -> Result<(), Error> {
+        match cancel.is_cancelled() {
+            true => Err(ended()),
+            false => Ok(()),
+        }
+    }
 
     /// Work that goes on until it is told to end, and tells when it began and ended.
     fn endless(told: mpsc::Sender<&'static str>) -> impl FnOnce(&CancelFlag) -> Result<(), Error> + Send + 'static {
