@@ -18,7 +18,7 @@ pub fn show(r: &ResidualReport) {
     for f in &r.findings {
         let e = &f.evidence;
         println!(
-            "  FOUND {} {:?} gain {:.1} evidence {:.1} p {:.1e} blocks {:.1} periods {:?}",
+            "  FOUND {} {:?} gain {:.1} evidence {:.1} p {:.1e} blocks {:?} periods {:?}",
             f.effect, f.joints, e.gain, e.log_evidence_ratio, e.p_value, e.held_out_blocks, e.held_out_periods
         );
         f.parameters
