@@ -137,6 +137,7 @@ fn quality_document(judged: &Quality, found: &Fitted, robot: &Robot) -> QualityD
         columns: found.estimate.values.len(),
         prediction_std: judged.prediction_std.iter().map(|&v| finite(v)).collect(),
         extrapolation: judged.extrapolation.iter().map(|&v| finite(v)).collect(),
+        explained: judged.explained.joints.clone(),
     }
 }
 
@@ -315,9 +316,9 @@ fn paper_problem(robot: &Robot, paper: &PaperFit) -> PaperProblem {
 
 pub(super) fn errors(e: PredictionErrors) -> JointErrors {
     JointErrors {
-        sum: e.rms.iter().sum(),
-        rms: e.rms,
-        percent: e.percent,
+        sum: e.rms.iter().filter(|r| r.is_finite()).sum(),
+        rms: e.rms.into_iter().map(finite).collect(),
+        percent: e.percent.into_iter().map(finite).collect(),
     }
 }
 

@@ -21,10 +21,15 @@ pub(super) fn beyond_repair(faults: &[DataFault]) -> bool {
 /// Where the logs say that gravity points, if that is another mounting than the declared one.
 pub(super) fn mounted(robot: &Robot, logs: &[UsedLog]) -> Option<Mounting> {
     let read: Vec<(&Motion, &[Vec<f64>])> = logs.iter().map(|l| (&*l.prepared.motion, &l.prepared.torque[..])).collect();
-    // Positions in degrees or exchanged say nothing of gravity.
+    // Positions in degrees, and torques without gravity or in other units, say nothing of its direction.
     let misread = logs.iter().any(|l| {
         let faults = column_faults(robot, &l.prepared.motion, &l.prepared.torque);
-        faults.iter().any(|f| f.fault == FaultKind::UnitMismatch)
+        let other_torques = [
+            FaultKind::UnitMismatch,
+            FaultKind::UnitUnknown,
+            FaultKind::GravityCompensatedTorque,
+        ];
+        faults.iter().any(|f| other_torques.contains(&f.fault))
     });
     if misread { None } else { mounting(robot, &read) }
 }
@@ -119,9 +124,12 @@ pub(super) fn data_faults(robot: &Robot, logs: &[UsedLog]) -> Vec<DataFault> {
     let mut all: Vec<DataFault> = Vec::new();
     for log in logs {
         let columns = column_faults(robot, &log.prepared.motion, &log.prepared.torque);
-        for fault in recording_faults(&log.report)
+        // What concerns all of a joint's torque comes first.
+        for fault in log
+            .sample_faults
+            .clone()
             .into_iter()
-            .chain(log.sample_faults.clone())
+            .chain(recording_faults(&log.report))
             .chain(columns)
         {
             if !all

@@ -106,10 +106,11 @@ fn read_logs(request: &ValidateRequest, logs: &[LogFile], trace: bool, cancel: &
             Error::new(Code::InvalidLog, "there is no log to validate with").with_hint("send at least one part called `log`")
         );
     }
+    let expected = request.preprocess.for_other_log();
     let reading = Reading {
         robot: &request.robot,
         columns: &request.columns,
-        preprocess: &request.preprocess,
+        preprocess: &expected,
         trace,
     };
     let (logs, beside) = split_companions(&request.columns, logs)?;

@@ -113,7 +113,7 @@ pub fn identification(found: &IdentifyDocument) -> String {
     let mut text = String::new();
     let q = &found.quality;
     let _ = writeln!(text, "{}: {} ({})", found.robot, q.verdict, q.reason);
-    let condition = q.condition_number.map_or("infinite".to_string(), |c| format!("{c:.1}"));
+    let condition = q.condition_number.map_or("infinite".to_string(), |c| figure(Some(c), 0, 1));
     let _ = writeln!(text, "  rank {} of {}, condition number {condition}", q.rank, q.columns);
     let _ = writeln!(
         text,
@@ -125,8 +125,11 @@ pub fn identification(found: &IdentifyDocument) -> String {
             (Some(value), Some(deviation), Some(percent)) => {
                 let _ = writeln!(
                     text,
-                    "  {:10} {value:12.5} {:12} {deviation:10.2e} {percent:8.2} %",
-                    p.name, p.unit
+                    "  {:10} {} {:12} {deviation:10.2e} {} %",
+                    p.name,
+                    figure(Some(value), 12, 5),
+                    p.unit,
+                    figure(Some(percent), 8, 2)
                 );
             }
             _ => {
@@ -137,8 +140,9 @@ pub fn identification(found: &IdentifyDocument) -> String {
     if let Some(f) = &found.feasibility {
         let _ = writeln!(
             text,
-            "  physical parameters: {}, fit {:.4} times that of the base parameters",
-            f.status, f.rms_ratio
+            "  physical parameters: {}, fit {} times that of the base parameters",
+            f.status,
+            figure(Some(f.rms_ratio), 0, 4)
         );
     }
     error_table(&mut text, found);
@@ -151,6 +155,15 @@ pub fn identification(found: &IdentifyDocument) -> String {
         }
     }
     text
+}
+
+/// A number in a table: so many decimals, a power of ten where it would be long or all zeros, a hyphen where there is none.
+fn figure(value: Option<f64>, width: usize, decimals: usize) -> String {
+    match value.filter(|v| v.is_finite()) {
+        None => format!("{:>width$}", "-"),
+        Some(v) if v != 0.0 && !(0.5 * 0.1f64.powi(decimals as i32)..1e6).contains(&v.abs()) => format!("{v:width$.2e}"),
+        Some(v) => format!("{v:width$.decimals$}"),
+    }
 }
 
 /// Errors per joint of every log and model, and the noise floor below them.
@@ -167,8 +180,8 @@ fn error_table(text: &mut String, found: &IdentifyDocument) {
         let _ = writeln!(text, "  {role} {}", log.name);
         for (model, e) in [("base", Some(&log.base)), ("physical", log.physical.as_ref())] {
             let Some(e) = e else { continue };
-            let values: String = e.rms.iter().map(|r| format!(" {r:9.4}")).collect();
-            let _ = writeln!(text, "    {model:34}{values} {:9.4}", e.sum);
+            let values: String = e.rms.iter().map(|r| format!(" {}", figure(*r, 9, 4))).collect();
+            let _ = writeln!(text, "    {model:34}{values} {}", figure(Some(e.sum), 9, 4));
         }
     }
 }
@@ -178,9 +191,7 @@ fn left_over(text: &mut String, residual: &serde_json::Value) {
     let word = |v: &serde_json::Value| v.as_str().unwrap_or_default().replace('_', " ");
     let row = |v: &serde_json::Value| {
         let items = v.as_array().into_iter().flatten();
-        items
-            .map(|x| format!(" {:9.4}", x.as_f64().unwrap_or(f64::NAN)))
-            .collect::<String>()
+        items.map(|x| format!(" {}", figure(x.as_f64(), 9, 4))).collect::<String>()
     };
     let _ = writeln!(text, "  left over: {}", word(&residual["verdict"]));
     let _ = writeln!(text, "    {:34}{}", "noise floor", row(&residual["noise_floor"]));
@@ -260,7 +271,12 @@ fn errors(text: &mut String, what: &str, errors: &JointErrors) {
         .rms
         .iter()
         .zip(&errors.percent)
-        .map(|(r, p)| format!("{r:.3} ({p:.1} %)"))
+        .map(|(r, p)| format!("{} ({} %)", figure(*r, 0, 3), figure(*p, 0, 1)))
         .collect();
-    let _ = writeln!(text, "    {what:9} {}   sum {:.3}", list.join("  "), errors.sum);
+    let _ = writeln!(
+        text,
+        "    {what:9} {}   sum {}",
+        list.join("  "),
+        figure(Some(errors.sum), 0, 3)
+    );
 }

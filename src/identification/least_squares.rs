@@ -50,6 +50,8 @@ pub struct JointFit {
     pub misfit: Option<f64>,
     /// Standard deviation that the rows were weighted with.
     pub sigma: f64,
+    /// Standard deviation that recording has added to a torque: no error is known to be less [N m or N].
+    pub resolution: f64,
 }
 
 impl Estimate {
@@ -122,7 +124,9 @@ pub(crate) fn estimate_from(
     if estimator == Estimator::Ordinary {
         let spent = total_freedom(&normals, &solution);
         let square: f64 = normals.iter().map(|n| n.residual_square(&solution.values)).sum();
-        sigma = vec![(square / spent).sqrt().max(f64::MIN_POSITIVE); normals.len()];
+        let used = normals.iter().filter(|n| n.rows > 0);
+        let least = used.map(least_sigma).reduce(f64::min).unwrap_or(1.0);
+        sigma = vec![(square / spent).sqrt().max(least); normals.len()];
         solution = Solution::new(&normals, &weights(&sigma), columns);
     }
     assemble(observations, logs, plain, solution, sigma, iterations)
@@ -148,13 +152,15 @@ fn total_freedom(normals: &[JointNormal], solution: &Solution) -> f64 {
     (rows as f64 - solution.rank as f64).max(1.0)
 }
 
-/// What rounding of the torque's own size leaves.
+/// What the recording of the torque leaves; 1 where no row asks for a weight.
 fn least_sigma(normal: &JointNormal) -> f64 {
-    let least = 1e-8 * (normal.torque_square / normal.rows.max(1) as f64).sqrt();
-    least.max(f64::MIN_POSITIVE.sqrt())
+    if normal.rows == 0 || normal.resolution <= 0.0 {
+        return 1.0;
+    }
+    normal.resolution
 }
 
-/// σⱼ from the residuals, kept from zero by rounding of the torque's own size.
+/// σⱼ from the residuals, no less than the recording of the torque leaves.
 fn sigmas(normals: &[JointNormal], solution: &Solution, sigma: &[f64]) -> Vec<f64> {
     let estimate = |(normal, &s): (&JointNormal, &f64)| {
         let freedom = (normal.rows as f64 - spent(normal, solution, s)).max(1.0);
@@ -195,7 +201,7 @@ fn assemble(
                     .zip(observations)
                     .map(|(s, o)| s.variance() * part(o) as f64)
                     .sum();
-                sum / normal.rows.max(1) as f64
+                (sum / normal.rows.max(1) as f64).max(normal.resolution * normal.resolution)
             });
             let effective_rows = match &spectra {
                 Some(spectra) => spectra.iter().zip(observations).map(|(s, o)| s.effective_rows(part(o))).sum(),
@@ -209,6 +215,7 @@ fn assemble(
                 noise_std: noise.map(f64::sqrt),
                 misfit: noise.filter(|&v| v > 0.0).map(|v| square / (degrees_of_freedom * v)),
                 sigma: sigma[j],
+                resolution: normal.resolution,
             }
         })
         .collect();

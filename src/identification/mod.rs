@@ -8,6 +8,7 @@
 //! to which further columns may be added ([`Observation::push_column`]); [`estimate`] solves (9) and says how far the answer can be
 //! trusted.
 
+mod explained;
 pub mod filter;
 mod least_squares;
 mod log;
@@ -19,9 +20,12 @@ pub mod preprocess;
 mod quality;
 mod robust;
 mod solution;
+mod tail;
 mod thin;
 mod validation;
 
+pub use explained::{Explained, explained};
+pub(crate) use explained::{folds_both_ways, folds_in_time, shares, with_constant};
 pub use least_squares::{Estimate, Estimator, JointFit, estimate};
 pub use log::Log;
 pub use noise::NoiseSpectrum;
@@ -30,5 +34,6 @@ pub use observation::{JointRows, Observation};
 pub use preprocess::{PreparedLog, PreprocessOptions, prepare};
 pub use quality::{Quality, Verdict, quality};
 pub use solution::{RANK_TOLERANCE, Solution};
+pub(crate) use tail::{chi_square_tail, f_tail};
 pub use thin::keep_peaks;
 pub use validation::{PredictionSeries, Validation, predictions, validate};

@@ -15,6 +15,8 @@ pub struct JointNormal {
     pub torque_square: f64,
     /// Rows that are data.
     pub rows: usize,
+    /// Standard deviation that recording has added to a torque, of the coarsest log [N m or N].
+    pub resolution: f64,
 }
 
 impl JointNormal {
@@ -47,6 +49,7 @@ impl JointNormal {
             moment: moment.select_rows(&own),
             torque_square: self.residual_square(known),
             rows: self.rows,
+            resolution: self.resolution,
         }
     }
 
@@ -59,6 +62,7 @@ impl JointNormal {
             moment: DVector::zeros(w),
             torque_square: 0.0,
             rows: rows.used_rows(),
+            resolution: rows.resolution,
         }
     }
 
@@ -75,6 +79,7 @@ impl JointNormal {
         self.moment += &other.moment;
         self.torque_square += other.torque_square;
         self.rows += other.rows;
+        self.resolution = self.resolution.max(other.resolution);
     }
 }
 

@@ -20,6 +20,8 @@ pub struct JointRows {
     pub torque: DVector<f64>,
     /// Which rows are data; the others are zero.
     pub used: Vec<bool>,
+    /// Standard deviation that recording has added to a torque: no residual is known better [N m or N].
+    pub resolution: f64,
 }
 
 impl JointRows {
@@ -66,6 +68,7 @@ impl Observation {
                     columns: set.row(j).to_vec(),
                     torque: masked(log.row_filter.torque_rows(&log.torque[j]), &used),
                     used,
+                    resolution: log.resolution[j],
                 }
             })
             .collect();
@@ -154,9 +157,12 @@ impl Observation {
     }
 }
 
-/// Rows of joint `j` that are data: their sample is usable (and so is everything the filter reaches), and the joint moves fast
+/// Rows of joint `j` that are data: its torque takes part, their sample is usable (and so is everything the filter reaches), and the joint moves fast
 /// enough for its direction to be known, where the model has a Coulomb term.
 fn used_rows(robot: &Robot, log: &PreparedLog, j: usize, samples: &[usize]) -> Vec<bool> {
+    if log.excluded[j].is_some() {
+        return vec![false; samples.len()];
+    }
     let reach = log.row_filter.torque.as_ref().map_or(0, |f| f.settling_samples());
     let slowest = if robot.friction().coulomb { log.dead_zone[j] } else { 0.0 };
     let speed = log.motion.velocities(j);

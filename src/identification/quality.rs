@@ -1,6 +1,6 @@
 //! Whether a log is good enough for the model.
 
-use super::{Estimate, PreparedLog};
+use super::{Estimate, Explained, PreparedLog};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
@@ -16,6 +16,8 @@ pub struct Quality {
     pub prediction_std: Vec<f64>,
     /// Per joint: the same over the residual on the log itself.
     pub extrapolation: Vec<f64>,
+    /// Share of the torque that the model explains beyond a constant.
+    pub explained: Explained,
     pub verdict: Verdict,
 }
 
@@ -26,6 +28,10 @@ pub enum Verdict {
     PoorExcitation,
     /// Some base parameters are not determined at all.
     Unidentifiable,
+    /// The model explains no more of the torque than a constant per joint: it has nothing to do with the motion.
+    ExplainsNothing,
+    /// The data have a fault that nobody could put right: parameters are those of wrong data.
+    DataFault,
 }
 
 impl Verdict {
@@ -34,6 +40,8 @@ impl Verdict {
             Self::Good => "good",
             Self::PoorExcitation => "poor_excitation",
             Self::Unidentifiable => "unidentifiable",
+            Self::ExplainsNothing => "explains_nothing",
+            Self::DataFault => "data_fault",
         }
     }
 }
@@ -45,7 +53,15 @@ const STATES: usize = 400;
 
 /// Predicts torques with the base parameters of `estimate` at random states: positions anywhere within the limits (all the way
 /// round, or as far as the logs went, where there are none), speeds and accelerations as large as in the logs.
-pub fn quality(robot: &Robot, base: &BaseParameters, logs: &[&PreparedLog], estimate: &Estimate) -> Quality {
+///
+/// `explained` is what [`explained`](super::explained()) says of the same rows: a model of noise has no quality.
+pub fn quality(
+    robot: &Robot,
+    base: &BaseParameters,
+    logs: &[&PreparedLog],
+    estimate: &Estimate,
+    explained: Explained,
+) -> Quality {
     let states = random_states(robot, logs);
     let columns = ColumnSet::new(robot, &Layout::standard(robot), &base.kept);
     let mut rows = RowBlocks::new(&columns, STATES);
@@ -57,11 +73,23 @@ pub fn quality(robot: &Robot, base: &BaseParameters, logs: &[&PreparedLog], esti
     let extrapolation: Vec<f64> = prediction_std
         .iter()
         .zip(&estimate.joints)
-        .map(|(p, fit)| p / fit.rms.max(f64::MIN_POSITIVE))
+        .map(|(p, fit)| {
+            if fit.rows > 0 {
+                p / fit.rms.max(fit.resolution)
+            } else {
+                f64::INFINITY
+            }
+        })
         .collect();
-    let verdict = if (0..base.len()).any(|c| !estimate.is_determined(c)) {
+    let tested = |j: &usize| estimate.joints[*j].rows > 0;
+    let verdict = if !explained.is_more_than_a_constant() {
+        Verdict::ExplainsNothing
+    } else if (0..base.len()).any(|c| !estimate.is_determined(c)) {
         Verdict::Unidentifiable
-    } else if extrapolation.iter().any(|&e| e > MOST_EXTRAPOLATION) {
+    } else if (0..extrapolation.len())
+        .filter(tested)
+        .any(|j| extrapolation[j] > MOST_EXTRAPOLATION)
+    {
         Verdict::PoorExcitation
     } else {
         Verdict::Good
@@ -69,6 +97,7 @@ pub fn quality(robot: &Robot, base: &BaseParameters, logs: &[&PreparedLog], esti
     Quality {
         prediction_std,
         extrapolation,
+        explained,
         verdict,
     }
 }

@@ -99,6 +99,9 @@ fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<u
     });
     let unit = part.nullable("unit").map(|c| per_joint(&c, joints, |c| c.choice(units)));
     let scale = part.nullable("scale").map(|c| per_joint(&c, joints, nonzero));
+    if let (Some(c), None) = (part.nullable("unit"), &scale) {
+        refuse_bare_currents(&c);
+    }
     let sign = part.nullable("sign").map(|c| per_joint(&c, joints, one_or_minus_one));
     let offset = part.nullable("offset").map(|c| per_joint(&c, joints, |c| c.number()));
     let length = [&unit, &scale, &sign]
@@ -115,6 +118,18 @@ fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<u
             coupling: part.nullable("matrix").and_then(|c| matrix(&c, joints)),
             offset: offset.unwrap_or_default(),
         },
+    }
+}
+
+/// Amperes are no torques without the constants of the motors.
+fn refuse_bare_currents(unit: &Cursor) {
+    let is_current = |v: &serde_json::Value| v.as_str() == Some("A");
+    let listed = unit.value().as_array().is_some_and(|items| items.iter().any(is_current));
+    if listed || is_current(unit.value()) {
+        unit.complain_with(
+            "is A, and there is no `scale` beside it: currents are no torques",
+            "give `scale` in N m/A, torque constant times gear ratio, one number or one per joint",
+        );
     }
 }
 

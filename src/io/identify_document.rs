@@ -44,7 +44,7 @@ pub struct IdentifyDocument {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Quality))]
 pub struct QualityDocument {
-    /// `good`, `poor_excitation` or `unidentifiable`.
+    /// `good`, `poor_excitation`, `unidentifiable`, `explains_nothing` or `data_fault`.
     #[cfg_attr(feature = "service", schema(example = "good"))]
     pub verdict: &'static str,
     /// The reason, and what to do.
@@ -57,6 +57,9 @@ pub struct QualityDocument {
     pub prediction_std: Vec<Option<f64>>,
     /// Per joint: the same over the residual on the log; above 1 the model has learnt the path, not the robot.
     pub extrapolation: Vec<Option<f64>>,
+    /// Per joint: share of the torque's variance that the model predicts on data it was not fitted to, at most 1; below zero a constant predicts better. Null
+    /// for a joint whose torque takes no part.
+    pub explained: Vec<Option<f64>>,
 }
 
 /// One estimated parameter. Value and deviation are null where the log does not determine it.
@@ -224,9 +227,11 @@ pub struct LogRms {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct JointErrors {
-    pub rms: Vec<f64>,
-    /// Of the torque's own root mean square.
-    pub percent: Vec<f64>,
+    /// Null for a joint whose torque takes no part.
+    pub rms: Vec<Option<f64>>,
+    /// Of the torque's own root mean square; null where it has none.
+    pub percent: Vec<Option<f64>>,
+    /// Over the joints that have one.
     pub sum: f64,
 }
 

@@ -4,7 +4,7 @@ use super::Term;
 use super::candidate::{Candidate, reach};
 use super::system::System;
 use crate::effects;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use crate::identification::chi_square_tail;
 
 /// A candidate at its best shape on the grid.
 #[derive(Clone)]
@@ -137,8 +137,7 @@ fn likelihood_gain(system: &System, joints: &[usize], gain: f64, after: Option<&
 
 /// How likely a gain as large as this is without the effect: χ² of as many degrees of freedom as parameters.
 pub(crate) fn chance(fair_gain: f64, parameters: usize) -> f64 {
-    let distribution = ChiSquared::new(parameters.max(1) as f64).expect("degrees of freedom are positive");
-    distribution.sf(fair_gain.max(0.0))
+    chi_square_tail(fair_gain, parameters.max(1))
 }
 
 /// What the chance of a gain is multiplied with: number of effects, times the places, forms and shapes that this one was tried with. Every

@@ -7,8 +7,8 @@
 use super::product::transposed_product;
 use super::projection::{Whitened, directions};
 use super::system::{Block, System};
+use crate::identification::f_tail;
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Stretches of time that scores are summed over. Each has to be longer than the residual's memory (a tenth to half a second of logs of some
 /// twenty seconds) and there have to be enough of them for a test at one in a million.
@@ -61,7 +61,7 @@ pub(crate) fn chance_of(system: &System, columns: &Whitened) -> f64 {
     let hotelling = along.dot(&(inverse * &along));
     let second = FREEDOM - k as f64 + 1.0;
     let f = hotelling * second / (k as f64 * FREEDOM);
-    FisherSnedecor::new(k as f64, second).map_or(1.0, |d| d.sf(f.max(0.0)))
+    f_tail(f, [k as f64, second])
 }
 
 /// Scores of the directions `base` over every stretch of time, at what the columns gain `along` them.

@@ -115,7 +115,7 @@ pub(super) fn fitted(data: &Data, system: &System) -> Fitted {
     let reduction = Reduction::of(&base, &system.model);
     let at = system.model.vector();
     let normals: Vec<JointNormal> = (0..data.noise.len())
-        .map(|j| joint_normal(system, j, &at, &reduction))
+        .map(|j| joint_normal(data, system, j, &at, &reduction))
         .collect();
     let columns = reduction.up.ncols();
     let solution = Solution::new(&normals, &vec![1.0; normals.len()], columns);
@@ -140,7 +140,7 @@ pub(super) fn fitted(data: &Data, system: &System) -> Fitted {
 }
 
 /// Normal equations of the whitened rows of a joint, about zero: the rows `r + Jθ` are what is left to a model without parameters.
-fn joint_normal(system: &System, joint: usize, at: &DVector<f64>, reduction: &Reduction) -> JointNormal {
+fn joint_normal(data: &Data, system: &System, joint: usize, at: &DVector<f64>, reduction: &Reduction) -> JointNormal {
     let p = at.len();
     let (mut gram, mut gradient, mut square) = (DMatrix::zeros(p, p), DVector::zeros(p), 0.0);
     for block in system.blocks.iter().map(|b| &b[joint]) {
@@ -155,7 +155,13 @@ fn joint_normal(system: &System, joint: usize, at: &DVector<f64>, reduction: &Re
         moment: reduction.up.tr_mul(&moment),
         torque_square: square,
         rows: system.rows(joint),
+        resolution: resolution(data, joint),
     }
+}
+
+/// Standard deviation that recording has added to a torque, of the coarsest log [N·m or N].
+fn resolution(data: &Data, joint: usize) -> f64 {
+    data.stretches.iter().map(|s| s.resolution[joint]).fold(0.0, f64::max)
 }
 
 fn joint_fit(data: &Data, system: &System, joint: usize) -> JointFit {
@@ -163,7 +169,7 @@ fn joint_fit(data: &Data, system: &System, joint: usize) -> JointFit {
     let rows = system.rows(joint);
     let degrees_of_freedom = (rows as f64 - system.spent(joint)).max(1.0);
     let (sum, count, repetitions) = raw_residual(data, system, joint);
-    let measured = noise.source == NoiseSource::Periods;
+    let measured = noise.source == NoiseSource::Periods && !noise.is_absent();
     JointFit {
         rows,
         rms: (sum / count.max(1.0)).sqrt(),
@@ -172,6 +178,7 @@ fn joint_fit(data: &Data, system: &System, joint: usize) -> JointFit {
         noise_std: measured.then(|| noise.std_dev / repetitions.sqrt()),
         misfit: measured.then(|| system.joint_chi_square(joint) / degrees_of_freedom),
         sigma: noise.innovation / repetitions.sqrt(),
+        resolution: resolution(data, joint),
     }
 }
 

@@ -117,9 +117,14 @@ impl Data<'_> {
     /// effects would pass for noise.
     pub fn left_as_noise(&self, system: &System) -> Vec<NoiseModel> {
         let of = |(j, noise): (usize, &NoiseModel)| {
+            if system.rows(j) == 0 {
+                return NoiseModel::absent(NoiseSource::Residual);
+            }
             let freedom = (system.rows(j) as f64 - system.spent(j)).max(1.0);
             // A fit without residual is one of simulated data: rounding of the torque is all the noise there is.
-            let std_dev = (noise.innovation * (system.joint_chi_square(j) / freedom).sqrt()).max(f64::MIN_POSITIVE.sqrt());
+            let recorded = self.stretches.iter().map(|s| s.resolution[j]).fold(0.0, f64::max);
+            let least = recorded.max(f64::MIN_POSITIVE.sqrt());
+            let std_dev = (noise.innovation * (system.joint_chi_square(j) / freedom).sqrt()).max(least);
             NoiseModel {
                 source: NoiseSource::Residual,
                 std_dev,

@@ -10,8 +10,8 @@ use super::jackknife::{left_out, time_blocks};
 use super::report::{Change, Evaluated, FindingHeldOut, HeldOut, HeldOutVerdict, JointHeldOut};
 use super::system::{Data, System};
 use super::{AugmentedModel, Stretch};
+use crate::identification::f_tail;
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Chance, to either side together, below which a difference is no accident. One test in a hundred errs, and what depends on it is whether an effect that
 /// has passed the search stays in the model.
@@ -67,6 +67,11 @@ impl RowErrors {
             squares: data.stretches.iter().enumerate().map(of).collect(),
             repetitions: data.stretches.iter().map(|s| s.repetitions() as f64).collect(),
         }
+    }
+
+    /// Whether any row of a joint counts.
+    fn has(&self, joint: usize) -> bool {
+        self.squares.iter().any(|stretch| stretch[joint].iter().any(|v| !v.is_nan()))
     }
 
     /// RMS over these joints [N·m or N].
@@ -126,8 +131,8 @@ fn paired_test(differences: &[f64]) -> (f64, f64) {
     let neighbours: f64 = off.windows(2).map(|w| w[0] * w[1]).sum();
     let variance = own.max(own + neighbours) / (n * (n - 1)) as f64;
     let t = mean / variance.sqrt().max(f64::MIN_POSITIVE);
-    let student = StudentsT::new(0.0, 1.0, (n - 1) as f64).expect("degrees of freedom are positive");
-    (sum, (2.0 * student.sf(t.abs())).min(1.0))
+    // t² is F with one degree of freedom above, both sides together.
+    (sum, f_tail(t * t, [1.0, (n - 1) as f64]))
 }
 
 fn change(sum: f64, p_value: f64) -> Change {
@@ -205,7 +210,12 @@ impl Judge<'_> {
             },
             source: self.source().into(),
             p_value: Evaluated::Value(p_value),
-            joints: names.iter().enumerate().map(joint).collect(),
+            joints: names
+                .iter()
+                .enumerate()
+                .filter(|(j, _)| declared.has(*j))
+                .map(joint)
+                .collect(),
         }
     }
 

@@ -4,7 +4,7 @@ use super::report::AtRest;
 use super::system::{Data, System};
 use super::{AugmentedModel, JointFit, RmsPair, Stretch};
 use crate::dynamics::Motion;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use crate::identification::f_tail;
 
 /// Lack of fit per joint: F of the whitened residual's mean square against the noise.
 pub(super) fn fits(data: &Data, system: &System) -> Vec<JointFit> {
@@ -13,7 +13,7 @@ pub(super) fn fits(data: &Data, system: &System) -> Vec<JointFit> {
             let noise = &data.noise[j];
             let freedom = (system.rows(j) as f64 - system.spent(j)).max(1.0);
             let statistic = system.joint_chi_square(j) / freedom;
-            let p_value = FisherSnedecor::new(freedom, noise.degrees_of_freedom.max(1.0)).map_or(f64::NAN, |f| f.sf(statistic));
+            let p_value = f_tail(statistic, [freedom, noise.degrees_of_freedom.max(1.0)]);
             let (sum, count, repetitions) = raw_residual(data, system, j);
             JointFit {
                 joint: system.model.robot.joints()[j].name.clone(),
@@ -21,7 +21,11 @@ pub(super) fn fits(data: &Data, system: &System) -> Vec<JointFit> {
                 p_value,
                 degrees_of_freedom: [freedom, noise.degrees_of_freedom],
                 residual_rms: (sum / count.max(1.0)).sqrt(),
-                expected_rms: noise.std_dev / repetitions.sqrt(),
+                expected_rms: if count > 0.0 {
+                    noise.std_dev / repetitions.sqrt()
+                } else {
+                    0.0
+                },
             }
         })
         .collect()
@@ -128,7 +132,7 @@ fn rms_over(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
     rms_of(model, stretches, |s, motion, j| s.kept(motion, j))
 }
 
-/// RMS over the rows of every joint that `rows` picks by stretch, distorted motion and joint; zero where there are none.
+/// RMS over the rows of every joint that `rows` picks by stretch, distorted motion and joint; NaN where there are none.
 fn rms_of(model: &AugmentedModel, stretches: &[Stretch], rows: impl Fn(&Stretch, &Motion, usize) -> Vec<bool>) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); if stretches.is_empty() { 0 } else { stretches[0].joints() }];
     for stretch in stretches {
@@ -139,7 +143,8 @@ fn rms_of(model: &AugmentedModel, stretches: &[Stretch], rows: impl Fn(&Stretch,
             total.1 += count;
         }
     }
+    // A joint without rows has no error: NaN, which documents have as null.
     sums.into_iter()
-        .map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).sqrt())
+        .map(|(sum, count): (f64, f64)| (sum / count).sqrt())
         .collect()
 }

@@ -62,7 +62,7 @@ pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
 pub use report::{
     AtRest, Change, Estimates, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
-    Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
+    NotTested, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
 };
 pub use stretch::Stretch;
 pub use system::Prior;

@@ -39,11 +39,28 @@ impl NoiseModel {
         }
     }
 
+    /// Of a joint without rows: nothing is weighed by it.
+    pub(crate) fn absent(source: NoiseSource) -> Self {
+        Self {
+            source,
+            std_dev: 1.0,
+            autoregression: Vec::new(),
+            innovation: 1.0,
+            degrees_of_freedom: 0.0,
+        }
+    }
+
+    /// Whether it is that of a joint without rows.
+    pub fn is_absent(&self) -> bool {
+        self.degrees_of_freedom == 0.0
+    }
+
     /// From the deviations of every period from the mean of all, joint by joint. `None` for fewer than two periods.
     pub fn from_periods(stretches: &[Stretch], joint: usize) -> Option<Self> {
         let mut covariance = vec![0.0; MOST_TERMS + 1];
         let mut freedom = 0.0;
-        for stretch in stretches.iter().filter(|s| s.periods.len() >= 2) {
+        let repeating: Vec<&Stretch> = stretches.iter().filter(|s| s.periods.len() >= 2).collect();
+        for stretch in &repeating {
             let rows = stretch.usable[joint].iter().filter(|&&u| u).count() as f64;
             freedom += rows * (stretch.periods.len() - 1) as f64;
             for period in &stretch.periods {
@@ -51,12 +68,50 @@ impl NoiseModel {
                 (0..=MOST_TERMS).for_each(|lag| covariance[lag] += lagged(&deviation, lag));
             }
         }
-        (freedom > 0.0).then(|| Self::from_covariance(NoiseSource::Periods, &covariance, freedom))
+        if repeating.is_empty() {
+            return None;
+        }
+        if freedom == 0.0 {
+            let measured_elsewhere = stretches.iter().any(|s| s.has_rows(joint));
+            return (!measured_elsewhere).then(|| Self::absent(NoiseSource::Periods));
+        }
+        let recorded = repeating
+            .iter()
+            .map(|s| s.resolution[joint] * (s.repetitions() as f64).sqrt());
+        Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom).no_finer_than(recorded.fold(0.0, f64::max)))
+    }
+
+    /// The noise with what recording adds and periods do not show. `recorded` is the standard deviation of that, `d/√12 √K` for steps d and the mean over K
+    /// periods: without noise every period is rounded alike, and the mean over them as well. Noise σ smooths the steps; of their variance
+    /// `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
+    pub(crate) fn no_finer_than(self, recorded: f64) -> Self {
+        if recorded <= 0.0 {
+            return self;
+        }
+        let own = self.std_dev * self.std_dev;
+        let smoothed = (-std::f64::consts::PI.powi(2) / 3.0 * own / (recorded * recorded)).exp();
+        let added = recorded * recorded * smoothed;
+        if added <= 1e-3 * own {
+            return self;
+        }
+        let std_dev = (own + added).sqrt();
+        // Rounding is white; where it is most of the noise, the noise is.
+        let white = added > own;
+        Self {
+            innovation: if white {
+                std_dev
+            } else {
+                self.innovation * std_dev / self.std_dev
+            },
+            autoregression: if white { Vec::new() } else { self.autoregression },
+            std_dev,
+            ..self
+        }
     }
 
     /// Levinson's recursion, the order chosen by the Bayesian information criterion.
     fn from_covariance(source: NoiseSource, sums: &[f64], freedom: f64) -> Self {
-        let variance = (sums[0] / freedom).max(f64::MIN_POSITIVE);
+        let variance = (sums[0] / freedom).max(f64::MIN_POSITIVE.sqrt());
         let r: Vec<f64> = sums.iter().map(|c| c / sums[0].max(f64::MIN_POSITIVE)).collect();
         let mut best = (0.0, Vec::new(), 1.0);
         let (mut a, mut error): (Vec<f64>, f64) = (Vec::new(), 1.0);

@@ -2,8 +2,9 @@
 
 use super::{AugmentedModel, DataFault, Fitted, NoiseModel, RivalTerm};
 use crate::effects::ParameterInfo;
+use crate::identification::Explained;
 use nalgebra::DMatrix;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -55,8 +56,11 @@ impl ReportedParameter {
 /// RMS per joint [N·m or N], of single measurements.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RmsPair {
+    /// NaN for a joint without rows.
+    #[serde(serialize_with = "of_joints")]
     pub identification: Vec<f64>,
     /// Per joint over all held-out logs together; empty where there is none.
+    #[serde(serialize_with = "of_joints")]
     pub held_out: Vec<f64>,
 }
 
@@ -236,11 +240,24 @@ pub struct Undetected {
     pub parameter: ReportedParameter,
 }
 
+/// A joint that takes no part in the tracing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NotTested {
+    pub joint: String,
+    pub reason: String,
+}
+
+/// Numbers of joints, null for a joint that has none.
+fn of_joints<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(values.iter().map(|v| v.is_finite().then_some(*v)))
+}
+
 /// The `residual` part of an answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResidualReport {
     /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has many more of them than it has turns,
-    /// here as in the errors.
+    /// here as in the errors. NaN for a joint without rows.
+    #[serde(serialize_with = "of_joints")]
     pub noise_floor: Vec<f64>,
     /// How the floor was found.
     pub noise_source: String,
@@ -252,6 +269,12 @@ pub struct ResidualReport {
     pub remainder: Option<Remainder>,
     /// Offsets and rotor inertias that were looked for and not found, with the sizes that the data leave them.
     pub undetected: Vec<Undetected>,
+    /// Whether the model explains no more of the torques than a constant per joint; no effect is looked for then.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub explains_nothing: bool,
+    /// Joints that no effect was looked for on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_tested: Vec<NotTested>,
     /// Lack of fit with all findings in the model.
     pub lack_of_fit_after: Vec<JointFit>,
     /// RMS of the declared model and of the final one.
@@ -267,6 +290,8 @@ pub struct ResidualReport {
 pub struct Outcome {
     pub report: ResidualReport,
     pub model: AugmentedModel,
+    /// Share of the torques that the declared model explains on held-out data.
+    pub explained: Explained,
     pub noise: Vec<NoiseModel>,
     /// Rows of the fit per second of the motion.
     pub rate_hz: f64,

@@ -3,6 +3,7 @@
 use super::coarse::{Coarse, coarse_filter};
 use crate::dynamics::Motion;
 use crate::effects::{Column, Span};
+use crate::identification::preprocess::Exclusion;
 use crate::identification::{Log, PreparedLog};
 use std::sync::Arc;
 
@@ -27,10 +28,14 @@ pub struct Stretch {
     pub periodic: bool,
     /// Sample of the motion that every row stands for, M.
     pub samples: Vec<usize>,
-    /// Rows that count; n × M.
+    /// Rows that count; n × M. None of a joint whose torque takes no part.
     pub usable: Vec<Vec<bool>>,
     /// Rows that would count, but that a joint [rests](at_rest) at; n × M.
     pub resting: Vec<Vec<bool>>,
+    /// Per joint: why it has no rows that count, where it has none.
+    pub excluded: Vec<Option<Exclusion>>,
+    /// Per joint: standard deviation that recording has added to a torque [N·m or N]; no noise is less.
+    pub resolution: Vec<f64>,
     pub filter: Option<ColumnFilter>,
     /// The same rows from fewer samples, where a filter leaves most of them without say.
     pub coarse: Option<Coarse>,
@@ -57,6 +62,11 @@ impl Stretch {
     pub fn turn(&mut self, joint: usize) {
         let periods = self.periods.iter_mut().map(|p| &mut p[joint]);
         periods.chain([&mut self.torque[joint]]).flatten().for_each(|v| *v = -*v);
+    }
+
+    /// Whether the torque of `joint` takes part.
+    pub fn has_rows(&self, joint: usize) -> bool {
+        self.usable[joint].contains(&true)
     }
 
     /// Rows per joint.
@@ -173,6 +183,8 @@ impl Stretch {
             samples: (0..samples).collect(),
             usable: vec![vec![true; samples]; joints],
             resting: vec![vec![false; samples]; joints],
+            excluded: vec![None; joints],
+            resolution: vec![0.0; joints],
             filter: None,
             coarse: None,
         }
@@ -221,6 +233,8 @@ impl Stretch {
             samples: prepared.row_filter.rows(n).collect(),
             usable: both(true),
             resting: both(false),
+            excluded: prepared.excluded.clone(),
+            resolution: prepared.resolution.clone(),
             filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
             coarse: None,
         };
@@ -263,6 +277,9 @@ pub(crate) fn at_rest(speeds: &[f64], interval: f64) -> Vec<bool> {
 
 /// Rows whose samples are data as far as the filter reaches, and where the joint moves fast enough for its direction to be known.
 fn usable_rows(prepared: &PreparedLog, joint: usize) -> Vec<bool> {
+    if prepared.excluded[joint].is_some() {
+        return vec![false; prepared.row_filter.rows(prepared.samples()).len()];
+    }
     let reach = prepared.row_filter.torque.as_ref().map_or(0, |f| f.settling_samples());
     let speed = prepared.motion.velocities(joint);
     let n = prepared.samples();

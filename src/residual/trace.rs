@@ -17,10 +17,11 @@ use super::system::{Data, Prior, System};
 use super::trend::trends;
 use super::undetected::undetected;
 use super::unsteady::{joined, remainder_of};
-use super::{AugmentedModel, Finding, NoiseModel, NoiseSource, ResidualReport, Rival, Stretch, Term, Verdict};
-use crate::identification::Estimator;
+use super::{AugmentedModel, Finding, NoiseModel, NoiseSource, NotTested, ResidualReport, Rival, Stretch, Term, Verdict};
+use crate::identification::{Estimator, Explained, folds_both_ways, folds_in_time, shares, with_constant};
 use crate::model::Robot;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// What can be asked of the tracing.
 #[derive(Debug, Clone)]
@@ -98,10 +99,16 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         generalises: 0.5,
         most_effects: options.most_effects_per_joint * robot.joint_count(),
     };
-    let list = match options.search {
+    let not_tested = not_tested(robot, stretches);
+    let share = explained_on(&AugmentedModel::declared(robot), measured);
+    // Noise lacks nothing that an effect could be.
+    let explains = options.existing.is_some() || share.is_more_than_a_constant();
+    let search = options.search && explains;
+    let mut list = match search {
         true => candidates(&start, &spans(stretches), prior.is_some()),
         false => Vec::new(),
     };
+    list.retain(|c| c.joints.iter().all(|&j| stretches.iter().any(|s| s.has_rows(j))));
     let Searched {
         data,
         system: searched,
@@ -109,7 +116,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         contests,
         remainder: rest,
     } = searched(&data, &fine, start.clone(), &list, &threshold);
-    if options.search {
+    if search {
         unsteady.extend(trends(&data, &searched, options.chance));
     }
     let floor: Vec<f64> = data.noise.iter().map(|n| n.std_dev).collect();
@@ -137,17 +144,20 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         true => rest.or_else(|| unaccounted(&data, &system)),
         false => rest,
     };
-    let rest = joined(rest, remainder_of(robot, &unsteady));
+    let rest = joined(rest, remainder_of(robot, &unsteady)).filter(|_| explains);
     let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
     let held_out_report = match stay {
         0 => judge.nothing(&names, &judge.errors(&data, &system)),
         _ => judge.whole(&names, &judge.errors(&data, &before), &judge.errors(&data, &system)),
     };
-    let verdict = verdict(
-        stay + between.len(),
-        rest.is_some(),
-        stay < accepted.len() || held_out_report.verdict == HeldOutVerdict::NotConfirmed,
-    );
+    let verdict = match explains {
+        true => verdict(
+            stay + between.len(),
+            rest.is_some(),
+            stay < accepted.len() || held_out_report.verdict == HeldOutVerdict::NotConfirmed,
+        ),
+        false => Verdict::Unexplained,
+    };
     let in_order = |at: usize| decision.order[at];
     let told = Told {
         data: &data,
@@ -177,7 +187,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let mut all: Vec<Finding> = between_findings(robot, between, &before.model, measured, &explained, held_out);
     all.extend(findings(&told, [told_of, held_out]));
     let report = ResidualReport {
-        noise_floor: floor.clone(),
+        noise_floor: data.noise.iter().map(floor_of).collect(),
         noise_source: source(&data.noise),
         lack_of_fit,
         verdict,
@@ -186,6 +196,8 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         findings: all,
         remainder: rest,
         undetected: undetected(&data, &system, &list),
+        explains_nothing: !explains,
+        not_tested,
         lack_of_fit_after: fits(&data, &system),
         rms_before: rms(&before.model, measured, held_out),
         rms_after: rms(&system.model, told_of, held_out),
@@ -199,9 +211,57 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         rate_hz: rate(stretches),
         information: data.known(&system),
         model: system.model,
+        explained: share,
         noise: data.noise,
         estimates,
     }
+}
+
+/// Whether the declared model explains the torques at all: of stretches with periods, one half of them predicts the other.
+fn explained_on(model: &AugmentedModel, stretches: &[Stretch]) -> Explained {
+    let p = model.values.len();
+    let folds = stretches.iter().flat_map(|stretch| {
+        let rows = model.base_rows(stretch);
+        let kept: Vec<Vec<bool>> = (0..stretch.joints()).map(|j| stretch.kept(&stretch.motion, j)).collect();
+        let part = |torque: &[Vec<f64>], range: Range<usize>| {
+            let joint = |j: usize| {
+                let at: Vec<usize> = range.clone().filter(|&s| kept[j][s]).collect();
+                let matrix = DMatrix::from_fn(at.len(), rows[j].len(), |r, c| rows[j][c].1[at[r]]);
+                let own: Vec<f64> = at.iter().map(|&s| torque[j][s]).collect();
+                let columns = rows[j].iter().map(|c| c.0).chain([p + j]).collect();
+                with_constant(&matrix, &own, at.len(), columns)
+            };
+            (0..stretch.joints()).map(joint).collect()
+        };
+        let count = stretch.periods.len();
+        if count < 2 {
+            return folds_in_time(stretch.rows(), |range| part(&stretch.torque, range));
+        }
+        let [even, odd] = [0, 1].map(|half| {
+            let mean = stretch.mean_over(&(half..count).step_by(2).collect::<Vec<_>>());
+            part(&mean, 0..stretch.rows())
+        });
+        folds_both_ways(even, odd)
+    });
+    shares(&folds.collect::<Vec<_>>())
+}
+
+/// Standard deviation of one measurement; NaN, which documents have as null, where a joint has none.
+fn floor_of(noise: &NoiseModel) -> f64 {
+    if noise.is_absent() { f64::NAN } else { noise.std_dev }
+}
+
+/// Joints that no log says anything of, and why.
+fn not_tested(robot: &Robot, stretches: &[Stretch]) -> Vec<NotTested> {
+    let of = |j: usize| {
+        let reason = stretches.iter().find_map(|s| s.excluded[j]);
+        NotTested {
+            joint: robot.joints()[j].name.clone(),
+            reason: reason.map_or_else(|| "no row of it is left".into(), |e| e.to_string()),
+        }
+    };
+    let silent = |j: &usize| stretches.iter().all(|s| !s.has_rows(*j));
+    (0..robot.joint_count()).filter(silent).map(of).collect()
 }
 
 /// Rivals as they were fitted, with what the data say of them beside the final model.

@@ -9,8 +9,8 @@ use super::levels::Along;
 use super::projection::{Whitened, reduce};
 use super::system::{Data, System};
 use super::unsteady::Unsteady;
+use crate::identification::f_tail;
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -67,12 +67,11 @@ impl Trend {
         }
         let gain = slow.gain - bare.gain;
         let wandering = ((all.gain - slow.gain) / others as f64).max(f64::MIN_POSITIVE);
-        let f = FisherSnedecor::new(k as f64, others as f64).ok()?;
         Some(Self {
             log,
             joint,
             gain,
-            p_value: f.sf((gain / k as f64 / wandering).max(0.0)),
+            p_value: f_tail(gain / k as f64 / wandering, [k as f64, others as f64]),
         })
     }
 

@@ -52,6 +52,10 @@ impl Upload {
                 other => return Err(unknown_part(other, validation)),
             }
         }
+        if logs.is_empty() {
+            let none = Error::new(Code::InvalidLog, "there is no log in the upload");
+            return Err(Failure(none.with_hint("send at least one file in a part called `log`")));
+        }
         let missing = || {
             Error::new(Code::MalformedDocument, "there is no part called `request`")
                 .with_hint("send the request as JSON in a part called `request`")
@@ -108,8 +112,14 @@ async fn file_part(mut field: Field<'_>, files: &Files, before: usize, hasher: &
         .map(|n| n.chars().take(200).collect());
     let name: String = sent.unwrap_or_else(|| format!("log {}", before + 1));
     let mut file = files.create().await?;
+    let mut bytes = 0;
     while let Some(chunk) = field.chunk().await.map_err(broken)? {
+        bytes += chunk.len();
         file.write(&chunk).await?;
+    }
+    if bytes == 0 {
+        let detail = format!("{name} is empty; a log has a header line and one row per sample");
+        return Err(Failure(Error::new(Code::InvalidLog, detail)));
     }
     let hash = files.keep(file).await?;
     hasher.update([name.as_bytes(), b"\0", hash.as_bytes()].concat());

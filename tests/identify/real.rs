@@ -34,7 +34,13 @@ fn urdf(folder: &Path, name: &str) -> Value {
 }
 
 fn rms_percent(found: &Identified) -> Vec<f64> {
-    found.document.rms.identification[0].base.percent.clone()
+    found.document.rms.identification[0]
+        .base
+        .percent
+        .iter()
+        .flatten()
+        .copied()
+        .collect()
 }
 
 /// Estimates are numbers or said to be open, bodies are bodies. `most_percent` locks what the fit leaves of every joint's torque today, rounded up:

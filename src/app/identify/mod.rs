@@ -14,8 +14,8 @@ use super::series::{Predictors, drawn, predictions};
 use super::trace::{add_effects, beyond_repair, data_faults, mounted, mounting_fault, residual_value};
 use super::{CancelFlag, Code, Error};
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
-use crate::identification::{Estimate, PreparedLog, Quality, quality};
-use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument};
+use crate::identification::{Estimate, PreparedLog, Quality, Verdict, quality};
+use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument, significant};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
 use crate::residual::{
@@ -123,7 +123,10 @@ fn identified(
     let robot = traced.model.robot.clone();
     let Estimates { found, declared } = traced.estimates.clone().expect("there is no existing model");
     let prepared: Vec<&PreparedLog> = read.used[..beside].iter().map(|u| &u.prepared).collect();
-    let judged = quality(&robot, &found.base, &prepared, &found.estimate);
+    let mut judged = quality(&robot, &found.base, &prepared, &found.estimate, traced.explained.clone());
+    if beyond_repair(&traced.report.data_faults) {
+        judged.verdict = Verdict::DataFault;
+    }
     progress.at("physical parameters", logs.len() + validation.len() + 1)?;
     let physical = request.feasible.as_ref().map(|options| {
         let objective = FitObjective::beside(&found.base, &found.normals, &found.estimate.values);
@@ -287,6 +290,12 @@ fn read_logs(
         preprocess: &request.preprocess,
         trace: request.trace,
     };
+    // Validation logs may be of another trajectory: their period is their own.
+    let expected = request.preprocess.for_other_log();
+    let reading_held_out = Reading {
+        preprocess: &expected,
+        ..reading
+    };
     let ((logs, beside_logs), (validation, beside_validation)) = (
         split_companions(&request.columns, logs)?,
         split_companions(&request.columns, validation)?,
@@ -295,7 +304,8 @@ fn read_logs(
     let files = logs.iter().map(|&f| (f, &beside_logs));
     for (done, (file, beside)) in files.chain(validation.iter().map(|&f| (f, &beside_validation))).enumerate() {
         progress.at("reading logs", done)?;
-        let (used, stretch) = use_log(&reading, file, beside)?;
+        let reading = if done < logs.len() { &reading } else { &reading_held_out };
+        let (used, stretch) = use_log(reading, file, beside)?;
         read.used.push(used);
         read.stretches.push(stretch);
     }
@@ -304,11 +314,18 @@ fn read_logs(
 
 /// The quality's verdict in words.
 pub(super) fn reason(quality: &Quality, base: &BaseParameters, estimate: &Estimate, robot: &Robot) -> String {
-    use crate::identification::Verdict;
     match quality.verdict {
         Verdict::Good => {
             "the parameters predict torques elsewhere in the workspace at least as well as on the log's own path".to_string()
         }
+        Verdict::ExplainsNothing => {
+            "the model explains nothing here: on data that it was not fitted to it predicts the torques no better than a constant per joint; check that the \
+             torque columns belong to these positions"
+                .to_string()
+        }
+        Verdict::DataFault => "the data have a fault that could not be put right, named in `residual.data_faults`: the parameters are those of wrong data; correct \
+                               the data and identify again"
+            .to_string(),
         Verdict::Unidentifiable => {
             let names: Vec<&str> = (0..base.len())
                 .filter(|&c| !estimate.is_determined(c))
@@ -320,15 +337,16 @@ pub(super) fn reason(quality: &Quality, base: &BaseParameters, estimate: &Estima
             )
         }
         Verdict::PoorExcitation => {
-            let worst = (0..robot.joint_count()).max_by(|&a, &b| quality.extrapolation[a].total_cmp(&quality.extrapolation[b]));
+            let tested = (0..robot.joint_count()).filter(|&j| estimate.joints[j].rows > 0);
+            let worst = tested.max_by(|&a, &b| quality.extrapolation[a].total_cmp(&quality.extrapolation[b]));
             let j = worst.unwrap_or(0);
             format!(
-                "away from the log's own path the torque of joint {} is uncertain by {:.3} {}, {:.1} times the error on it: record a \
+                "away from the log's own path the torque of joint {} is uncertain by {} {}, {} times the error on it: record a \
                  richer excitation before using this model",
                 robot.joints()[j].name,
-                quality.prediction_std[j],
+                significant(quality.prediction_std[j], 3),
                 robot.joints()[j].effort_unit(),
-                quality.extrapolation[j]
+                significant(quality.extrapolation[j], 2)
             )
         }
     }

@@ -37,6 +37,7 @@ pub struct UsedLog {
 }
 
 /// How log files become rows.
+#[derive(Clone, Copy)]
 pub(in super::super) struct Reading<'a> {
     pub robot: &'a Robot,
     pub columns: &'a Columns,

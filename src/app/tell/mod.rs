@@ -9,7 +9,7 @@ mod words;
 use self::words::{known, phrase, sentence, variable_in_words};
 use crate::io::{listed, significant, unit};
 use crate::model::Robot;
-use crate::residual::{Change, Finding, HeldOutVerdict, JointHeldOut, Remainder, ResidualReport, Verdict};
+use crate::residual::{Change, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, ResidualReport, Verdict};
 use serde_json::{Value, json};
 
 /// Adds to the document of `report`: `summary`, to every finding `sentence` and `against`, to the remainder `sentence`.
@@ -39,7 +39,14 @@ struct Teller<'a> {
 
 impl Teller<'_> {
     fn summary(&self) -> String {
-        let parts = [self.faults(), Some(self.physics()), self.rejected(), self.held_out()];
+        let held_out = self.held_out().filter(|_| !self.report.explains_nothing);
+        let parts = [
+            self.faults(),
+            Some(self.physics()),
+            self.not_tested(),
+            self.rejected(),
+            held_out,
+        ];
         parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
@@ -52,6 +59,11 @@ impl Teller<'_> {
     }
 
     fn physics(&self) -> String {
+        if self.report.explains_nothing {
+            return "The model explains no more of the torques than a constant per joint: they have nothing to do with the motion as it was logged, and no effect \
+                    was looked for."
+                .into();
+        }
         let count = self.report.findings.iter().filter(|f| !is_rejected(f)).count();
         let effects = if count == 1 {
             "One effect explains".into()
@@ -126,6 +138,13 @@ impl Teller<'_> {
             (_, true) => format!("{whose}, the error over all joints falls beyond chance."),
             (_, false) => format!("{whose}, {}.", changes.join("; ")),
         })
+    }
+
+    /// Joints that nothing was looked for on.
+    fn not_tested(&self) -> Option<String> {
+        let of = |n: &NotTested| format!("{} ({})", n.joint, n.reason);
+        let said: Vec<String> = self.report.not_tested.iter().map(of).collect();
+        (!said.is_empty()).then(|| format!("Not tested: {}.", said.join("; ")))
     }
 
     fn remainder(&self, r: &Remainder) -> String {

@@ -73,6 +73,8 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
         note: None,
     };
     ResidualReport {
+        explains_nothing: false,
+        not_tested: Vec::new(),
         noise_floor: vec![0.3, 0.195],
         noise_source: "scatter between periods".into(),
         lack_of_fit: names.iter().map(|n| fit(n, 0.0)).collect(),

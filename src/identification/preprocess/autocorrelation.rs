@@ -6,7 +6,7 @@ use realfft::num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
 /// Root mean square [rad or m] below which a joint stands still: encoder noise of a coarse encoder.
-const NO_MOTION: f64 = 1e-3;
+pub(super) const NO_MOTION: f64 = 1e-3;
 
 /// Mean and variance.
 pub(super) fn moments(q: &[f64]) -> (f64, f64) {

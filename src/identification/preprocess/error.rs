@@ -28,4 +28,14 @@ pub enum PreprocessError {
     },
     #[error("log `{log}`: {rows} rows are left of {samples} samples after edges and decimation; record longer, or discard less")]
     NothingLeft { log: String, rows: usize, samples: usize },
+    #[error(
+        "log `{log}`: no joint moves: every position stays within 1 mrad (1 mm) of one value; record the arm in motion, or check the position columns"
+    )]
+    NothingMoves { log: String },
+    #[error(
+        "log `{log}`: joint {joint} has positions of {largest:e} rad (m), which no joint of an arm reaches; check the column and its unit"
+    )]
+    ImplausiblePosition { log: String, joint: usize, largest: f64 },
+    #[error("log `{log}`: no torque column can be used: {reasons}")]
+    NoTorque { log: String, reasons: String },
 }

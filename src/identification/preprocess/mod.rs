@@ -17,6 +17,7 @@ mod prepare;
 mod prepared;
 mod row_filter;
 pub(crate) mod spectrum;
+mod torque_column;
 
 pub use average::{Periods, Scatter};
 pub use error::PreprocessError;
@@ -25,3 +26,5 @@ pub use period::detect_period;
 pub use prepare::prepare;
 pub use prepared::PreparedLog;
 pub use row_filter::RowFilter;
+pub use torque_column::Exclusion;
+pub(crate) use torque_column::{exclusions, resolution};

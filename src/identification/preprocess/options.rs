@@ -1,5 +1,16 @@
 //! What can be asked of preprocessing.
 
+impl PreprocessOptions {
+    /// For a log of perhaps another trajectory, such as a validation log: a stated period is expected and not imposed.
+    pub fn for_other_log(&self) -> Self {
+        let period = match self.period {
+            Period::Known { period_s, order } => Period::Expected { period_s, order },
+            other => other,
+        };
+        Self { period, ..self.clone() }
+    }
+}
+
 /// How a log becomes rows of the observation matrix. The default decides everything from the data and says why.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PreprocessOptions {
@@ -35,6 +46,8 @@ pub enum Period {
     Detect,
     /// Stated by the request or by the excitation, whose highest harmonic is `order`.
     Known { period_s: f64, order: Option<usize> },
+    /// That of another log of the same request: taken where this one repeats with it, else found, and no error where there is none.
+    Expected { period_s: f64, order: Option<usize> },
     /// The log is taken as one stretch.
     None,
 }

@@ -81,6 +81,15 @@ fn mostly_repeats(log: &Log, lag: usize) -> bool {
     starts.par_iter().map(repeating).sum::<usize>() > count / 2
 }
 
+/// Whether the log repeats after `period_s`; `None` where it is too short to tell: less than half of a second period.
+pub(super) fn repeats_with(log: &Log, period_s: f64) -> Option<bool> {
+    let lag = period_s * log.rate_hz;
+    if !(lag >= 1.0 && 1.5 * lag <= log.samples() as f64) {
+        return None;
+    }
+    Some(mostly_repeats(log, lag.round() as usize))
+}
+
 /// Minimum of the parabola through a point and its neighbours.
 fn refine(d: &[f64], at: usize) -> f64 {
     if at == 0 || at + 1 >= d.len() {

@@ -1,6 +1,6 @@
 //! What preprocessing hands on.
 
-use super::{Choice, Periods, RowFilter, Scatter};
+use super::{Choice, Exclusion, Periods, RowFilter, Scatter};
 use crate::dynamics::Motion;
 use std::sync::Arc;
 
@@ -28,6 +28,10 @@ pub struct PreparedLog {
     pub row_filter: RowFilter,
     /// Per joint: rows below this speed are left out [rad/s or m/s].
     pub dead_zone: Vec<f64>,
+    /// Per joint: why its torque takes no part, where it does not. Such a joint has no rows.
+    pub excluded: Vec<Option<Exclusion>>,
+    /// Per joint: standard deviation that recording has added to a torque sample, steps of the file or the converter over √12 [N m or N].
+    pub resolution: Vec<f64>,
     /// Every decision, and why.
     pub choices: Vec<Choice>,
 }

@@ -115,7 +115,8 @@ impl Table {
             return Err(LogError::Empty { file: self.file.clone() });
         }
         let garbage = self.garbage.count + self.missing_time.count;
-        if garbage * GARBAGE_LIMIT > self.rows.max(GARBAGE_LIMIT) {
+        // Of a few rows one may be garbage, but not all.
+        if garbage * GARBAGE_LIMIT > self.rows.max(GARBAGE_LIMIT) || garbage >= self.rows {
             let tally = if self.garbage.count > 0 {
                 &self.garbage
             } else {

@@ -24,7 +24,9 @@ pub(super) fn extremes(column: &[f64], left: &[bool]) -> [f64; 2] {
 
 /// Ends of the range at which samples pile up: ten at least, and more than three times as many as on the next level. The top of a sinusoid
 /// in coarse steps has 1/(√2 − 1) = 2.4 times as many as the step below it.
-pub(super) fn clipped(column: &[f64], left: &[bool]) -> Option<Clip> {
+///
+/// `q` are the positions of the joint. A torque that jumps to its end where the joint turns round is friction, which stays the same until the next turn.
+pub(super) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> {
     let mut sorted: Vec<f64> = column.iter().zip(left).filter(|(_, l)| **l).map(|(v, _)| *v).collect();
     sorted.sort_by(f64::total_cmp);
     let top = piled_up(sorted.iter().rev().copied());
@@ -37,6 +39,8 @@ pub(super) fn clipped(column: &[f64], left: &[bool]) -> Option<Clip> {
     };
     let (mut levels, mut count) = (Vec::new(), 0);
     let mut rows = vec![false; column.len()];
+    let friction = |level: &f64| turns_at(column, q, *level);
+    let (top, bottom) = (top.filter(|(l, _)| !friction(l)), bottom.filter(|(l, _)| !friction(l)));
     for (level, side, piled) in [top.map(|(l, c)| (l, 1.0, c)), bottom.map(|(l, c)| (l, -1.0, c))]
         .into_iter()
         .flatten()
@@ -50,6 +54,34 @@ pub(super) fn clipped(column: &[f64], left: &[bool]) -> Option<Clip> {
         }
     }
     (count > 0).then_some(Clip { levels, count, rows })
+}
+
+/// Rows between a turn and the sample in which its friction is there: filters and the sampling of a reversal.
+const TURNING: usize = 3;
+
+/// Whether most of the samples at a level are in runs that begin where the joint turns round, or in which it does not move.
+fn turns_at(column: &[f64], q: &[f64], level: f64) -> bool {
+    let direction = |s: usize| {
+        let step = (s + 1 < q.len()).then(|| q[s + 1] - q[s]).unwrap_or(0.0);
+        if step == 0.0 { 0.0 } else { step.signum() }
+    };
+    let (mut natural, mut all, mut s) = (0, 0, 0);
+    while s < column.len() {
+        if column[s] != level {
+            s += 1;
+            continue;
+        }
+        let end = (s..column.len()).find(|&e| column[e] != level).unwrap_or(column.len());
+        let before = (0..s.saturating_sub(TURNING)).rev().map(direction).find(|d| *d != 0.0);
+        let within = (s..end.min(q.len())).map(direction).find(|d| *d != 0.0);
+        // At rest all along, or another way than before it began.
+        if within.is_none() || before.is_some() && before != within {
+            natural += end - s;
+        }
+        all += end - s;
+        s = end;
+    }
+    2 * natural > all
 }
 
 /// Neighbours whose mean says where a torque is: a tenth of a second at 200 Hz.

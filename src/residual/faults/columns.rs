@@ -1,7 +1,11 @@
 //! Faults of whole columns, weighed by the rigid model: sign, order, unit.
 
-use super::order::Projection;
+use super::compensated::{compensated, lacks_gravity_of_priors, rest_without_gravity, weightless};
+use super::currents::other_units;
+use super::order::{Projection, Sampled};
+use super::permuted::{alphabetical, order_of_priors};
 use super::reading::{degrees, read_otherwise};
+use super::sign::Physics;
 use super::{DataFault, FaultKind, Remedy};
 use crate::dynamics::Motion;
 use crate::model::Robot;
@@ -9,7 +13,8 @@ use crate::model::Robot;
 /// Samples that carry the question of a whole column: some hundred, spread over the motion.
 const SAMPLES: usize = 500;
 
-/// Torque columns, their signs and order, and the unit of the positions, weighed by the rigid model along the motion.
+/// Torque columns, their signs and order, their unit and whether gravity is in them, and the unit and order of the positions, weighed by the rigid model along
+/// the motion. Joints whose torque takes no part are neither accused nor witnesses, and nothing is accused where the model explains no more than a constant.
 ///
 /// `torque`: n × N. Of long motions every so many samples are taken.
 pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec<DataFault> {
@@ -18,64 +23,102 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
         return found;
     }
     let step = (motion.samples() / SAMPLES).max(1);
-    let motion = &Motion::from_fn(robot.joint_count(), motion.samples().div_ceil(step), |j, s| {
+    let thinned = Motion::from_fn(robot.joint_count(), motion.samples().div_ceil(step), |j, s| {
         motion.get(j, s * step)
     });
-    let torque: Vec<Vec<f64>> = torque.iter().map(|t| t.iter().step_by(step).copied().collect()).collect();
-    let torque = &torque[..];
-    let projection = Projection::new(robot, motion, torque, None);
+    let torque = torque.iter().map(|t| t.iter().step_by(step).copied().collect()).collect();
+    let sampled = Sampled::new(robot, thinned, torque);
+    if !sampled.active.contains(&true) {
+        return Vec::new();
+    }
+    let projection = Projection::new(&sampled, &[]);
     let n = robot.joint_count();
     let identity: Vec<usize> = (0..n).collect();
     let plain = projection.rest(&identity, &vec![1.0; n]);
     let (order, signs) = projection.best();
     let by_torque = projection.rest(&order, &signs);
     // Whatever leaves least is the fault; torque columns first, where nothing else leaves clearly less.
-    let by_position =
-        read_otherwise(robot, motion, torque).filter(|(rest, _)| plain > CLEARLY * rest && by_torque > ALIKE * rest);
-    if let Some((rest, fault)) = by_position {
-        return vec![fault.named(robot, plain / rest.max(f64::MIN_POSITIVE))];
+    let least = by_torque + projection.floor();
+    if let Some(fault) = other_reading(&sampled, plain, least) {
+        return vec![fault];
     }
-    let name = |j: usize| robot.joints()[j].name.clone();
-    let moved: Vec<usize> = (0..n).filter(|&j| order[j] != j).collect();
+    if let Some(fault) = by_priors(&sampled, plain) {
+        return vec![fault];
+    }
+    // What the model does not explain says nothing of order and signs.
+    if !projection.explains(&order, &signs) {
+        return Vec::new();
+    }
     let mut found = Vec::new();
-    if !moved.is_empty() {
-        let detail = format!(
-            "with the torque columns taken in the order {} the model leaves {:.0} times less: check the mapping",
-            order.iter().map(|&k| name(k)).collect::<Vec<_>>().join(", "),
-            plain / by_torque.max(f64::MIN_POSITIVE)
-        );
-        found.push(DataFault {
-            fault: FaultKind::JointOrder,
-            joints: moved.iter().map(|&j| name(j)).collect(),
-            detail,
-            remedy: Remedy::Nothing,
-            parameters: Vec::new(),
-        });
+    if order != identity {
+        found.push(exchanged_torques(robot, &order, plain / by_torque.max(f64::MIN_POSITIVE)));
     }
-    let signs = projection.dissipating(robot, motion, &order, &signs);
-    let signs = projection.global_sign(robot, motion, &order, &signs);
+    let physics = Physics::new(&sampled, &projection);
+    let signs = physics.dissipating(&order, &signs);
+    let signs = physics.global_sign(&order, &signs);
     let rest = projection.rest(&order, &signs);
-    let signs = not_sprung(robot, motion, torque, &order, signs, rest);
-    let flipped: Vec<String> = (0..n).filter(|&j| signs[j] < 0.0).map(name).collect();
-    if !flipped.is_empty() {
-        let detail = format!(
-            "the torque of {} has the opposite sign of what the motion takes: set `sign` to -1 in `columns`",
-            flipped.join(", ")
-        );
-        found.push(DataFault {
-            fault: FaultKind::TorqueSign,
-            joints: flipped,
-            detail,
-            remedy: Remedy::Turn,
-            parameters: Vec::new(),
-        });
-    }
+    let signs = not_sprung(&sampled, &order, signs, rest);
+    found.extend(turned_torques(robot, &signs));
     found
+}
+
+/// The columns meant otherwise, or torques without gravity, where that leaves clearly less than the columns as they are, which leave `plain`, and than any
+/// order and signs of the torque columns, which leave `least`.
+fn other_reading(sampled: &Sampled, plain: f64, least: f64) -> Option<DataFault> {
+    let robot = sampled.robot;
+    let floating = weightless(robot);
+    let less = |rest: f64| plain / rest.max(f64::MIN_POSITIVE);
+    let readings = read_otherwise(sampled, alphabetical(robot)).map(|(rest, reading)| (rest, reading.named(robot, less(rest))));
+    let without_gravity = rest_without_gravity(sampled, &floating).map(|rest| {
+        let evidence = format!("without gravity the model leaves {:.0} times less", less(rest));
+        (rest, compensated(robot, &evidence))
+    });
+    let best = readings.into_iter().chain(without_gravity).min_by(|x, y| x.0.total_cmp(&y.0));
+    best.filter(|(rest, _)| plain > CLEARLY * rest && least > ALIKE * rest)
+        .map(|(_, fault)| fault)
+}
+
+/// What the rigid model alone does not show, but the prior parameters of the links do.
+fn by_priors(sampled: &Sampled, plain: f64) -> Option<DataFault> {
+    let robot = sampled.robot;
+    let compensated_by_priors = || {
+        let n = robot.joint_count();
+        let floating = weightless(robot);
+        let explains = || Projection::new(sampled, &[]).explains(&(0..n).collect::<Vec<_>>(), &vec![1.0; n]);
+        (lacks_gravity_of_priors(sampled, &floating) && explains())
+            .then(|| compensated(robot, "next to nothing of what the links' prior parameters weigh is in them"))
+    };
+    order_of_priors(sampled)
+        .or_else(|| other_units(sampled, plain))
+        .or_else(compensated_by_priors)
+}
+
+/// Torque columns in another order.
+fn exchanged_torques(robot: &Robot, order: &[usize], less: f64) -> DataFault {
+    let name = |j: usize| robot.joints()[j].name.clone();
+    let moved = (0..order.len()).filter(|&j| order[j] != j).map(name).collect();
+    let detail = format!(
+        "with the torque columns taken in the order {} the model leaves {less:.0} times less: check the mapping",
+        order.iter().map(|&k| name(k)).collect::<Vec<_>>().join(", "),
+    );
+    DataFault::new(FaultKind::JointOrder, moved, detail, Remedy::Nothing)
+}
+
+fn turned_torques(robot: &Robot, signs: &[f64]) -> Option<DataFault> {
+    let flipped: Vec<String> = (0..signs.len())
+        .filter(|&j| signs[j] < 0.0)
+        .map(|j| robot.joints()[j].name.clone())
+        .collect();
+    let detail = format!(
+        "the torque of {} has the opposite sign of what the motion takes: set `sign` to -1 in `columns`",
+        flipped.join(", ")
+    );
+    (!flipped.is_empty()).then(|| DataFault::new(FaultKind::TorqueSign, flipped, detail, Remedy::Turn))
 }
 
 /// The signs without those of single joints that a level and a spring explain clearly better than a column turned round, which leaves `rest`: a strong
 /// spring pulls like gravity turned round.
-fn not_sprung(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], order: &[usize], mut signs: Vec<f64>, rest: f64) -> Vec<f64> {
+fn not_sprung(sampled: &Sampled, order: &[usize], mut signs: Vec<f64>, rest: f64) -> Vec<f64> {
     let turned: Vec<usize> = (0..signs.len()).filter(|&j| signs[j] < 0.0).collect();
     // All of them turned is no question of one joint.
     if turned.len() == signs.len() {
@@ -84,7 +127,9 @@ fn not_sprung(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], order: &[usiz
     for j in turned {
         let mut right = signs.clone();
         right[j] = 1.0;
-        if ALIKE * Projection::new(robot, motion, torque, Some(j)).rest(order, &right) < rest {
+        let level = vec![(j, vec![1.0; sampled.motion.samples()])];
+        let spring = vec![(j, sampled.motion.positions(j).to_vec())];
+        if ALIKE * Projection::new(sampled, &[level, spring]).rest(order, &right) < rest {
             signs = right;
         }
     }

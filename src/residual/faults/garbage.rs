@@ -17,6 +17,16 @@ pub(super) fn usual_step(column: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
+/// The smallest step of a column that is one: the count of an encoder or a converter, or next to nothing in a column of full numbers; 0 where nothing changes.
+pub(super) fn least_step(column: &[f64]) -> f64 {
+    let steps = column
+        .windows(2)
+        .map(|w| (w[1] - w[0]).abs())
+        .filter(|d| *d > 0.0 && d.is_finite());
+    let least = steps.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
 /// Twenty times the usual step: motion and white noise stay below three, a dropped row or a stray packet is in the hundreds.
 const FAR: f64 = 20.0;
 /// Rows that a stray packet can hold on to.

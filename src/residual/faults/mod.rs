@@ -6,9 +6,13 @@
 
 mod clipping;
 mod columns;
+mod compensated;
+mod currents;
+mod evidence;
 mod frozen;
 mod garbage;
 mod order;
+mod permuted;
 mod reading;
 mod samples;
 mod seen;
@@ -28,6 +32,10 @@ pub enum FaultKind {
     JointOrder,
     UnitMismatch,
     BadSamples,
+    /// Torques without the part that holds the arm up.
+    GravityCompensatedTorque,
+    /// Torques that are no torques in one unit: currents, counts, or numbers of no size that a joint has.
+    UnitUnknown,
 }
 
 impl FaultKind {
@@ -39,6 +47,8 @@ impl FaultKind {
             Self::JointOrder => "joint_order",
             Self::UnitMismatch => "unit_mismatch",
             Self::BadSamples => "bad_samples",
+            Self::GravityCompensatedTorque => "gravity_compensated_torque",
+            Self::UnitUnknown => "unit_unknown",
         }
     }
 }
@@ -56,6 +66,18 @@ pub struct DataFault {
     pub remedy: Remedy,
     /// Numbers that put it right, where there are any.
     pub parameters: Vec<ReportedParameter>,
+}
+
+impl DataFault {
+    fn new(fault: FaultKind, joints: Vec<String>, detail: String, remedy: Remedy) -> Self {
+        Self {
+            fault,
+            joints,
+            detail,
+            remedy,
+            parameters: Vec::new(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,22 +1,70 @@
 //! Torque columns in another order or with other signs, held against what the rigid model leaves with them.
 
 use super::columns::CLEARLY;
-use super::sign::{friction_power, physical_sign};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
+use crate::identification::preprocess::{exclusions, resolution};
+use crate::identification::{folds_in_time, shares, with_constant};
 use crate::model::Robot;
 use crate::parameters::Layout;
 use crate::residual::AugmentedModel;
 use crate::residual::projection::pseudo_inverse;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Several faults at once: each must leave so many times less than without it.
 const PART: f64 = 1.5;
 
 /// A joint with parameters mostly its own leaves hardly less when turned rightly: that must show in the thousand rows or so, and friction has a say
 /// afterwards.
-const TURN: f64 = 1.1;
+pub(super) const TURN: f64 = 1.1;
 /// Arms of up to so many joints have all patterns of signs tried; longer ones one joint at a time.
 const MOST_EXHAUSTED: usize = 12;
+
+/// A further model column: its values on the rows of some joints.
+pub(super) type Extra = Vec<(usize, Vec<f64>)>;
+
+/// Motion and torques of a log, thinned out, and which joints' torques take part.
+pub(super) struct Sampled<'a> {
+    pub robot: &'a Robot,
+    pub motion: Motion,
+    /// n × N.
+    pub torque: Vec<Vec<f64>>,
+    pub active: Vec<bool>,
+}
+
+impl<'a> Sampled<'a> {
+    pub fn new(robot: &'a Robot, motion: Motion, torque: Vec<Vec<f64>>) -> Self {
+        let still = |j: usize| motion.velocities(j).iter().all(|v| *v == 0.0);
+        let still: Vec<bool> = (0..robot.joint_count()).map(still).collect();
+        let excluded = exclusions(&torque, &vec![true; motion.samples()], &still);
+        Self {
+            robot,
+            motion,
+            torque,
+            active: excluded.iter().map(Option::is_none).collect(),
+        }
+    }
+
+    /// The same torques along another motion.
+    pub fn with(&self, motion: Motion) -> Self {
+        Self {
+            robot: self.robot,
+            motion,
+            torque: self.torque.clone(),
+            active: self.active.clone(),
+        }
+    }
+
+    /// Motion and torques for another robot.
+    pub fn of<'b>(&self, robot: &'b Robot) -> Sampled<'b> {
+        Sampled {
+            robot,
+            motion: self.motion.clone(),
+            torque: self.torque.clone(),
+            active: self.active.clone(),
+        }
+    }
+}
 
 /// Every torque column in every joint's row, with the base regressor projected out: sums of squares of all hypotheses at once.
 pub(super) struct Projection {
@@ -25,40 +73,52 @@ pub(super) struct Projection {
     products: DMatrix<f64>,
     /// `G⁺ Wᵀ e_row(a) tau(b)` as columns a n + b: what least squares makes of it.
     solutions: DMatrix<f64>,
+    /// `G⁺`.
+    inverse: DMatrix<f64>,
+    /// Rows of every joint, weighted.
+    blocks: Vec<DMatrix<f64>>,
+    /// N × n.
+    torque: DMatrix<f64>,
+    weight: Vec<f64>,
+    /// Standard parameters that the first columns belong to.
+    pub kept: Vec<usize>,
 }
 
 impl Projection {
-    /// With a level and a spring of the joint `sprung` beside the rigid body, where there is one.
-    pub fn new(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], sprung: Option<usize>) -> Self {
+    /// With further columns beside the rigid body.
+    pub fn new(sampled: &Sampled, extra: &[Extra]) -> Self {
+        let (robot, motion, torque) = (sampled.robot, &sampled.motion, &sampled.torque);
         let n = robot.joint_count();
-        let model = AugmentedModel::declared(robot);
-        let set = ColumnSet::new(robot, &Layout::standard(robot), &model.base.kept);
+        let kept = AugmentedModel::declared(robot).base.kept;
+        let set = ColumnSet::new(robot, &Layout::standard(robot), &kept);
         let samples = motion.samples();
         let mut rows = RowBlocks::new(&set, samples);
         rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
         let rigid = set.len();
-        let p = rigid + if sprung.is_some() { 2 } else { 0 };
-        // Rows weigh by the inverse of what their torque is made of, so that strong joints do not drown weak ones.
-        let weight: Vec<f64> = torque
-            .iter()
-            .map(|t| 1.0 / (t.iter().map(|v| v * v).sum::<f64>() / samples as f64).sqrt().max(1e-12))
-            .collect();
+        let p = rigid + extra.len();
+        // Rows weigh by the inverse of what their torque is made of, so that strong joints do not drown weak ones; those that take no part, nothing.
+        let of = |(t, active): (&Vec<f64>, &bool)| match (root_mean_square(t), active) {
+            (size, true) if size > 0.0 => 1.0 / size,
+            _ => 0.0,
+        };
+        let weight: Vec<f64> = torque.iter().zip(&sampled.active).map(of).collect();
         let blocks: Vec<DMatrix<f64>> = (0..n)
             .map(|j| {
                 let mut m = DMatrix::zeros(samples, p);
                 for (values, &at) in rows.block(j).chunks_exact(rows.stride()).zip(set.row(j)) {
                     m.column_mut(at).copy_from_slice(&values[..samples]);
                 }
-                if sprung == Some(j) {
-                    m.column_mut(rigid).fill(1.0);
-                    m.column_mut(rigid + 1).copy_from_slice(motion.positions(j));
+                for (k, column) in extra.iter().enumerate() {
+                    for (_, values) in column.iter().filter(|(joint, _)| *joint == j) {
+                        m.column_mut(rigid + k).copy_from_slice(values);
+                    }
                 }
                 m * weight[j]
             })
             .collect();
         let normal = blocks.iter().map(|b| b.tr_mul(b)).fold(DMatrix::zeros(p, p), |a, b| a + b);
         let inverse = pseudo_inverse(&normal, 1e-10);
-        let tau = DMatrix::from_fn(samples, n, |s, j| torque[j][s]);
+        let tau = DMatrix::from_fn(samples, n, |s, j| if sampled.active[j] { torque[j][s] } else { 0.0 });
         let mut cross = DMatrix::zeros(p, n * n);
         for (a, block) in blocks.iter().enumerate() {
             cross.columns_mut(a * n, n).copy_from(&(block.tr_mul(&tau) * weight[a]));
@@ -74,7 +134,70 @@ impl Projection {
             joints: n,
             products,
             solutions,
+            inverse,
+            blocks,
+            torque: tau,
+            weight,
+            kept,
         }
+    }
+
+    /// Sum of squares that the recording of the torques leaves: no rest is known to be less.
+    pub fn floor(&self) -> f64 {
+        let usable = vec![true; self.torque.nrows()];
+        let of = |(j, w): (usize, &f64)| (resolution(self.torque.column(j).as_slice(), &usable) * w).powi(2);
+        self.torque.nrows() as f64 * self.weight.iter().enumerate().map(of).sum::<f64>()
+    }
+
+    /// Whether the model explains more than a constant per joint of these columns.
+    pub fn explains(&self, order: &[usize], signs: &[f64]) -> bool {
+        let p = self.inverse.nrows();
+        let part = |range: Range<usize>| {
+            let of = |a: usize| {
+                let own = self.blocks[a].rows(range.start, range.len()).into_owned();
+                let torque: Vec<f64> = range.clone().map(|s| self.row_torque(a, order, signs, s)).collect();
+                let used = if self.weight[a] > 0.0 { range.len() } else { 0 };
+                with_constant(&own, &torque, used, (0..p).chain([p + a]).collect())
+            };
+            (0..self.joints).map(of).collect()
+        };
+        shares(&folds_in_time(self.torque.nrows(), part)).is_more_than_a_constant()
+    }
+
+    /// Weighted torque of row a in sample s.
+    fn row_torque(&self, a: usize, order: &[usize], signs: &[f64], s: usize) -> f64 {
+        self.weight[a] * signs[a] * self.torque[(s, order[a])]
+    }
+
+    /// What every one of `count` stretches of time adds to the solution by its residual: its influence.
+    pub fn influences(&self, order: &[usize], signs: &[f64], count: usize) -> Vec<DVector<f64>> {
+        let (values, samples) = (self.values(order, signs), self.torque.nrows());
+        let residuals: Vec<DVector<f64>> = (0..self.joints)
+            .map(|a| DVector::from_fn(samples, |s, _| self.row_torque(a, order, signs, s)) - &self.blocks[a] * &values)
+            .collect();
+        let of = |b: usize| {
+            let (from, to) = (b * samples / count, (b + 1) * samples / count);
+            let rows = self.blocks.iter().zip(&residuals);
+            let sum = rows.map(|(m, r)| m.rows(from, to - from).tr_mul(&r.rows(from, to - from)));
+            &self.inverse * sum.fold(DVector::zeros(values.len()), |a, b| a + b)
+        };
+        (0..count).map(of).collect()
+    }
+
+    /// Sums of what torques along the motion make on every column of the rows: `Wᵀ W'` with W' weighted alike.
+    pub fn along(&self, torque: impl Fn(usize, usize) -> f64) -> DVector<f64> {
+        let samples = self.torque.nrows();
+        let of = |a: usize| self.blocks[a].tr_mul(&DVector::from_fn(samples, |s, _| self.weight[a] * torque(a, s)));
+        (0..self.joints)
+            .map(of)
+            .fold(DVector::zeros(self.inverse.nrows()), |a, b| a + b)
+    }
+
+    /// Weighted squares: of what the model makes with `values`, and of torques along the motion.
+    pub fn sizes(&self, values: &DVector<f64>, torque: impl Fn(usize, usize) -> f64) -> [f64; 2] {
+        let own: f64 = self.blocks.iter().map(|m| (m * values).norm_squared()).sum();
+        let other = (0..self.joints).flat_map(|a| (0..self.torque.nrows()).map(move |s| (a, s)));
+        [own, other.map(|(a, s)| (self.weight[a] * torque(a, s)).powi(2)).sum()]
     }
 
     fn places(&self, order: &[usize]) -> Vec<usize> {
@@ -147,38 +270,15 @@ impl Projection {
             .expect("no joint turned is one of them")
     }
 
-    /// Base parameters on the given columns.
-    fn values(&self, order: &[usize], signs: &[f64]) -> DVector<f64> {
+    /// Parameters on the given columns.
+    pub fn values(&self, order: &[usize], signs: &[f64]) -> DVector<f64> {
         let at = self.places(order);
         (0..self.joints)
             .map(|a| self.solutions.column(at[a]) * signs[a])
             .fold(DVector::zeros(self.solutions.nrows()), |a, b| a + b)
     }
+}
 
-    /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such a joint is turned
-    /// where friction says so against the other joints' and the fit hardly gets worse. What would call the joint's own sign wrong is not believed against
-    /// friction, however well it fits.
-    pub fn dissipating(&self, robot: &Robot, motion: &Motion, order: &[usize], signs: &[f64]) -> Vec<f64> {
-        let mut signs = signs.to_vec();
-        let power = |signs: &[f64]| friction_power(robot, motion, &self.values(order, signs));
-        let majority = power(&signs).iter().map(|p| p.signum()).sum::<f64>();
-        let majority = if majority < 0.0 { -1.0 } else { 1.0 };
-        for j in 0..self.joints {
-            let mut turned = signs.clone();
-            turned[j] = -turned[j];
-            let against = power(&signs)[j] * majority < 0.0 && power(&turned)[j] * majority > 0.0;
-            let claimed = signs[j] * majority < 0.0;
-            if against && (claimed || self.rest(order, &turned) < TURN * self.rest(order, &signs)) {
-                signs = turned;
-            }
-        }
-        signs
-    }
-
-    /// Least squares fits all signs turned at once just as well: friction that would drive, inertia below zero, or a prior that says the
-    /// opposite decide.
-    pub fn global_sign(&self, robot: &Robot, motion: &Motion, order: &[usize], signs: &[f64]) -> Vec<f64> {
-        let vote = physical_sign(robot, motion, &self.values(order, signs));
-        signs.iter().map(|s| s * vote).collect()
-    }
+pub(super) fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }

@@ -1,6 +1,7 @@
 //! Position columns that are meant otherwise: in degrees, or exchanged.
 
-use super::order::Projection;
+use super::order::{Projection, Sampled};
+use super::permuted::{reordered, swapped};
 use super::{DataFault, FaultKind, Remedy};
 use crate::dynamics::Motion;
 use crate::model::Robot;
@@ -36,13 +37,7 @@ pub(super) fn degrees(robot: &Robot, motion: &Motion) -> Vec<DataFault> {
         "positions of {} look like degrees: give the unit in `columns`",
         joints.join(", ")
     );
-    vec![DataFault {
-        fault: FaultKind::UnitMismatch,
-        joints,
-        detail,
-        remedy: Remedy::Nothing,
-        parameters: Vec::new(),
-    }]
+    vec![DataFault::new(FaultKind::UnitMismatch, joints, detail, Remedy::Nothing)]
 }
 
 /// How the position columns could be meant otherwise.
@@ -50,6 +45,8 @@ pub(super) fn degrees(robot: &Robot, motion: &Motion) -> Vec<DataFault> {
 pub(super) enum Reading {
     Exchanged(usize, usize),
     Degrees(Vec<usize>),
+    /// Position and torque of joint j both stand in the columns of joint `order[j]`.
+    Permuted(Vec<usize>),
 }
 
 impl Reading {
@@ -57,12 +54,22 @@ impl Reading {
         let state = |j: usize, s: usize| match self {
             Self::Exchanged(a, b) if j == *a => motion.get(*b, s),
             Self::Exchanged(a, b) if j == *b => motion.get(*a, s),
+            Self::Permuted(order) => motion.get(order[j], s),
             Self::Degrees(joints) if joints.contains(&j) => motion.get(j, s).map(f64::to_radians),
             _ => motion.get(j, s),
         };
         Motion::from_fn(motion.joints(), motion.samples(), state)
     }
 
+    /// The columns that the torques of the joints stand in.
+    pub fn torque_order(&self, joints: usize) -> Vec<usize> {
+        match self {
+            Self::Permuted(order) => order.clone(),
+            _ => (0..joints).collect(),
+        }
+    }
+
+    /// What leaves `less` times less than the columns as they are.
     pub fn named(&self, robot: &Robot, less: f64) -> DataFault {
         let name = |j: &usize| robot.joints()[*j].name.clone();
         let (fault, joints, detail) = match self {
@@ -75,6 +82,7 @@ impl Reading {
                     format!("{detail} the model leaves {less:.0} times less: check the mapping"),
                 )
             }
+            Self::Permuted(order) => return reordered(robot, order, &format!("leaves {less:.0} times less")),
             Self::Degrees(joints) => {
                 let joints: Vec<String> = joints.iter().map(name).collect();
                 let detail = format!("with the positions of {} read as degrees", joints.join(", "));
@@ -85,13 +93,7 @@ impl Reading {
                 )
             }
         };
-        DataFault {
-            fault,
-            joints,
-            detail,
-            remedy: Remedy::Nothing,
-            parameters: Vec::new(),
-        }
+        DataFault::new(fault, joints, detail, Remedy::Nothing)
     }
 }
 
@@ -111,18 +113,36 @@ fn may_be_degrees(robot: &Robot, motion: &Motion, joint: usize) -> bool {
     of.is_revolute() && outside
 }
 
-/// The reading of the position columns that leaves least, each with its own regressor: two exchanged, one or all in degrees.
-pub(super) fn read_otherwise(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Option<(f64, Reading)> {
-    let n = robot.joint_count();
-    let turning: Vec<usize> = (0..n).filter(|&j| may_be_degrees(robot, motion, j)).collect();
+/// The reading of the columns that leaves least, each with its own regressor: two positions exchanged, with their torques or without, one or all in degrees,
+/// or all columns in another `order`. Only readings that explain more than a constant count.
+pub(super) fn read_otherwise(sampled: &Sampled, order: Option<Vec<usize>>) -> Option<(f64, Reading)> {
+    let n = sampled.robot.joint_count();
+    let turning: Vec<usize> = (0..n)
+        .filter(|&j| may_be_degrees(sampled.robot, &sampled.motion, j))
+        .collect();
     let exchanges = (0..n).flat_map(|a| (a + 1..n).map(move |b| Reading::Exchanged(a, b)));
     let single = turning.iter().map(|&j| Reading::Degrees(vec![j]));
     let all = (turning.len() > 1).then(|| Reading::Degrees(turning.clone()));
-    let readings: Vec<Reading> = exchanges.chain(single).chain(all).collect();
-    let rest = |reading: Reading| {
-        let projection = Projection::new(robot, &reading.of(motion), torque, None);
-        (projection.rest(&(0..n).collect::<Vec<_>>(), &vec![1.0; n]), reading)
+    let readings: Vec<Reading> = exchanges
+        .chain(single)
+        .chain(all)
+        .chain(order.map(Reading::Permuted))
+        .collect();
+    let best = |reading: Reading| {
+        let projection = Projection::new(&sampled.with(reading.of(&sampled.motion)), &[]);
+        // The motion of two positions exchanged is that of two joints exchanged.
+        let with_torques = match reading {
+            Reading::Exchanged(a, b) => Some(Reading::Permuted(swapped(n, a, b))),
+            _ => None,
+        };
+        let weighed = |reading: Reading| (projection.rest(&reading.torque_order(n), &vec![1.0; n]), reading);
+        let both = std::iter::once(reading).chain(with_torques).map(weighed);
+        let (rest, reading) = both.min_by(|x, y| x.0.total_cmp(&y.0))?;
+        Some((rest, projection.explains(&reading.torque_order(n), &vec![1.0; n]), reading))
     };
-    let tried: Vec<(f64, Reading)> = readings.into_par_iter().map(rest).collect();
-    tried.into_iter().min_by(|x, y| x.0.total_cmp(&y.0))
+    let tried: Vec<_> = readings.into_par_iter().filter_map(best).collect();
+    let explaining = tried.into_iter().filter(|(_, explains, _)| *explains);
+    explaining
+        .map(|(rest, _, reading)| (rest, reading))
+        .min_by(|x, y| x.0.total_cmp(&y.0))
 }

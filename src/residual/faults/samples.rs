@@ -3,25 +3,20 @@
 use super::seen::Seen;
 use super::{DataFault, FaultKind, RawLog, Remedy};
 use crate::identification::Log;
-use crate::model::Robot;
+use crate::identification::preprocess::Exclusion;
+use crate::model::{Joint, Robot};
 use std::ops::Range;
 
 /// Faults of the samples of a log, from the columns alone.
 pub fn sample_faults(robot: &Robot, log: &RawLog) -> Vec<DataFault> {
-    let mut found = Vec::new();
+    let seen = Seen::new(log);
+    let mut found = unusable_torques(robot, &seen);
     let mut say = |joints: Vec<String>, remedy: Remedy, detail: String| {
-        found.push(DataFault {
-            fault: FaultKind::BadSamples,
-            joints,
-            detail,
-            remedy,
-            parameters: Vec::new(),
-        })
+        found.push(DataFault::new(FaultKind::BadSamples, joints, detail, remedy));
     };
     if let Some(detail) = time_faults(&log.time) {
         say(Vec::new(), Remedy::LeaveOut, detail);
     }
-    let seen = Seen::new(log);
     if let Some(first) = seen.garbage.iter().position(|g| *g) {
         let count = seen.garbage.iter().filter(|g| **g).count();
         let detail = format!(
@@ -40,14 +35,6 @@ pub fn sample_faults(robot: &Robot, log: &RawLog) -> Vec<DataFault> {
     }
     for (j, joint) in robot.joints().iter().enumerate() {
         let named = || vec![joint.name.clone()];
-        if seen.constant_torque[j] || seen.constant_position[j] {
-            let what = if seen.constant_torque[j] { "torque" } else { "position" };
-            let detail = format!(
-                "the {what} column of {} is constant: not connected, or not recorded",
-                joint.name
-            );
-            say(named(), Remedy::Nothing, detail);
-        }
         for (what, stuck) in [("torque", &seen.stuck_torque[j]), ("position", &seen.stuck_position[j])] {
             if let Some(first) = stuck.first() {
                 let rows: usize = stuck.iter().map(Range::len).sum();
@@ -76,6 +63,23 @@ pub fn sample_faults(robot: &Robot, log: &RawLog) -> Vec<DataFault> {
         }
     }
     found
+}
+
+/// Joints whose torque says nothing of them; they are left out of everything.
+fn unusable_torques(robot: &Robot, seen: &Seen) -> Vec<DataFault> {
+    let of = |(joint, why): (&Joint, &Option<Exclusion>)| {
+        let why = (*why)?;
+        let kind = match why {
+            Exclusion::ImplausibleTorque(_) => FaultKind::UnitUnknown,
+            _ => FaultKind::BadSamples,
+        };
+        let detail = format!(
+            "joint {}: {why}; the joint is left out, the others are not affected",
+            joint.name
+        );
+        Some(DataFault::new(kind, vec![joint.name.clone()], detail, Remedy::LeaveOut))
+    };
+    robot.joints().iter().zip(&seen.unusable).filter_map(of).collect()
 }
 
 /// Rows that are no measurement.

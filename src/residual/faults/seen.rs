@@ -4,14 +4,15 @@ use super::RawLog;
 use super::clipping::{Clip, clipped, extremes};
 use super::frozen::{frozen_runs, stuck_position, stuck_torque};
 use super::garbage::garbage_rows;
+use crate::identification::preprocess::{Exclusion, exclusions};
 use std::ops::Range;
 
 /// What is wrong, row by row.
 pub(super) struct Seen {
     pub garbage: Vec<bool>,
     pub frozen: Vec<Range<usize>>,
-    pub constant_torque: Vec<bool>,
-    pub constant_position: Vec<bool>,
+    /// Torque columns that say nothing of their joint, and why.
+    pub unusable: Vec<Option<Exclusion>>,
     pub stuck_torque: Vec<Vec<Range<usize>>>,
     pub stuck_position: Vec<Vec<Range<usize>>>,
     pub clipped: Vec<Option<Clip>>,
@@ -26,13 +27,9 @@ impl Seen {
         frozen.iter().for_each(|run| left[run.clone()].fill(false));
         let clean = |column: &[f64]| -> Vec<f64> { (0..rows).filter(|&s| left[s]).map(|s| column[s]).collect() };
         let constant = |column: &Vec<f64>| clean(column).windows(2).all(|w| w[0] == w[1]);
-        let constant_torque: Vec<bool> = log.tau.iter().map(constant).collect();
         let still: Vec<bool> = log.q.iter().map(constant).collect();
-        // A joint that is held still has a constant position; one that is held still alone, with a torque that changes, is not recorded.
-        let others_move = |j: usize| still.iter().enumerate().any(|(i, s)| i != j && !s);
-        let constant_position = (0..still.len())
-            .map(|j| still[j] && others_move(j) && !constant_torque[j])
-            .collect();
+        let unusable = exclusions(&log.tau, &left, &vec![false; log.tau.len()]);
+        let constant_torque: Vec<bool> = unusable.iter().map(Option::is_some).collect();
         let apart = |runs: Vec<Range<usize>>| -> Vec<Range<usize>> {
             runs.into_iter()
                 .filter(|r| !frozen.iter().any(|f| f.start < r.end && r.start < f.end))
@@ -69,7 +66,7 @@ impl Seen {
                 if constant_torque[j] {
                     None
                 } else {
-                    clipped(&log.tau[j], &left)
+                    clipped(&log.tau[j], &log.q[j], &left)
                 }
             })
             .collect::<Vec<_>>();
@@ -88,8 +85,7 @@ impl Seen {
         Self {
             garbage,
             frozen,
-            constant_torque,
-            constant_position,
+            unusable,
             stuck_torque,
             stuck_position,
             clipped,

@@ -1,80 +1,156 @@
-//! Which sign of a fit is physical.
+//! Which sign of a fit is physical: friction takes energy out of a motion, kinetic energy is positive, and priors know their sign.
 
-use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
-use crate::model::Robot;
+use super::evidence::Evidence;
+use super::order::{Projection, Sampled, TURN, root_mean_square};
+use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks, inverse_dynamics_batch};
 use crate::parameters::{Layout, ParameterKind};
-use crate::residual::AugmentedModel;
 use nalgebra::DVector;
 
-/// +1 or −1: which sign of the base parameters dissipates energy and has positive inertia.
-///
-/// With link-side torque sensors friction is small; the kinetic energy of the motion and, where the links have prior parameters, the
-/// agreement with their torque are asked as well. Each votes with its share of the torque.
-pub(super) fn physical_sign(robot: &Robot, motion: &Motion, values: &DVector<f64>) -> f64 {
-    let layout = Layout::standard(robot);
-    let model = AugmentedModel::declared(robot);
-    let mut phi = vec![0.0; layout.len()];
-    model.base.kept.iter().zip(values.iter()).for_each(|(&at, &v)| phi[at] = v);
-    if let Some(prior) = layout.prior(robot) {
-        let chain = Chain::new(robot);
-        let torque = |phi: &[f64]| inverse_dynamics_batch(&chain, &layout, phi, motion, Coulomb::Sign);
-        let (have, want) = (torque(&phi), torque(prior.as_slice()));
-        let (dot, a, b) = have
-            .iter()
-            .zip(&want)
-            .fold((0.0, 0.0, 0.0), |(d, a, b), (x, y)| (d + x * y, a + x * x, b + y * y));
-        // Priors may be off by half; a correlation of more than a half has a sign.
-        if dot.abs() > 0.5 * (a * b).sqrt() {
-            return dot.signum();
-        }
-    }
-    let power = friction_power(robot, motion, values);
-    let friction = (power.iter().sum::<f64>(), power.iter().map(|p| p.abs()).sum::<f64>());
-    let inertia = inertia_share(robot, &layout, &phi, motion);
-    let share = |(sum, size): (f64, f64)| if size > 0.0 { sum / size } else { 0.0 };
-    if share(friction) + inertia < -0.5 { -1.0 } else { 1.0 }
+/// Priors may be off by half; a correlation of more than a half has a sign.
+const CORRELATED: f64 = 0.5;
+/// Friction below a fiftieth of a joint's torque is no ground to turn its column by: what the model lacks passes for that much.
+const LEAST_FRICTION: f64 = 0.02;
+
+/// The sums over parameters that have a sign, for one motion.
+pub(super) struct Physics<'a> {
+    sampled: &'a Sampled<'a>,
+    projection: &'a Projection,
+    /// Power that the friction of every joint takes out of the motion, per unit of every parameter.
+    friction: Vec<DVector<f64>>,
+    /// `Σ qdᵀ M qd` over the motion, per unit of every parameter.
+    energy: DVector<f64>,
 }
 
-/// Power that the friction of every joint takes out of the motion, summed over the samples.
-pub(super) fn friction_power(robot: &Robot, motion: &Motion, values: &DVector<f64>) -> Vec<f64> {
-    let layout = Layout::standard(robot);
-    let kept = AugmentedModel::declared(robot).base.kept;
-    let mut power = vec![0.0; robot.joint_count()];
-    for (&at, &value) in kept.iter().zip(values.iter()) {
-        let parameter = layout.parameters()[at];
-        let speeds = motion.velocities(parameter.link);
-        power[parameter.link] += match parameter.kind {
-            ParameterKind::Viscous => speeds.iter().map(|v| value * v * v).sum(),
-            ParameterKind::Coulomb => speeds.iter().map(|v| value * v.abs()).sum(),
-            ParameterKind::Inertial(_) => 0.0,
+impl<'a> Physics<'a> {
+    pub fn new(sampled: &'a Sampled<'a>, projection: &'a Projection) -> Self {
+        let joints = sampled.robot.joint_count();
+        Self {
+            friction: (0..joints).map(|j| friction_power(sampled, &projection.kept, j)).collect(),
+            energy: kinetic_energy(sampled, &projection.kept),
+            sampled,
+            projection,
+        }
+    }
+
+    /// Sign of the power that the friction of joint j takes out, where there is enough of it and its sign is beyond chance; else 0.
+    fn dissipates(&self, evidence: &Evidence, j: usize) -> f64 {
+        let layout = Layout::standard(self.sampled.robot);
+        let speeds = self.sampled.motion.velocities(j);
+        let mut torque = vec![0.0; speeds.len()];
+        for (&at, &value) in self.projection.kept.iter().zip(evidence.values.iter()) {
+            let parameter = layout.parameters()[at];
+            let unit: fn(f64) -> f64 = match parameter.kind {
+                ParameterKind::Viscous => |v| v,
+                ParameterKind::Coulomb => |v| if v == 0.0 { 0.0 } else { v.signum() },
+                ParameterKind::Inertial(_) => continue,
+            };
+            if parameter.link == j {
+                torque.iter_mut().zip(speeds).for_each(|(t, &v)| *t += value * unit(v));
+            }
+        }
+        match root_mean_square(&torque) < LEAST_FRICTION * root_mean_square(&self.sampled.torque[j]) {
+            true => 0.0,
+            false => evidence.sign(&self.friction[j]),
+        }
+    }
+
+    /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such a joint is turned
+    /// where friction says so against the other joints' and the fit hardly gets worse. What would call the joint's own sign wrong is not believed against
+    /// friction, however well it fits.
+    pub fn dissipating(&self, order: &[usize], signs: &[f64]) -> Vec<f64> {
+        let mut signs = signs.to_vec();
+        let powers = |signs: &[f64]| -> Vec<f64> {
+            let evidence = Evidence::of(self.projection, order, signs);
+            (0..signs.len()).map(|j| self.dissipates(&evidence, j)).collect()
         };
+        let mut power = powers(&signs);
+        let majority = if power.iter().sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+        for j in 0..signs.len() {
+            let mut turned = signs.clone();
+            turned[j] = -turned[j];
+            if power[j] * majority >= 0.0 {
+                continue;
+            }
+            let then = powers(&turned);
+            let claimed = signs[j] * majority < 0.0;
+            let alike = || self.projection.rest(order, &turned) < TURN * self.projection.rest(order, &signs);
+            if then[j] * majority > 0.0 && (claimed || alike()) {
+                (signs, power) = (turned, then);
+            }
+        }
+        signs
     }
-    power
+
+    /// Least squares fits all signs turned at once just as well: friction that would drive, inertia below zero, or a prior that says the
+    /// opposite decide, where they are beyond chance.
+    pub fn global_sign(&self, order: &[usize], signs: &[f64]) -> Vec<f64> {
+        let vote = self.physical_sign(&Evidence::of(self.projection, order, signs));
+        signs.iter().map(|s| s * vote).collect()
+    }
+
+    /// +1 or −1.
+    fn physical_sign(&self, evidence: &Evidence) -> f64 {
+        if let Some(sign) = self.prior_sign(evidence) {
+            return sign;
+        }
+        let total: DVector<f64> = self.friction.iter().fold(DVector::zeros(self.energy.len()), |a, b| a + b);
+        let substantial = (0..self.friction.len()).any(|j| self.dissipates(evidence, j) != 0.0);
+        let friction = if substantial {
+            evidence.sign(&total) * evidence.ratio(&total).abs()
+        } else {
+            0.0
+        };
+        let inertia = evidence.sign(&self.energy) * evidence.ratio(&self.energy).abs();
+        if friction + inertia < 0.0 { -1.0 } else { 1.0 }
+    }
+
+    /// The sign that makes the fit agree with the links' prior parameters, where they correlate.
+    fn prior_sign(&self, evidence: &Evidence) -> Option<f64> {
+        let (robot, motion) = (self.sampled.robot, &self.sampled.motion);
+        let layout = Layout::standard(robot);
+        let prior = layout.prior(robot)?;
+        let torque = inverse_dynamics_batch(&Chain::new(robot), &layout, prior.as_slice(), motion, Coulomb::Sign);
+        let at = |a: usize, s: usize| torque[a * motion.stride() + s];
+        let along = self.projection.along(at);
+        let [own, other] = self.projection.sizes(&evidence.values, at);
+        let dot: f64 = along.dot(&evidence.values);
+        (dot.abs() > CORRELATED * (own * other).sqrt())
+            .then(|| evidence.sign(&along))
+            .filter(|s| *s != 0.0)
+    }
 }
 
-/// Mean sign of the kinetic energy `½ qdᵀ M qd` along the motion, M from the inertial parameters: −1 … 1.
-fn inertia_share(robot: &Robot, layout: &Layout, phi: &[f64], motion: &Motion) -> f64 {
-    let n = robot.joint_count();
-    let mut bare = phi.to_vec();
-    for (at, parameter) in layout.parameters().iter().enumerate() {
-        if !matches!(parameter.kind, ParameterKind::Inertial(_)) {
-            bare[at] = 0.0;
+fn friction_power(sampled: &Sampled, kept: &[usize], joint: usize) -> DVector<f64> {
+    let layout = Layout::standard(sampled.robot);
+    let speeds = sampled.motion.velocities(joint);
+    let of = |i: usize| {
+        let parameter = layout.parameters()[kept[i]];
+        match parameter.kind {
+            _ if parameter.link != joint => 0.0,
+            ParameterKind::Viscous => speeds.iter().map(|v| v * v).sum(),
+            ParameterKind::Coulomb => speeds.iter().map(|v| v.abs()).sum(),
+            ParameterKind::Inertial(_) => 0.0,
         }
-    }
-    // With qd = 0, qdd = the speeds and no gravity, inverse dynamics is M qd.
-    let still = Motion::from_fn(n, motion.samples(), |j, s| {
+    };
+    DVector::from_fn(kept.len(), |i, _| of(i))
+}
+
+/// With qd = 0, qdd = the speeds and no gravity, inverse dynamics is M qd.
+fn kinetic_energy(sampled: &Sampled, kept: &[usize]) -> DVector<f64> {
+    let (robot, motion) = (sampled.robot, &sampled.motion);
+    let moved = Motion::from_fn(motion.joints(), motion.samples(), |j, s| {
         let [q, qd, _] = motion.get(j, s);
         [q, 0.0, qd]
     });
     let weightless = robot.with_gravity(nalgebra::Vector3::zeros());
-    let momentum = inverse_dynamics_batch(&Chain::new(&weightless), layout, &bare, &still, Coulomb::Sign);
-    let energy = |s: usize| {
-        (0..n)
-            .map(|j| momentum[j * motion.stride() + s] * motion.get(j, s)[1])
-            .sum::<f64>()
-    };
-    let (sum, size) = (0..motion.samples())
-        .map(energy)
-        .fold((0.0, 0.0), |(a, b), e: f64| (a + e, b + e.abs()));
-    if size > 0.0 { sum / size } else { 0.0 }
+    let set = ColumnSet::new(&weightless, &Layout::standard(robot), kept);
+    let mut rows = RowBlocks::new(&set, motion.samples());
+    rows.fill(&Chain::new(&weightless), &set, &moved, Coulomb::Sign);
+    let mut energy = DVector::zeros(kept.len());
+    for j in 0..motion.joints() {
+        for (values, &at) in rows.block(j).chunks_exact(rows.stride()).zip(set.row(j)) {
+            energy[at] += values.iter().zip(motion.velocities(j)).map(|(m, v)| m * v).sum::<f64>();
+        }
+    }
+    energy
 }

@@ -106,7 +106,7 @@ pub fn long_log(name: &str, periods: f64, rate_hz: f64) -> (Robot, Log) {
     (robot, log)
 }
 
-fn as_log(recorded: &RecordedLog, name: &str, rate_hz: f64) -> Log {
+pub fn as_log(recorded: &RecordedLog, name: &str, rate_hz: f64) -> Log {
     Log {
         name: name.into(),
         rate_hz,

@@ -4,13 +4,17 @@ mod derivatives;
 mod record;
 mod rows;
 
-use super::{FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, Scatter};
+use super::autocorrelation::{NO_MOTION, moments};
+use super::torque_column::{exclusions, resolution};
+use super::{Choice, Exclusion, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, Scatter};
 use crate::dynamics::Motion;
 use crate::identification::Log;
 use crate::identification::filter::{LowPass, Padding};
 use std::borrow::Cow;
 use std::sync::Arc;
 
+/// Rows below which there is no motion to speak of.
+const LEAST_ROWS: usize = 8;
 /// Velocities nearer to zero than three of their standard deviations have no known sign.
 const SIGN_SIGMAS: f64 = 3.0;
 
@@ -28,15 +32,17 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
     }
     let chain = Chain { log, options };
     chain.check()?;
+    chain.check_positions()?;
     let mut choices = Vec::new();
     let record = chain.record(&mut choices)?;
     let (mut motion, velocity_std) = chain.differentiate(&record, &mut choices)?;
-    let still = hold_still(&mut motion, &velocity_std);
+    let still = hold_still(&mut motion, &velocity_std, log);
+    let excluded = chain.excluded(&still, &mut choices)?;
     let row_filter = chain.row_filter(&record, &mut choices)?;
     let dead_zone = chain.dead_zone(&velocity_std, &still, &mut choices);
     let samples = record.usable.len();
     let rows = row_filter.rows(samples).len();
-    if rows < 8 {
+    if rows < LEAST_ROWS {
         return Err(PreprocessError::NothingLeft {
             log: log.name.clone(),
             rows,
@@ -55,16 +61,19 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
         scatter: record.scatter,
         row_filter,
         dead_zone,
+        excluded,
+        resolution: log.tau.iter().map(|tau| resolution(tau, &log.usable)).collect(),
         choices,
     })
 }
 
-/// Joints whose velocity is noise and nothing else are taken to stand still: their friction must not be fitted to noise.
-fn hold_still(motion: &mut Motion, velocity_std: &[f64]) -> Vec<bool> {
+/// Joints whose velocity is noise and nothing else, or that stay about one place, are taken to stand still: their friction must not be fitted to noise, nor
+/// to the few microns that a drive gives way.
+fn hold_still(motion: &mut Motion, velocity_std: &[f64], log: &Log) -> Vec<bool> {
     let samples = motion.samples();
     let still = |(j, std): (usize, &f64)| {
         let square: f64 = motion.velocities(j).iter().map(|v| v * v).sum();
-        (square / samples as f64).sqrt() <= SIGN_SIGMAS * std
+        !moves(&log.q[j]) || (square / samples as f64).sqrt() <= SIGN_SIGMAS * std
     };
     let still: Vec<bool> = velocity_std.iter().enumerate().map(still).collect();
     for j in (0..still.len()).filter(|&j| still[j]) {
@@ -73,6 +82,14 @@ fn hold_still(motion: &mut Motion, velocity_std: &[f64]) -> Vec<bool> {
     }
     still
 }
+
+/// Whether a joint travels more than static friction and a drive's play allow.
+fn moves(q: &[f64]) -> bool {
+    moments(q).1 >= NO_MOTION * NO_MOTION
+}
+
+/// Positions beyond this are none: a hundred thousand turns, or a thousand kilometres [rad or m].
+const FARTHEST: f64 = 1e6;
 
 /// One stretch or one mean period, before derivatives.
 struct Record<'a> {
@@ -105,7 +122,7 @@ impl Chain<'_> {
                 problem,
             })
         };
-        if let Period::Known { period_s, .. } = self.options.period
+        if let Period::Known { period_s, .. } | Period::Expected { period_s, .. } = self.options.period
             && !(period_s.is_finite() && period_s > 0.0)
         {
             return refuse("period_s", period_s, "not a positive time");
@@ -120,6 +137,55 @@ impl Chain<'_> {
             return refuse("decimation", 0.0, "not a count: 1 keeps every row");
         }
         Ok(())
+    }
+
+    /// Positions that are those of an arm, of which at least one moves.
+    fn check_positions(&self) -> Result<(), PreprocessError> {
+        let log = self.log.name.clone();
+        let largest = |q: &Vec<f64>| q.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        if let Some((j, largest)) = self.log.q.iter().map(largest).enumerate().find(|(_, m)| *m > FARTHEST) {
+            return Err(PreprocessError::ImplausiblePosition {
+                log,
+                joint: j + 1,
+                largest,
+            });
+        }
+        if self.log.samples() < LEAST_ROWS {
+            let samples = self.log.samples();
+            return Err(PreprocessError::NothingLeft {
+                log,
+                rows: samples,
+                samples,
+            });
+        }
+        match self.log.q.iter().any(|q| moves(q)) {
+            true => Ok(()),
+            false => Err(PreprocessError::NothingMoves { log }),
+        }
+    }
+
+    /// Joints whose torque takes no part, and why.
+    fn excluded(&self, still: &[bool], choices: &mut Vec<Choice>) -> Result<Vec<Option<Exclusion>>, PreprocessError> {
+        let excluded = exclusions(&self.log.tau, &self.log.usable, still);
+        let reasons: Vec<String> = excluded
+            .iter()
+            .enumerate()
+            .filter_map(|(j, e)| Some(format!("joint {}: {}", j + 1, (*e)?)))
+            .collect();
+        if reasons.len() == excluded.len() {
+            return Err(PreprocessError::NoTorque {
+                log: self.log.name.clone(),
+                reasons: reasons.join("; "),
+            });
+        }
+        if !reasons.is_empty() {
+            choices.push(Choice::new(
+                "left_out",
+                reasons.join("; "),
+                "such a joint has no rows; the others are not affected",
+            ));
+        }
+        Ok(excluded)
     }
 
     fn method(&self, record: &Record) -> Method {

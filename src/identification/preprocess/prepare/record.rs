@@ -1,20 +1,21 @@
 //! From a log to one stretch, or to one mean period where the torques repeat as well as the positions.
 
 use super::{Chain, Record};
+use crate::identification::preprocess::period::{detect_period, repeats_with};
 use crate::identification::preprocess::spectrum::forward;
-use crate::identification::preprocess::{Choice, Period, Periods, PreprocessError, Scatter, detect_period};
+use crate::identification::preprocess::{Choice, Period, Periods, PreprocessError, Scatter};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
 impl<'a> Chain<'a> {
     /// Cuts the log into periods where it has them, and takes their mean.
     pub(super) fn record(&self, choices: &mut Vec<Choice>) -> Result<Record<'a>, PreprocessError> {
-        let (period, order, source) = match self.options.period {
-            Period::None => (None, None, "the request asks for one stretch"),
-            Period::Known { period_s, order } => (Some(period_s), order, "given"),
-            Period::Detect => (detect_period(self.log), None, "found in the positions' autocorrelation"),
-        };
-        let stated = matches!(self.options.period, Period::Known { .. });
+        let Chosen {
+            period,
+            order,
+            source,
+            stated,
+        } = self.chosen_period();
         let periods = period.and_then(|p| Periods::find(self.log, p));
         match periods {
             Some(periods) if periods.count == 1 && !stated => {
@@ -27,7 +28,7 @@ impl<'a> Chain<'a> {
             }
             Some(periods) => {
                 let mut made = Vec::new();
-                let record = self.averaged(periods, order, source, &mut made);
+                let record = self.averaged(periods, order, &source, &mut made);
                 if !stated && !torques_repeat(&record) {
                     let why = "the positions repeat but the torques do not: something other than the motion acts, and a mean would hide it";
                     choices.push(Choice::new("period", "none", why));
@@ -42,13 +43,50 @@ impl<'a> Chain<'a> {
                 duration_s: self.log.duration_s(),
             }),
             None => {
-                let why = if self.options.period == Period::None {
-                    source
-                } else {
-                    "nothing in the positions repeats twice"
-                };
-                choices.push(Choice::new("period", "none", why));
+                choices.push(Choice::new("period", "none", source));
                 Ok(self.whole())
+            }
+        }
+    }
+
+    /// The period that this log has: a stated one is that of the trajectory that somebody had in mind, which need not be this log's.
+    fn chosen_period(&self) -> Chosen {
+        let found = |otherwise: &str| {
+            let period = detect_period(self.log);
+            let source = match period {
+                Some(_) => "found in the positions' autocorrelation",
+                None => "nothing in the positions repeats twice",
+            };
+            Chosen {
+                period,
+                order: None,
+                source: format!("{source}{otherwise}"),
+                stated: false,
+            }
+        };
+        match self.options.period {
+            Period::None => Chosen {
+                period: None,
+                order: None,
+                source: "the request asks for one stretch".into(),
+                stated: false,
+            },
+            Period::Detect => found(""),
+            Period::Known { period_s, order } | Period::Expected { period_s, order } => {
+                let imposed = matches!(self.options.period, Period::Known { .. });
+                let given = Chosen {
+                    period: Some(period_s),
+                    order,
+                    source: "given".into(),
+                    stated: imposed,
+                };
+                let own = || found(&format!("; this log does not repeat with the stated {period_s} s"));
+                match repeats_with(self.log, period_s) {
+                    Some(true) => given,
+                    Some(false) => own(),
+                    None if imposed => given,
+                    None => own(),
+                }
             }
         }
     }
@@ -111,6 +149,15 @@ impl<'a> Chain<'a> {
             scatter,
         }
     }
+}
+
+/// What is known of the period before the log is cut.
+struct Chosen {
+    period: Option<f64>,
+    order: Option<usize>,
+    source: String,
+    /// By the request, and not contradicted by the log.
+    stated: bool,
 }
 
 /// Whether periods scatter by noise alone, and not by torques of their own ([`is_noise`]): about their mean or, where they do not, between the two of them,

@@ -1,0 +1,337 @@
+//! Does a model explain more of the torque than a constant per joint does?
+//!
+//! Held-out data decide: of a log with periods one half of them predicts the other, of one without each fifth of its time is predicted from the rest. In-sample
+//! fits of noise explain as much as they have parameters; out of sample they explain nothing, whatever the noise's correlation in time.
+
+use super::normal::gram;
+use super::{JointNormal, Observation, PreparedLog};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Below this share of the torque's variance nobody would call a motion explained. Noise of N independent rows reaches a share of `√(8p)/N` by chance once in
+/// a thousand logs, p parameters: with 60 of them, 220 rows suffice.
+pub(crate) const LEAST_EXPLAINED: f64 = 0.1;
+/// Contiguous stretches of time that a log without periods is cut into.
+const SEGMENTS: usize = 5;
+/// Part of all information that stands in for what the held-out part alone knows: a direction that only that part determines would be extrapolated into
+/// it with no limit. It takes a hundredth off what a good model explains.
+const RIDGE: f64 = 0.1;
+
+/// Normal equations per joint: the model's columns, and behind them the joint's constant.
+pub(crate) type Part = Vec<JointNormal>;
+
+/// Rows to fit and rows to predict.
+pub(crate) struct Fold {
+    pub train: Part,
+    pub test: Part,
+}
+
+/// Shares of the torque's variance about a constant that a model explains, on held-out data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explained {
+    /// Per joint, at most 1 and below 0 where the constant predicts better; `None` for a joint without rows.
+    pub joints: Vec<Option<f64>>,
+}
+
+impl Explained {
+    /// Mean over the joints that have rows; 0 where there is none.
+    pub fn mean(&self) -> f64 {
+        let known: Vec<f64> = self.joints.iter().flatten().map(|s| s.max(-1.0)).collect();
+        known.iter().sum::<f64>() / known.len().max(1) as f64
+    }
+
+    /// Whether the model explains more than a constant per joint.
+    pub fn is_more_than_a_constant(&self) -> bool {
+        self.mean() >= LEAST_EXPLAINED
+    }
+}
+
+/// Of the model whose rows are `observations`, made from `logs`.
+pub fn explained(observations: &[Observation], logs: &[&PreparedLog]) -> Explained {
+    let pieces: Vec<Pieces> = observations.iter().zip(logs).map(|(o, log)| Pieces::of(o, log)).collect();
+    let fold = |at: usize, (train, test): &(Part, Part)| {
+        let others = pieces.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, p)| &p.whole);
+        Fold {
+            train: others.fold(train.clone(), |sum, other| combined(&sum, other, 1.0)),
+            test: test.clone(),
+        }
+    };
+    let folds: Vec<Fold> = pieces
+        .iter()
+        .enumerate()
+        .flat_map(|(at, p)| p.folds.iter().map(move |f| (at, f)))
+        .map(|(at, f)| fold(at, f))
+        .collect();
+    shares(&folds)
+}
+
+/// One log: all of it, and what of it is fitted and predicted in turn.
+struct Pieces {
+    whole: Part,
+    folds: Vec<(Part, Part)>,
+}
+
+impl Pieces {
+    fn of(o: &Observation, log: &PreparedLog) -> Self {
+        let torques = |j: usize| o.joints[j].torque.as_slice().to_vec();
+        let rows = o.samples.len();
+        if log.scatter.is_none() {
+            return Self::of_segments(segments(rows, |range| part_of(o, &torques, range)));
+        }
+        let [even, odd] = [0, 1].map(|half| part_of(o, &|j| half_mean(log, o, j, half), 0..rows));
+        Self {
+            whole: part_of(o, &torques, 0..rows),
+            folds: vec![(even.clone(), odd.clone()), (odd, even)],
+        }
+    }
+
+    fn of_segments(parts: Vec<Part>) -> Self {
+        let whole = parts
+            .iter()
+            .skip(1)
+            .fold(parts[0].clone(), |sum, part| combined(&sum, part, 1.0));
+        let folds = parts.into_iter().map(|part| (combined(&whole, &part, -1.0), part)).collect();
+        Self { whole, folds }
+    }
+}
+
+/// What `part` makes of each of the contiguous stretches of so many rows.
+fn segments(rows: usize, part: impl Fn(Range<usize>) -> Part) -> Vec<Part> {
+    (0..SEGMENTS)
+        .map(|k| part(k * rows / SEGMENTS..(k + 1) * rows / SEGMENTS))
+        .collect()
+}
+
+/// Folds of rows that follow each other in time: each fifth is predicted from the others.
+pub(crate) fn folds_in_time(rows: usize, part: impl Fn(Range<usize>) -> Part) -> Vec<Fold> {
+    let pieces = Pieces::of_segments(segments(rows, part));
+    pieces.folds.into_iter().map(|(train, test)| Fold { train, test }).collect()
+}
+
+/// Each half predicted from the other.
+pub(crate) fn folds_both_ways(one: Part, other: Part) -> Vec<Fold> {
+    let there = Fold {
+        train: one.clone(),
+        test: other.clone(),
+    };
+    vec![there, Fold { train: other, test: one }]
+}
+
+/// Torque rows of a joint from the mean over every second period.
+fn half_mean(log: &PreparedLog, o: &Observation, joint: usize, half: usize) -> Vec<f64> {
+    let Some(scatter) = &log.scatter else { return Vec::new() };
+    let samples = log.samples();
+    let periods: Vec<&[f64]> = scatter.torque[joint].chunks_exact(samples).skip(half).step_by(2).collect();
+    let mean: Vec<f64> = (0..samples)
+        .map(|s| periods.iter().map(|p| p[s]).sum::<f64>() / periods.len() as f64)
+        .collect();
+    let rows = log.row_filter.torque_rows(&mean).into_iter().zip(&o.joints[joint].used);
+    rows.map(|(v, used)| if *used { v } else { 0.0 }).collect()
+}
+
+fn part_of(o: &Observation, torque: &(dyn Fn(usize) -> Vec<f64> + Sync), range: Range<usize>) -> Part {
+    let joint = |j: usize| {
+        let rows = &o.joints[j];
+        let own = o.matrices[j].rows(range.start, range.len()).into_owned();
+        let used = rows.used[range.clone()].iter().filter(|u| **u).count();
+        let columns = rows.columns.iter().copied().chain([o.columns + j]).collect();
+        with_constant(&own, &torque(j)[range.clone()], used, columns)
+    };
+    (0..o.joints.len()).into_par_iter().map(joint).collect()
+}
+
+/// Normal equations of rows of which `used` are not zero, the constant's behind them; `columns` are the model's, and last the constant's.
+pub(crate) fn with_constant(matrix: &DMatrix<f64>, torque: &[f64], used: usize, columns: Vec<usize>) -> JointNormal {
+    let w = matrix.ncols();
+    let mut whole = gram(matrix).resize(w + 1, w + 1, 0.0);
+    for (c, column) in matrix.column_iter().enumerate() {
+        (whole[(c, w)], whole[(w, c)]) = (column.sum(), column.sum());
+    }
+    whole[(w, w)] = used as f64;
+    let torque = DVector::from_column_slice(torque);
+    let moment = matrix.tr_mul(&torque).push(torque.sum());
+    JointNormal {
+        columns,
+        gram: whole,
+        moment,
+        torque_square: torque.norm_squared(),
+        rows: used,
+        resolution: 0.0,
+    }
+}
+
+/// `a + sign b`, joint by joint.
+fn combined(a: &Part, b: &Part, sign: f64) -> Part {
+    let joint = |(a, b): (&JointNormal, &JointNormal)| JointNormal {
+        columns: a.columns.clone(),
+        gram: &a.gram + &b.gram * sign,
+        moment: &a.moment + &b.moment * sign,
+        torque_square: a.torque_square + sign * b.torque_square,
+        rows: if sign > 0.0 {
+            a.rows + b.rows
+        } else {
+            a.rows.saturating_sub(b.rows)
+        },
+        resolution: a.resolution.max(b.resolution),
+    };
+    a.iter().zip(b).map(joint).collect()
+}
+
+/// Shares explained over all folds.
+pub(crate) fn shares(folds: &[Fold]) -> Explained {
+    let joints = folds.first().map_or(0, |f| f.test.len());
+    let per_fold: Vec<Vec<[f64; 2]>> = folds.par_iter().map(predicted).collect();
+    let of = |j: usize| {
+        let [constant, model] = per_fold
+            .iter()
+            .fold([0.0; 2], |[c, m], fold| [c + fold[j][0], m + fold[j][1]]);
+        (constant > 0.0 && model.is_finite()).then(|| 1.0 - model / constant)
+    };
+    Explained {
+        joints: (0..joints).map(of).collect(),
+    }
+}
+
+/// Per joint: what the constant, and what the model with it, leave of the rows to predict.
+fn predicted(fold: &Fold) -> Vec<[f64; 2]> {
+    let means: Vec<f64> = fold.train.iter().map(mean).collect();
+    let values = fitted(fold, &means);
+    let of = |(normal, &mean): (&JointNormal, &f64)| {
+        let (own, (moment, square)) = (
+            DVector::from_iterator(normal.columns.len(), normal.columns.iter().map(|&c| values[c])),
+            about(normal, mean),
+        );
+        // Of rows that are all alike rounding remains.
+        let constant = if square > 1e-20 * normal.torque_square { square } else { 0.0 };
+        [
+            constant,
+            (square - 2.0 * own.dot(&moment) + own.dot(&(&normal.gram * &own))).max(0.0),
+        ]
+    };
+    fold.test.iter().zip(&means).map(of).collect()
+}
+
+fn mean(normal: &JointNormal) -> f64 {
+    let last = normal.moment.len() - 1;
+    if normal.rows == 0 {
+        0.0
+    } else {
+        normal.moment[last] / normal.rows as f64
+    }
+}
+
+/// Moments and square of the torque less `mean`.
+fn about(normal: &JointNormal, mean: f64) -> (DVector<f64>, f64) {
+    let last = normal.moment.len() - 1;
+    let moment = &normal.moment - normal.gram.column(last) * mean;
+    let square = normal.torque_square - 2.0 * mean * normal.moment[last] + mean * mean * normal.rows as f64;
+    (moment, square.max(0.0))
+}
+
+/// Least squares of the rows to fit, every joint by the inverse of its variance, with a ridge of a part of all information.
+fn fitted(fold: &Fold, means: &[f64]) -> DVector<f64> {
+    let size = fold.train.iter().flat_map(|n| &n.columns).max().map_or(0, |c| c + 1);
+    let (mut matrix, mut moment) = (DMatrix::zeros(size, size), DVector::zeros(size));
+    for ((train, test), &mean) in fold.train.iter().zip(&fold.test).zip(means) {
+        let (own, square) = about(train, mean);
+        let weight = if square > 0.0 { train.rows as f64 / square } else { 0.0 };
+        let all = &train.gram * (1.0 + RIDGE) + &test.gram * RIDGE;
+        for (b, &cb) in train.columns.iter().enumerate() {
+            moment[cb] += weight * own[b];
+            train
+                .columns
+                .iter()
+                .enumerate()
+                .for_each(|(a, &ca)| matrix[(ca, cb)] += weight * all[(a, b)]);
+        }
+    }
+    solved(matrix, moment)
+}
+
+/// Directions that no row determines have nothing to say: what stands for their information is rounding of the others'.
+const ROUNDING: f64 = 1e-10;
+
+/// Solves positive semidefinite equations, scaled to a unit diagonal.
+fn solved(matrix: DMatrix<f64>, moment: DVector<f64>) -> DVector<f64> {
+    let size = moment.len();
+    let scale = DVector::from_fn(size, |c, _| {
+        if matrix[(c, c)] > 0.0 {
+            matrix[(c, c)].sqrt().recip()
+        } else {
+            0.0
+        }
+    });
+    let scaled = DMatrix::from_fn(size, size, |r, c| {
+        if r == c {
+            1.0 + ROUNDING
+        } else {
+            matrix[(r, c)] * scale[r] * scale[c]
+        }
+    });
+    let right = moment.component_mul(&scale);
+    scaled
+        .cholesky()
+        .map_or(DVector::zeros(size), |c| c.solve(&right).component_mul(&scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Rows of eight harmonics of a motion, their torque, and what they explain of it.
+    fn explained_of(torque: impl Fn(&DMatrix<f64>) -> Vec<f64>) -> f64 {
+        let rows = 1000;
+        let matrix = DMatrix::from_fn(rows, 8, |s, c| {
+            (0.011 * (c + 1) as f64 * s as f64 + c as f64).sin() + if c == 3 { 5.0 } else { 0.0 }
+        });
+        let torque = torque(&matrix);
+        let part = |range: Range<usize>| {
+            let own = matrix.rows(range.start, range.len()).into_owned();
+            vec![with_constant(&own, &torque[range.clone()], range.len(), (0..9).collect())]
+        };
+        shares(&folds_in_time(rows, part)).mean()
+    }
+
+    /// First-order noise of this correlation from row to row.
+    fn noise(seed: u64, correlation: f64) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut last = 0.0;
+        let fresh = |rng: &mut ChaCha8Rng| (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>();
+        (0..1000)
+            .map(|_| {
+                last = correlation * last + (1.0 - correlation * correlation).sqrt() * fresh(&mut rng);
+                last
+            })
+            .collect()
+    }
+
+    #[test]
+    fn prop_noise_is_not_explained_at_any_scale() {
+        for seed in 0..50 {
+            for scale in [1e-9, 1.0, 1e9] {
+                let correlation = [0.0, 0.5, 0.9][seed as usize % 3];
+                let share = explained_of(|_| noise(seed, correlation).iter().map(|v| scale * (v + 20.0)).collect());
+                assert!(
+                    share < LEAST_EXPLAINED,
+                    "{share} with seed {seed}, correlation {correlation}, scale {scale}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn prop_a_torque_of_the_motion_is_explained() {
+        for seed in 0..20 {
+            let torque = |m: &DMatrix<f64>| -> Vec<f64> {
+                let made = m * DVector::from_fn(8, |c, _| 1.0 + c as f64);
+                made.iter().zip(noise(seed, 0.5)).map(|(v, e)| v + 3.0 * e).collect()
+            };
+            let share = explained_of(torque);
+            // The ridge takes a hundredth of it, the noise as much as it has.
+            assert!(share > 0.8, "{share}");
+        }
+    }
+}
