@@ -40,7 +40,7 @@ pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, rea
 pub use inspect_document::{InspectDocument, InspectedJoint, InspectedLog};
 pub use json::{Malformed, Parsed, parse};
 pub use knowledge_request::{DesignModel, DesignTerms, MOST_GIVEN};
-pub use model_document::{robot_value, urdf};
+pub use model_document::{robot_value, urdf, urdf_gravity};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
 pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts};

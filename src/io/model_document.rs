@@ -3,10 +3,11 @@
 use super::bounds_document::{axis_name, bounds_value};
 use crate::model::{Capsule, Joint, Robot};
 use crate::spatial::Transform;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, Event};
+use quick_xml::events::{BytesDecl, BytesText, Event};
 use serde_json::{Map, Value, json};
+use std::f64::consts::PI;
 
 /// Joint frames as the description has them: pose in the frame before, and the joint's axis.
 struct Described {
@@ -113,7 +114,28 @@ fn capsule_value(capsule: &Capsule, turn: &Matrix3<f64>) -> Value {
     json!({"from": from.as_slice(), "to": to.as_slice(), "radius": capsule.radius})
 }
 
-/// The robot as URDF; links without prior parameters have no inertial.
+/// Gravity in the root frame of the file that [`urdf`] writes [m/s²]: URDF has none of its own, and every simulator lets it point along −z.
+pub fn urdf_gravity(robot: &Robot) -> Vector3<f64> {
+    Vector3::new(0.0, 0.0, -robot.gravity().norm())
+}
+
+/// The turn from the base frame to one in which gravity points along −z; `None` where it does already, or there is none.
+fn mounting(robot: &Robot) -> Option<Matrix3<f64>> {
+    let (gravity, down) = (robot.gravity(), urdf_gravity(robot));
+    // Rounding of a vector that was normalised is no other mounting.
+    if (gravity - down).norm() <= 1e-12 * gravity.norm() {
+        return None;
+    }
+    // Straight up every half turn about a level axis is as good: about x.
+    let turn = Rotation3::rotation_between(&gravity, &down);
+    Some(
+        turn.unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), PI))
+            .into_inner(),
+    )
+}
+
+/// The robot as URDF; links without prior parameters have no inertial. Where gravity does not point along −z of the base, the base hangs on a fixed joint that turns it as
+/// it is mounted, and a comment says so.
 pub fn urdf(robot: &Robot) -> String {
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
     let written = write_urdf(&mut writer, robot);
@@ -128,6 +150,9 @@ fn write_urdf(writer: &mut Writer<Vec<u8>>, robot: &Robot) -> std::io::Result<()
         .with_attribute(("name", robot.name()))
         .write_inner_content(|w| {
             let base = base_name(robot);
+            if let Some(turn) = mounting(robot) {
+                write_mounting(w, robot, &turn, &base)?;
+            }
             w.create_element("link")
                 .with_attribute(("name", base.as_str()))
                 .write_empty()?;
@@ -142,9 +167,46 @@ fn write_urdf(writer: &mut Writer<Vec<u8>>, robot: &Robot) -> std::io::Result<()
     Ok(())
 }
 
+/// The world, and the fixed joint that the base hangs on.
+fn write_mounting(w: &mut Writer<Vec<u8>>, robot: &Robot, turn: &Matrix3<f64>, base: &str) -> std::io::Result<()> {
+    let world = free_name(robot, "world");
+    let along = triple(robot.gravity().as_slice());
+    let said = format!(
+        " gravity is [{along}] m/s^2 in {base}: the fixed joint turns it so that gravity points along the negative z axis of {world} "
+    );
+    w.write_event(Event::Comment(BytesText::new(&said)))?;
+    w.create_element("link")
+        .with_attribute(("name", world.as_str()))
+        .write_empty()?;
+    let mut name = "mounting".to_string();
+    while robot.joints().iter().any(|j| j.name == name) {
+        name.push('_');
+    }
+    w.create_element("joint")
+        .with_attribute(("name", name.as_str()))
+        .with_attribute(("type", "fixed"))
+        .write_inner_content(|w| {
+            w.create_element("origin")
+                .with_attribute(("xyz", "0 0 0"))
+                .with_attribute(("rpy", triple(&roll_pitch_yaw(turn)).as_str()))
+                .write_empty()?;
+            w.create_element("parent")
+                .with_attribute(("link", world.as_str()))
+                .write_empty()?;
+            w.create_element("child").with_attribute(("link", base)).write_empty()?;
+            Ok(())
+        })?;
+    Ok(())
+}
+
 /// A name that no link has.
 fn base_name(robot: &Robot) -> String {
-    let mut name = "base_link".to_string();
+    free_name(robot, "base_link")
+}
+
+/// `wanted`, lengthened until no link has that name.
+fn free_name(robot: &Robot, wanted: &str) -> String {
+    let mut name = wanted.to_string();
     while robot.joints().iter().any(|j| j.link_name == name) {
         name.push('_');
     }

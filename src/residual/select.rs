@@ -1,9 +1,10 @@
 //! Forward and backward selection, one effect at a time.
 
 use super::appraise::{Scored, appraise, chance, hypotheses};
-use super::candidate::Candidate;
+use super::candidate::{Candidate, columns_of};
 use super::confirm::wald;
 use super::crossval::HeldOutGain;
+use super::dependence::chance_of;
 use super::family::best_family;
 use super::judge::{is_simpler, judge, stands_in};
 use super::price::Rivalling;
@@ -116,7 +117,7 @@ struct Fitted {
 }
 
 /// The best candidate that earns its place, fitted together with everything else.
-fn step(data: &Data, system: &System, candidates: &[Candidate], scored: &[Scored], threshold: &Threshold) -> Option<Step> {
+fn step<'a>(data: &Data, system: &System, candidates: &[Candidate], scored: &'a [Scored], threshold: &Threshold) -> Option<Step> {
     let first = contenders(scored);
     // Where all rows have misfit, imitators without physical sense can fill the first places: further ones get their turn.
     let further = scored
@@ -125,9 +126,35 @@ fn step(data: &Data, system: &System, candidates: &[Candidate], scored: &[Scored
         .take(MOST_FITTED.saturating_sub(first.len()))
         .collect::<Vec<_>>();
     let groups = std::iter::once(first).chain(further.chunks(GROUP).map(<[_]>::to_vec));
+    let worth = |group: Vec<&'a Scored>| -> Vec<&'a Scored> {
+        group
+            .into_par_iter()
+            .filter(|s| is_worth_fitting(data, system, s, candidates))
+            .collect()
+    };
     groups
+        .map(worth)
+        .filter(|group| !group.is_empty())
         .map(|group| best_of(data, system, &group, candidates, threshold))
         .find_map(|found| found)
+}
+
+/// Chance, hypotheses counted, from which a candidate at its best shape on the grid is not fitted where noise is not measured: fitting the rest of the model with it makes
+/// it no thousand times less likely to be chance.
+const FAR_FROM_CHANCE: f64 = 0.1;
+
+/// Whether a fit could bring a candidate to where it earns its place.
+fn is_worth_fitting(data: &Data, system: &System, scored: &Scored, candidates: &[Candidate]) -> bool {
+    if system.noise_is_measured {
+        return true;
+    }
+    let shape = if scored.term.is_distortion() {
+        Vec::new()
+    } else {
+        scored.term.shape.clone()
+    };
+    let columns = columns_of(data, system, &scored.candidate, &[shape]);
+    chance_of(system, &columns) * hypotheses(candidates, scored.candidate.effect.code()) < FAR_FROM_CHANCE
 }
 
 /// Fits per step: the right one is among the first two dozen or explains next to nothing.

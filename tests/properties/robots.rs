@@ -3,11 +3,11 @@
 use crate::support::{rng, vectors};
 use dynident::dynamics::{forward_kinematics, inverse_dynamics};
 use dynident::io::shipped::Shipped;
-use dynident::io::{NamedRobots, RobotDocument, parse, robot_document, robot_file};
-use dynident::model::Robot;
+use dynident::io::{NamedRobots, RobotDocument, parse, robot_document, robot_file, urdf, urdf_gravity};
+use dynident::model::{Robot, from_urdf};
 use dynident::parameters::Layout;
 use dynident::spatial::Transform;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 fn from_text(text: &str) -> RobotDocument {
     let parsed = robot_file(text.as_bytes()).unwrap();
@@ -42,6 +42,29 @@ fn prop_mdh_and_urdf_of_the_iiwa_have_the_same_torques() {
     assert_same_torques(&urdf.robot, &mdh);
     for (a, b) in urdf.robot.joints().iter().zip(mdh.joints()) {
         assert_eq!((&a.name, a.limits), (&b.name, b.limits));
+    }
+}
+
+/// Exported URDFs have no gravity of their own: the base is turned, so that it points along −z of the root.
+#[test]
+fn prop_an_exported_urdf_keeps_its_mounting() {
+    let upright = Shipped.named("iiwa14").unwrap().robot;
+    let size = upright.gravity().norm();
+    for along in [
+        [0.0, 0.0, -1.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.3, -0.8, 0.35],
+    ] {
+        let mounted = upright.with_gravity(Vector3::from(along).normalize() * size);
+        let text = urdf(&mounted);
+        assert_eq!(text.contains("fixed"), along != [0.0, 0.0, -1.0], "{along:?}");
+        let read = from_urdf(&text, urdf_gravity(&mounted), mounted.friction(), None).unwrap();
+        for (a, b) in torques(&mounted).iter().flatten().zip(torques(&read.robot).iter().flatten()) {
+            // Roll, pitch and yaw of a turn are rounded to 1e-16, and so is gravity of 9.81 m/s² with them.
+            assert!((a - b).abs() < 1e-10, "{along:?}: {a} {b}");
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::app::{Code, Error};
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::PhysicalFit;
-use crate::io::{IdentifyRequest, robot_value, urdf};
+use crate::io::{IdentifyRequest, robot_value, urdf, urdf_gravity};
 use crate::model::{LinkPrior, Robot, from_urdf};
 use crate::parameters::Layout;
 use crate::residual::Fitted;
@@ -58,7 +58,7 @@ pub(super) fn model_files(
     let from_json = crate::io::robot_document(&parsed)
         .map_err(|e| internal("JSON", format!("{e:?}")))?
         .robot;
-    let from_xml = from_urdf(&files.urdf, robot.gravity(), robot.friction(), None)
+    let from_xml = from_urdf(&files.urdf, urdf_gravity(&robot), robot.friction(), None)
         .map_err(|e| internal("URDF", e.to_string()))?
         .robot;
     for (what, read) in [("JSON", from_json), ("URDF", from_xml)] {
