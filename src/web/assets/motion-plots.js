@@ -12,9 +12,9 @@ const both = (limit) => (limit === null || limit === undefined ? null : [-limit,
 
 export function motionPlots({ joints, motion }) {
   const chart = h('div', { class: 'plot', 'data-label': 'Position, velocity, acceleration and expected torque over one period' });
-  const choice = h('select', { class: 'narrow', id: 'motion-joint' }, h('option', { value: 'all' }, 'all joints'), joints.map((j, i) => h('option', { value: i }, j.name)));
+  const choice = h('select', { class: 'narrow', id: 'motion-joint' }, h('option', { value: 'all' }, 'all joints'), h('option', { value: 'share' }, 'all joints, as share of their limits'), joints.map((j, i) => h('option', { value: i }, j.name)));
   const shown = QUANTITIES.filter((q) => motion[q.key]);
-  const make = () => (choice.value === 'all' ? overview(joints, motion, shown) : single(joints[choice.value], Number(choice.value), motion, shown));
+  const make = () => (choice.value === 'all' ? overview(joints, motion, shown) : choice.value === 'share' ? shares(joints, motion, shown) : single(joints[choice.value], Number(choice.value), motion, shown));
   choice.addEventListener('change', () => plot(chart, make));
   plotLater(chart, make);
   const without = motion.torque ? null : h('p', { class: 'soft' }, 'No expected torque: the robot has no prior link parameters. A URDF file with inertials, or an identified model, brings them.');
@@ -33,6 +33,26 @@ function frame(count) {
     layout[axis(i)] = { domain: [Math.max(top - each, 0), top] };
   }
   return { layout, axis };
+}
+
+/** All joints against their limits at once: the limits are at ±100 %, for positions from the middle of the range. */
+function shares(joints, motion, quantities) {
+  const limited = quantities.filter((quantity) => joints.some((joint) => quantity.limit(joint)));
+  const { layout, axis } = frame(limited.length);
+  const share = (quantity, joint, j) => {
+    const limit = quantity.limit(joint);
+    if (!limit) return null;
+    const [middle, half] = [(limit[0] + limit[1]) / 2, (limit[1] - limit[0]) / 2];
+    return motion[quantity.key][j].map((v) => (100 * (v - middle)) / half);
+  };
+  const traces = limited.flatMap((quantity, i) => joints.map((joint, j) => ({
+    type: 'scatter', mode: 'lines', name: joint.name, legendgroup: joint.name, showlegend: i === 0, x: motion.time, y: share(quantity, joint, j) ?? motion.time.map(() => null), yaxis: `y${i ? i + 1 : ''}`,
+    line: { color: colour(j), dash: dash(j), width: 1.8 }, hovertemplate: '%{y:.0f} %',
+  })));
+  const bad = variable('--bad');
+  const shapes = limited.flatMap((_, i) => [-100, 100].map((at) => ({ type: 'line', xref: 'paper', x0: 0, x1: 1, yref: `y${i ? i + 1 : ''}`, y0: at, y1: at, line: { color: bad, dash: 'dash', width: 1.5 } })));
+  limited.forEach((quantity, i) => Object.assign(layout[axis(i)], { title: `${quantity.name}<br>(% of limit)`, range: [-112, 112] }));
+  return { traces, layout: { ...layout, shapes } };
 }
 
 /** All joints in their own units; limits are in the plots of single joints. */
