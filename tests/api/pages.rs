@@ -11,7 +11,10 @@ fn every_page_has_its_modules_and_its_style() {
         assert_eq!(page.status, 200);
         assert!(page.header("content-type").unwrap().starts_with("text/html"));
         let policy = page.header("content-security-policy").unwrap();
-        assert!(policy.contains("default-src 'none'") && policy.contains("script-src 'self'"), "{policy}");
+        assert!(
+            policy.contains("default-src 'none'") && policy.contains("script-src 'self'"),
+            "{policy}"
+        );
         let assets: Vec<&str> = page.text.split('"').filter(|part| part.starts_with("/assets/")).collect();
         assert!(assets.len() >= 5, "{assets:?}");
         for asset in assets {
