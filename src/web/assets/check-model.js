@@ -38,5 +38,5 @@ export function changes(residual) {
   const found = residual.findings.map((f) => h('div', { class: 'finding', 'data-effect': f.effect }, h('p', { class: 'sentence' }, f.sentence), findingParameters(f)));
   const all = residual.findings.length || residual.remainder;
   return h('section', { class: 'card', id: 'changes', 'aria-labelledby': 'changes-title' }, h('h2', { id: 'changes-title' }, 'What has changed since the model was made'),
-    h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, all ? sentence(residual.summary) : 'Nothing: what the model leaves over is noise.')), faults, found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
+    h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, all ? sentence(residual.summary) : 'No change found: the residual is noise.')), faults, found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
 }

@@ -151,7 +151,7 @@ function criteria(result) {
   const c = result.criteria;
   const advice = result.recommended_criterion;
   const rows = Object.entries(CRITERIA).filter(([key]) => c[key] !== null && c[key] !== undefined).map(([key, about]) => ({ key, ...about, value: c[key] }));
-  const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'made large' : 'made small') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
+  const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'maximised' : 'minimised') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
   return section('criteria', 'All criteria', h('p', { class: 'soft' }, 'What one criterion gains another loses. To see the trade, design once more for another criterion and compare the two at the end of this page.'),
     table([{ head: 'Criterion', cell: (r) => h('strong', {}, r.name) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'What it says', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
     advice ? h('p', { class: 'soft' }, `Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`) : null);

@@ -10,8 +10,8 @@ export const VERDICTS = {
   good: ['good', 'Good data'], poor_excitation: ['warn', 'Poor excitation'], unidentifiable: ['bad', 'Not identifiable'],
 };
 export const RESIDUAL = {
-  nothing_missing: ['good', 'Nothing is missing: what is left is noise.'], explained: ['good', 'What was left is explained.'],
-  partly_explained: ['warn', 'A part of what is left is explained.'], unexplained: ['bad', 'Something is left that nothing explains.'],
+  nothing_missing: ['good', 'Nothing is missing: the residual is noise.'], explained: ['good', 'The residual is explained.'],
+  partly_explained: ['warn', 'A part of the residual is explained.'], unexplained: ['bad', 'A part of the residual has no explanation.'],
 };
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
 
@@ -35,7 +35,7 @@ export function showValidation(target, result, made) {
   const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   const worst = result.logs[0]?.percent ?? [];
   const origin = made ? h('p', {}, 'The model is that of ', h('a', { href: `/identification?id=${made.id}` }, `an identification from ${made.provenance.logs.filter((l) => l.role === 'identification').map((l) => l.file).join(', ')}`), '.') : null;
-  fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints), of the model as it is, with its effects; below it the share of the torque’s own. What has changed is looked for after the model’s parameters were let move within their deviations, and told in errors of single measurements.'),
+  fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints), of the model as it is, with its effects; below it the share of the torque’s own. Changes are searched for with the model’s parameters free within their standard deviations, and reported in errors of single measurements.'),
     table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' })),
   torquePlots(result, effort, { models: { ...MODELS, base: 'the model as it is' }, first: worst.indexOf(Math.max(...worst)) }), logs(result));
 }
@@ -106,7 +106,7 @@ function errors(result, effort) {
     h('h3', {}, 'Noise'), table([
       { head: 'Joint', cell: (n) => n.joint, sort: (n) => n.joint }, { head: 'Residual RMS', number: true, cell: (n) => number(n.residual_rms, 3), sort: (n) => n.residual_rms },
       { head: 'Noise', number: true, cell: (n) => number(n.noise_std, 3), sort: (n) => n.noise_std, title: 'Of the fitted rows, from the scatter between periods' }, { head: 'Misfit', number: true, cell: (n) => number(n.misfit, 3), sort: (n) => n.misfit, title: 'Residual mean square over what noise alone would leave' },
-      { head: 'Rows', number: true, cell: (n) => n.rows.toLocaleString(), sort: (n) => n.rows }, { head: 'Worth', number: true, cell: (n) => number(n.effective_rows, 3), sort: (n) => n.effective_rows, title: 'Independent values that the rows are worth' },
+      { head: 'Rows', number: true, cell: (n) => n.rows.toLocaleString(), sort: (n) => n.rows }, { head: 'Effective rows', number: true, cell: (n) => number(n.effective_rows, 3), sort: (n) => n.effective_rows, title: 'Independent values that the rows are worth' },
     ], result.noise, { caption: 'Noise of the fitted rows, per joint' }));
 }
 

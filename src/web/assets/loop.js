@@ -14,7 +14,7 @@ async function show(id) {
   const target = find('#result');
   const report = result.residual;
   if (!report) {
-    fill(target, section('none', result.robot, h('p', {}, 'This identification was asked not to trace what is left. '), h('a', { class: 'button', href: `/identification?id=${id}` }, 'See its result')));
+    fill(target, section('none', result.robot, h('p', {}, 'This identification was run without residual diagnosis. '), h('a', { class: 'button', href: `/identification?id=${id}` }, 'See its result')));
     return;
   }
   const drawn = result.provenance ? await postJson('/motion', { robot: result.provenance.robot }) : null;
@@ -119,7 +119,7 @@ function heldOutTable(report) {
 function floor({ result, report, effort }) {
   const rows = result.joints.map((name, j) => ({ name, j, floor: report.noise_floor[j], fit: report.lack_of_fit[j], after: report.lack_of_fit_after[j] }));
   const p = (v) => (v < 1e-12 ? '< 10⁻¹²' : number(v, 2));
-  return section('floor', 'Noise floor and lack of fit', h('p', { class: 'soft' }, `Noise from: ${report.noise_source}. Lack of fit compares what is left with what noise alone would leave: 1 means nothing is missing.`), table([
+  return section('floor', 'Noise floor and lack of fit', h('p', { class: 'soft' }, `Noise from: ${report.noise_source}. Lack of fit is the mean square of the residual over that of noise alone: 1 means that nothing is missing.`), table([
     { head: 'Joint', cell: (r) => r.name, sort: (r) => r.name }, { head: 'Noise floor', number: true, cell: (r) => `${number(r.floor, 3)} ${effort[r.j]}`, sort: (r) => r.floor, title: 'Standard deviation of one measurement' },
     { head: 'Left (mean)', number: true, cell: (r) => number(r.fit.residual_rms, 3), sort: (r) => r.fit.residual_rms, title: 'RMS of the residual of the mean over the periods' }, { head: 'Noise alone (mean)', number: true, cell: (r) => number(r.fit.expected_rms, 3), sort: (r) => r.fit.expected_rms },
     { head: 'Lack of fit', number: true, cell: (r) => number(r.fit.statistic, 3), sort: (r) => r.fit.statistic }, { head: 'p', number: true, cell: (r) => p(r.fit.p_value), sort: (r) => r.fit.p_value },

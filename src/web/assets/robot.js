@@ -103,7 +103,7 @@ function limits(drawn) {
 }
 
 function baseTable(base) {
-  return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} standard parameters: all that torques can tell of this arm. The letter R in a name says that others are grouped into it.`), table([
+  return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} standard parameters: all that joint torques identify of this arm. R in a name means that other parameters are grouped into it.`), table([
     { head: 'Name', cell: (p) => nameOf(p.name), sort: (p) => p.name }, { head: 'Is', cell: (p) => typeset(p.expression, p.name) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
   ], base.base_parameters, { caption: 'By name' })];
 }
@@ -139,7 +139,7 @@ function across(identified) {
   plotLater(chart, make);
   return h('div', {}, h('h3', {}, 'A parameter across identifications'), h('label', { class: 'inline' }, 'Parameter', name), chart, table([
     { head: 'Identification', cell: (r) => h('a', { href: `/identification?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Data', cell: (r) => words(r.result.quality.verdict), sort: (r) => r.result.quality.verdict },
-    { head: 'Logs', cell: (r) => r.result.log_report.map((l) => l.file).join(', ') }, { head: 'Left over', cell: (r) => (r.result.residual ? h('a', { href: `/loop?id=${r.job.id}` }, words(r.result.residual.verdict)) : '–') },
+    { head: 'Logs', cell: (r) => r.result.log_report.map((l) => l.file).join(', ') }, { head: 'Residual', cell: (r) => (r.result.residual ? h('a', { href: `/loop?id=${r.job.id}` }, words(r.result.residual.verdict)) : '–') },
   ], identified, { caption: 'Identifications' }));
 }
 
