@@ -14,6 +14,7 @@ const PAGES: &[(&str, &str, &str)] = &[
     ("/identification", "Identification", "identification"),
     ("/loop", "The loop", "loop"),
     ("/runs", "Runs", "runs"),
+    ("/help", "Help", "help"),
 ];
 
 /// What the pages may load: their own files, and no script that stands in a page. plotly.js sets styles on elements and hands pictures out as

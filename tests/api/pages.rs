@@ -6,7 +6,7 @@ use serde_json::json;
 #[test]
 fn every_page_has_its_modules_and_its_style() {
     let server = Server::start();
-    for address in ["/", "/robot", "/design", "/identification", "/loop", "/runs"] {
+    for address in ["/", "/robot", "/design", "/identification", "/loop", "/runs", "/help"] {
         let page = server.get(address);
         assert_eq!(page.status, 200);
         assert!(page.header("content-type").unwrap().starts_with("text/html"));
@@ -39,6 +39,7 @@ fn modules_find_each_other() {
         "identification.js",
         "loop.js",
         "runs.js",
+        "help.js",
     ]
     .into_iter()
     .map(String::from)

@@ -190,7 +190,16 @@ fn with_tokens_the_token_decides() {
 #[test]
 fn every_answer_is_protected() {
     let server = Server::start();
-    let pages = ["/", "/robot", "/design", "/identification", "/loop", "/runs", "/docs/"];
+    let pages = [
+        "/",
+        "/robot",
+        "/design",
+        "/identification",
+        "/loop",
+        "/runs",
+        "/help",
+        "/docs/",
+    ];
     let data = [
         "/jobs",
         "/openapi.json",

@@ -35,6 +35,10 @@ def main():
         page.locator("#recent").get_by_role("link", name="Demo: iiwa 14 with a hidden spring").wait_for()
         assert page.get_by_role("heading", name="New here?").count() == 0
         check(page, "lab after the demo")
+        page.goto(f"{options.server}/help#diagnosis")
+        assert page.locator("#diagnosis math").count() == 1
+        check(page, "help")
+        picture(page, options, "help")
 
 
 main()
