@@ -4,6 +4,7 @@
 mod server;
 
 mod bad_input;
+mod degenerate;
 mod designs;
 mod identify;
 mod identify_faults;

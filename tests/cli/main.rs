@@ -1,5 +1,6 @@
 //! The program from the command line, end to end.
 
+mod degenerate;
 mod effects;
 mod identify;
 mod operate;
