@@ -297,3 +297,45 @@ fn metrics_count_requests_and_jobs() {
         assert!(text.lines().any(|l| l == line), "{line} not in\n{text}");
     }
 }
+
+/// A machine without handles or memory for another process has them again later: requests are told so, and jobs wait.
+#[test]
+fn where_no_process_can_be_started_a_job_waits_and_does_not_fail() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = std::env::temp_dir().join(format!("dynident-no-process-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let program = folder.join("program");
+    std::fs::write(
+        &program,
+        concat!("#!/bin/sh\nexec ", env!("CARGO_BIN_EXE_dynident"), " \"$@\"\n"),
+    )
+    .unwrap();
+    let may_run = |mode| std::fs::set_permissions(&program, std::fs::Permissions::from_mode(mode)).unwrap();
+    let config = |places| Config {
+        data: Some(folder.join("data")),
+        program: Some(program.clone()),
+        concurrent_jobs: places,
+        short_jobs: 0,
+        ..Config::default()
+    };
+    may_run(0o755);
+    let mut queue = Server::with(config(0));
+    let id = begin(&queue, &moment("waits", 1), &[]);
+    queue.stop();
+    may_run(0o644);
+    let server = Server::with(config(1));
+    let refused = server.post_json("/motion", &json!({"robot": "planar_two_link"}).to_string());
+    assert_eq!(
+        (refused.status, &refused.problem()["code"]),
+        (503, &json!("too_many_jobs")),
+        "{}",
+        refused.text
+    );
+    wait_until(|| server.get(&format!("/jobs/{id}")).json()["state"] == "running");
+    std::thread::sleep(Duration::from_millis(1500));
+    assert_eq!(server.get(&format!("/jobs/{id}")).json()["state"], "running");
+    may_run(0o755);
+    wait_until(|| server.get(&format!("/jobs/{id}")).json()["state"] == "finished");
+    drop(server);
+    let _ = std::fs::remove_dir_all(&folder);
+}
