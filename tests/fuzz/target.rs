@@ -1,7 +1,7 @@
 //! What mutated inputs are given to: commands of the program as users call them, and the use cases that only HTTP has.
 
 use super::bases;
-use dynident::app::{Error, LogFile, inspect, motion};
+use dynident::app::{CancelFlag, Error, LogFile, inspect, motion};
 use dynident::cli::run_with;
 use dynident::io::shipped::Shipped;
 use dynident::io::{NoExcitations, Parsed, parse, read_identify_request, read_motion_request, read_validate_request, robot_file};
@@ -215,7 +215,7 @@ fn look(folders: &Folders) -> Result<(), Error> {
             .into_iter()
             .collect::<Vec<_>>()
     };
-    let seen = inspect(&request, &logs(bases::LOG), &logs(bases::VALIDATION))?;
+    let seen = inspect(&request, &logs(bases::LOG), &logs(bases::VALIDATION), &CancelFlag::default())?;
     keep(folders, &json!(seen));
     Ok(())
 }
@@ -223,7 +223,7 @@ fn look(folders: &Folders) -> Result<(), Error> {
 /// `POST /motion`.
 fn move_robot(folders: &Folders) -> Result<(), Error> {
     let request = read_motion_request(&with_robot(folders)?, &Shipped).map_err(|e| Error::invalid("the request", e))?;
-    keep(folders, &json!(motion(&request)));
+    keep(folders, &json!(motion(&request, &CancelFlag::default())));
     Ok(())
 }
 
