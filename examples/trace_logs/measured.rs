@@ -17,7 +17,9 @@ const FRICTION: Friction = Friction {
 
 fn urdf(path: &Path) -> Robot {
     let text = std::fs::read_to_string(path).unwrap();
-    from_urdf(&text, Vector3::new(0.0, 0.0, -9.81), FRICTION, None).unwrap().robot
+    from_urdf(&text, Vector3::new(0.0, 0.0, -9.81), FRICTION, ChainEnds::default())
+        .unwrap()
+        .robot
 }
 
 fn panda() -> Robot {

@@ -74,8 +74,7 @@ pub(super) fn add_effects(files: &mut ModelFiles, traced: &Traced, logs: &[Stret
         map.insert("not_in_urdf".into(), not_held.clone().into());
     }
     if let Some(end) = files.urdf.find("?>").filter(|_| !not_held.is_empty()) {
-        // Two hyphens would end the comment.
-        let comment = not_held.join("\n     ").replace("--", "- -");
+        let comment = commented(&not_held.join("\n     "));
         files.urdf.insert_str(end + 2, &format!("\n<!-- {comment} -->"));
     }
 }
@@ -117,6 +116,18 @@ fn torque_difference(one: &AugmentedModel, other: &AugmentedModel, logs: &[Stret
     sums.into_iter()
         .map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).sqrt())
         .collect()
+}
+
+/// Text for an XML comment, which two hyphens in a row would end.
+fn commented(text: &str) -> String {
+    let mut comment = String::with_capacity(text.len());
+    for letter in text.chars() {
+        if letter == '-' && comment.ends_with('-') {
+            comment.push(' ');
+        }
+        comment.push(letter);
+    }
+    comment
 }
 
 /// Faults of all logs, each kind and joint once.

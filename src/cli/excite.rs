@@ -19,6 +19,8 @@ pub struct Arguments {
     /// Robot: a JSON or URDF file, or the name of one that comes with the program; replaces the one in the request.
     #[arg(long, value_name = "FILE|NAME")]
     robot: Option<String>,
+    #[command(flatten)]
+    chain: files::ChainArguments,
     /// Request: a JSON file as for POST /excitation.
     #[arg(long, value_name = "FILE")]
     request: PathBuf,
@@ -76,8 +78,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
 
 fn read_request(arguments: &Arguments) -> Result<ExcitationRequest, Error> {
     let mut parsed = files::parse_json(&arguments.request)?;
-    if let Some(robot) = &arguments.robot {
-        put_robot(&mut parsed, files::robot(robot)?);
+    match &arguments.robot {
+        Some(robot) => put_robot(&mut parsed, files::robot(robot, &arguments.chain)?),
+        None => arguments
+            .chain
+            .put(parsed.value.get_mut("robot").unwrap_or(&mut Value::Null))?,
     }
     put_data(&mut parsed, arguments)?;
     let invalid = |errors| files::in_file(&arguments.request, Error::invalid("the excitation request", errors));

@@ -2,7 +2,7 @@
 
 use crate::app::{Code, Error};
 use crate::io::shipped::Shipped;
-use crate::io::{NamedRobots, Parsed, parse, robot_file};
+use crate::io::{NamedRobots, Parsed, RobotDocument, parse, robot_document, robot_file};
 use serde::Serialize;
 use serde_json::Value;
 use std::io::Write;
@@ -38,8 +38,44 @@ pub fn parse_json(path: &Path) -> Result<Parsed, Error> {
     parse(&read(path)?).map_err(|e| in_file(path, e.into()))
 }
 
+/// Which part of a robot file is the robot.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct ChainArguments {
+    /// Last link of the arm, where the robot's file has more: a gripper, a second arm.
+    #[arg(long, value_name = "LINK")]
+    tip: Option<String>,
+    /// Link that stands still, where it is not the root of the robot's file.
+    #[arg(long, value_name = "LINK")]
+    base: Option<String>,
+}
+
+impl ChainArguments {
+    /// Puts the links into the document of a robot.
+    pub fn put(&self, robot: &mut Value) -> Result<(), Error> {
+        let stated = [("base", &self.base), ("tip", &self.tip)];
+        let stated = stated.into_iter().filter_map(|(name, link)| Some((name, link.as_ref()?)));
+        for (name, link) in stated {
+            let of_file = robot.get("urdf").is_some();
+            match robot.as_object_mut().filter(|_| of_file) {
+                Some(fields) => fields.insert(name.to_string(), link.clone().into()),
+                None => {
+                    let error = Error::new(Code::InvalidDocument, format!("--{name} goes with a robot from a URDF file"));
+                    return Err(error.with_hint("a robot with `joints` is the chain itself: leave joints out there"));
+                }
+            };
+        }
+        Ok(())
+    }
+}
+
 /// A robot by the name of one that comes with the program, or from a file (JSON or URDF).
-pub fn robot(name_or_file: &str) -> Result<Parsed, Error> {
+pub fn robot(name_or_file: &str, chain: &ChainArguments) -> Result<Parsed, Error> {
+    let mut parsed = named_robot(name_or_file)?;
+    chain.put(&mut parsed.value)?;
+    Ok(parsed)
+}
+
+fn named_robot(name_or_file: &str) -> Result<Parsed, Error> {
     let path = Path::new(name_or_file);
     let names = Shipped.names();
     if !path.exists() && names.iter().any(|n| n == name_or_file) {
@@ -50,6 +86,22 @@ pub fn robot(name_or_file: &str) -> Result<Parsed, Error> {
     }
     let bytes = read(path).map_err(|e| e.with_hint(format!("give a file, or one of: {}", names.join(", "))))?;
     robot_file(&bytes).map_err(|e| in_file(path, e.into()))
+}
+
+/// The robot itself, and what to know about how it was read.
+pub fn read_robot(name_or_file: &str, chain: &ChainArguments) -> Result<RobotDocument, Error> {
+    let parsed = robot(name_or_file, chain)?;
+    match &parsed.value {
+        Value::String(name) => Shipped
+            .named(name)
+            .ok_or_else(|| Error::new(Code::UnknownRobot, format!("there is no robot `{name}`"))),
+        _ => robot_document(&parsed).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors)),
+    }
+}
+
+/// What to know about how something was read, to standard error.
+pub fn print_notes(notes: &[String]) {
+    notes.iter().for_each(|note| eprintln!("note: {note}"));
 }
 
 /// The same error with the file in its detail.

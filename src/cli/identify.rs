@@ -17,6 +17,8 @@ pub struct Arguments {
     /// Robot: a JSON or URDF file, or the name of one that comes with the program; replaces the one in the request.
     #[arg(long, value_name = "FILE|NAME")]
     robot: Option<String>,
+    #[command(flatten)]
+    chain: files::ChainArguments,
     /// Log to identify from (CSV, plain or gzip); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
@@ -52,6 +54,7 @@ const DRAWN_POINTS: usize = 2000;
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     keep_freed_memory();
     let request = read_request(arguments)?;
+    files::print_notes(&request.notes);
     let cancel = cancel_on_interrupt()?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
     let bar = ProgressBar::new(1).with_style(style);
@@ -80,8 +83,11 @@ fn read_request(arguments: &Arguments) -> Result<IdentifyRequest, Error> {
             problems: Vec::new(),
         },
     };
-    if let Some(robot) = &arguments.robot {
-        put_robot(&mut parsed, files::robot(robot)?);
+    match &arguments.robot {
+        Some(robot) => put_robot(&mut parsed, files::robot(robot, &arguments.chain)?),
+        None => arguments
+            .chain
+            .put(parsed.value.get_mut("robot").unwrap_or(&mut Value::Null))?,
     }
     let mut request = read_identify_request(&parsed, &Shipped, &NoExcitations).map_err(|errors| {
         let error = Error::invalid("the identification request", errors);

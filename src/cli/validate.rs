@@ -14,6 +14,8 @@ pub struct Arguments {
     /// Model: the JSON or URDF model of an identification, or any robot with parameters for every link.
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
+    #[command(flatten)]
+    chain: files::ChainArguments,
     /// Log to predict (CSV, plain or gzip); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
@@ -34,7 +36,8 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
             problems: Vec::new(),
         },
     };
-    let model = robot_file(&files::read(&arguments.model)?).map_err(|e| files::in_file(&arguments.model, e.into()))?;
+    let mut model = robot_file(&files::read(&arguments.model)?).map_err(|e| files::in_file(&arguments.model, e.into()))?;
+    arguments.chain.put(&mut model.value)?;
     if let Some(fields) = parsed.value.as_object_mut() {
         fields.insert("model".into(), model.value);
     }

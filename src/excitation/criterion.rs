@@ -25,7 +25,11 @@ pub(super) enum SmoothCriterion<'a> {
 
 impl SmoothCriterion<'_> {
     /// Value, and the symmetric G with `dF = tr(G dM)`.
+    /// A matrix that is not finite has an infinite value: decompositions would not end on it.
     pub fn evaluate(&self, gram: DMatrix<f64>) -> (f64, DMatrix<f64>) {
+        if !is_finite(&gram) {
+            return (f64::INFINITY, DMatrix::zeros(gram.nrows(), gram.ncols()));
+        }
         if let Self::ScaledConditionNumber { power } = *self {
             return through_scaling(gram, |scaled| Self::ConditionNumber { power }.evaluate(scaled));
         }
@@ -66,6 +70,9 @@ impl SmoothCriterion<'_> {
 
 /// The logarithm of the criterion itself, nothing smoothed.
 pub(super) fn true_log_value(criterion: &SmoothCriterion, gram: DMatrix<f64>) -> f64 {
+    if !is_finite(&gram) {
+        return f64::INFINITY;
+    }
     match criterion {
         SmoothCriterion::ScaledConditionNumber { power } => {
             let roots = scaling(&gram);
@@ -78,6 +85,10 @@ pub(super) fn true_log_value(criterion: &SmoothCriterion, gram: DMatrix<f64>) ->
         SmoothCriterion::RivalEvidence { rivals, base, .. } => rivals.true_log_value(&gram, *base),
         smooth => smooth.evaluate(gram).0,
     }
+}
+
+pub(super) fn is_finite(matrix: &DMatrix<f64>) -> bool {
+    matrix.iter().all(|v| v.is_finite())
 }
 
 /// Value and derivative by every eigenvalue, with the extreme eigenvalues factored out so that no power overflows.
@@ -152,6 +163,16 @@ impl Criteria {
     /// From the observation matrix Y_b (rows × b), the same with every row over its joint's noise, and the mean of `Y_bᵀ Y_b` over
     /// the workspace; by singular values of the triangular factor.
     pub fn of(y_b: &DMatrix<f64>, whitened: &DMatrix<f64>, workspace: &DMatrix<f64>, joints: usize) -> Self {
+        if ![y_b, whitened, workspace].into_iter().all(is_finite) {
+            return Self {
+                condition_number: f64::INFINITY,
+                scaled_condition_number: f64::INFINITY,
+                d_optimality: f64::INFINITY,
+                a_optimality: f64::INFINITY,
+                i_optimality: f64::INFINITY,
+                rival_evidence: None,
+            };
+        }
         let mut r = y_b.clone().qr().r();
         let condition_number = ratio(&r.singular_values());
         for mut column in r.column_iter_mut() {

@@ -1,6 +1,6 @@
 //! What a search hands back: the trajectory, what it is worth, how far every limit is away, how it was found.
 
-use super::criterion::Criteria;
+use super::criterion::{Criteria, is_finite};
 use super::margins::{Margin, margins};
 use super::problem::Problem;
 use super::rivals::ExpectedEvidence;
@@ -230,6 +230,9 @@ fn stacked(upper: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// F with `FᵀF = M`; what rounding has made negative counts as nothing.
 fn root(information: &DMatrix<f64>) -> DMatrix<f64> {
+    if !is_finite(information) {
+        return DMatrix::zeros(information.nrows(), information.ncols());
+    }
     let eigen = information.clone().symmetric_eigen();
     let mut rows = eigen.eigenvectors.transpose();
     for (mut row, value) in rows.row_iter_mut().zip(eigen.eigenvalues.iter()) {

@@ -5,6 +5,7 @@
 //! values, so two searches that found the same joint motions may hold them as mirror images, and an exchange between them is
 //! worth nothing until one is turned into the image nearest to the other.
 
+use super::criterion::is_finite;
 use super::evaluator::Evaluator;
 use super::moves::{random_numbers, random_start};
 use super::problem::Problem;
@@ -31,7 +32,14 @@ impl Symmetries {
         let joints = problem.robot().joint_count();
         let mut evaluator = Evaluator::new(problem, variables, SAMPLES.min(problem.samples()));
         let x = random_start(variables, &mut random_numbers(0, 0, 0));
-        let mut spectrum = |x: &[f64]| sorted(evaluator.gram_at(Coulomb::Smooth(0.1), x).symmetric_eigenvalues());
+        let mut spectrum = |x: &[f64]| {
+            let gram = evaluator.gram_at(Coulomb::Smooth(0.1), x);
+            // Decompositions do not end on what is not finite.
+            match is_finite(&gram) {
+                true => sorted(gram.symmetric_eigenvalues()),
+                false => DVector::from_element(gram.nrows(), f64::INFINITY),
+            }
+        };
         let reference = spectrum(&x);
         let allowed = EQUAL * reference.max();
         let mut signs = vec![vec![1.0; joints]];

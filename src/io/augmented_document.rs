@@ -3,7 +3,7 @@
 
 use super::cursor::Cursor;
 use crate::effects::by_code;
-use crate::model::Robot;
+use crate::model::{INPUT_LIMITS, Robot};
 use crate::residual::{AugmentedModel, Outcome, Prior, RivalTerm, Term};
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
@@ -109,7 +109,8 @@ pub(super) fn read_model_with_effects(cursor: &Cursor, robot: &Robot) -> Option<
     let values = fields
         .required("base_values")
         .and_then(|c| c.numbers(Some(model.values.len())));
-    let effects = fields.required("effects").and_then(|c| c.items())?;
+    let most = INPUT_LIMITS.model_effects;
+    let effects = fields.required("effects").and_then(|c| c.items_up_to(most, "effects"))?;
     let terms: Vec<Option<Term>> = effects.iter().map(|c| read_effect(c, robot, EFFECT_FIELDS)).collect();
     model.terms = terms.into_iter().collect::<Option<Vec<_>>>()?;
     model.values = DVector::from_vec(values?);
@@ -147,7 +148,8 @@ fn read_rivals(effect: &Cursor, robot: &Robot, size: [usize; 2]) -> Option<Vec<R
     let Some(list) = fields.nullable("rivals") else {
         return Some(Vec::new());
     };
-    list.items()?.iter().map(|c| read_rival(c, robot, size)).collect()
+    let items = list.items_up_to(INPUT_LIMITS.model_effects, "rivals")?;
+    items.iter().map(|c| read_rival(c, robot, size)).collect()
 }
 
 fn read_rival(cursor: &Cursor, robot: &Robot, [parameters, base]: [usize; 2]) -> Option<RivalTerm> {
@@ -230,7 +232,8 @@ fn read_joints(cursor: &Cursor, robot: &Robot) -> Option<Vec<usize>> {
         }
         at
     };
-    let read: Vec<Option<usize>> = cursor.items()?.iter().map(one).collect();
+    let items = cursor.items_up_to(INPUT_LIMITS.joints, "joints")?;
+    let read: Vec<Option<usize>> = items.iter().map(one).collect();
     read.into_iter().collect()
 }
 

@@ -1,7 +1,7 @@
 //! The `columns` of a request: which column is what, and its unit, scale, sign, offset and coupling.
 
 use super::cursor::{Cursor, Fields};
-use super::log::{Columns, JointColumns, TimeUnit, Transformation};
+use super::log::{Columns, JointColumns, PLAUSIBLE_HZ, TimeUnit, Transformation};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -48,17 +48,15 @@ pub fn read_columns(cursor: &Cursor, joints: Option<usize>) -> Columns {
     };
     let rate = fields.nullable("sample_rate_hz").and_then(|c| {
         let rate = c.number()?;
-        if rate <= 0.0 {
-            c.complain(format!("is {rate}, expected a rate above zero"));
+        let [low, high] = PLAUSIBLE_HZ;
+        if !(low..=high).contains(&rate) {
+            c.complain(format!("is {rate}; a motion is sampled between {low} Hz and {high} Hz"));
         }
         Some(rate)
     });
     let mut columns = Columns {
         time: fields.nullable("time").and_then(|c| c.string()).map(str::to_string),
-        time_unit: fields
-            .nullable("time_unit")
-            .and_then(|c| c.choice(TIME_UNITS))
-            .unwrap_or_default(),
+        time_unit: fields.nullable("time_unit").and_then(|c| c.choice(TIME_UNITS)),
         sample_rate_hz: rate,
         position: quantity(&fields, "position", POSITION_UNITS, joints),
         velocity: quantity(&fields, "velocity", VELOCITY_UNITS, joints),

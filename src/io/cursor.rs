@@ -2,32 +2,47 @@
 
 use crate::model::FieldProblem;
 use serde_json::{Map, Value};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 /// Findings listed at most: a list of a million wrong numbers is one mistake, and the answer stays readable.
-const MOST_FINDINGS: usize = 100;
+pub(super) const MOST_FINDINGS: usize = 100;
 
 /// What is wrong with a document, in the order in which it was found.
 #[derive(Debug, Default)]
-pub struct Findings(RefCell<Vec<FieldProblem>>);
+pub struct Findings {
+    list: RefCell<Vec<FieldProblem>>,
+    /// Those that were not kept.
+    further: Cell<usize>,
+}
 
 impl Findings {
     pub fn new(known: Vec<FieldProblem>) -> Self {
-        Self(RefCell::new(known))
+        let findings = Self::default();
+        known.into_iter().for_each(|p| findings.push(p));
+        findings
     }
 
+    /// Keeps the first of many: a document of a million mistakes costs no more than one of a hundred.
     pub fn push(&self, problem: FieldProblem) {
-        self.0.borrow_mut().push(problem);
+        if self.is_full() {
+            self.further.set(self.further.get() + 1);
+        } else {
+            self.list.borrow_mut().push(problem);
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        self.list.borrow().len() >= MOST_FINDINGS
     }
 
     pub fn is_empty(&self) -> bool {
-        self.0.borrow().is_empty()
+        self.list.borrow().is_empty()
     }
 
     /// Adds findings of the core, made on stand-ins where fields were unreadable: whatever lies at, below or above a place that is
     /// already complained about is a consequence, not a finding.
     pub fn merge(&self, problems: impl IntoIterator<Item = FieldProblem>) {
-        let before: Vec<String> = self.0.borrow().iter().map(|p| p.pointer.clone()).collect();
+        let before: Vec<String> = self.list.borrow().iter().map(|p| p.pointer.clone()).collect();
         for problem in problems {
             if !before.iter().any(|known| related(known, &problem.pointer)) {
                 self.push(problem);
@@ -35,17 +50,15 @@ impl Findings {
         }
     }
 
-    /// Whether something at `pointer` or below it is wrong.
+    /// Whether something at `pointer` or below it is wrong; true also where so much is wrong that nobody knows.
     pub fn within(&self, pointer: &str) -> bool {
-        self.0.borrow().iter().any(|p| starts_with_pointer(&p.pointer, pointer))
+        self.further.get() > 0 || self.list.borrow().iter().any(|p| starts_with_pointer(&p.pointer, pointer))
     }
 
     /// The list, cut at 100 entries with a word about the rest.
     pub fn into_list(self) -> Vec<FieldProblem> {
-        let mut list = self.0.into_inner();
-        let more = list.len().saturating_sub(MOST_FINDINGS);
+        let (mut list, more) = (self.list.into_inner(), self.further.get());
         if more > 0 {
-            list.truncate(MOST_FINDINGS);
             list.push(FieldProblem::new("", format!("has {more} further problems of these kinds")));
         }
         list
@@ -118,6 +131,10 @@ impl<'a> Cursor<'a> {
             return None;
         };
         for name in map.keys().filter(|name| !known.contains(&name.as_str())) {
+            if self.findings.is_full() {
+                self.findings.push(FieldProblem::new("", ""));
+                continue;
+            }
             let problem = FieldProblem::new(
                 format!("{}/{}", self.pointer, escaped(name)),
                 "is not a field of this document",
@@ -142,6 +159,17 @@ impl<'a> Cursor<'a> {
             findings: self.findings,
         };
         Some(items.iter().enumerate().map(item).collect())
+    }
+
+    /// The items of a list that has no more than `most`; `what` names them in the error. A longer list is not looked into.
+    pub fn items_up_to(&self, most: usize, what: &str) -> Option<Vec<Cursor<'a>>> {
+        if let Value::Array(items) = self.value
+            && items.len() > most
+        {
+            self.complain(format!("has {} {what}, the most accepted is {most}", items.len()));
+            return None;
+        }
+        self.items()
     }
 
     pub fn string(&self) -> Option<&'a str> {
@@ -182,13 +210,13 @@ impl<'a> Cursor<'a> {
 
     /// As many numbers as `length` says, any number of them for `None`.
     pub fn numbers(&self, length: Option<usize>) -> Option<Vec<f64>> {
-        let items = self.items()?;
-        if let Some(length) = length
+        if let (Some(length), Value::Array(items)) = (length, self.value)
             && items.len() != length
         {
             self.complain(format!("has {} values, expected {length}", items.len()));
             return None;
         }
+        let items = self.items()?;
         // All are read before the first failure ends it: every wrong number is a finding.
         let read: Vec<Option<f64>> = items.iter().map(Cursor::number).collect();
         read.into_iter().collect()
@@ -265,7 +293,7 @@ fn described(value: &Value) -> &'static str {
     }
 }
 
-fn escaped(name: &str) -> String {
+pub(super) fn escaped(name: &str) -> String {
     shortened(name).replace('~', "~0").replace('/', "~1")
 }
 

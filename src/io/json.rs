@@ -3,7 +3,8 @@
 //! `NaN`, `Infinity` and numbers beyond the range of f64 are not JSON, and a parser stops at the first of them. Programs that compute
 //! write them all the same, so they are looked for first: each becomes a finding that names its field, and reading goes on.
 
-use crate::model::FieldProblem;
+use super::cursor::{MOST_FINDINGS, escaped};
+use crate::model::{FieldProblem, INPUT_LIMITS};
 use serde_json::Value;
 use std::collections::HashSet;
 
@@ -21,9 +22,6 @@ pub struct Malformed {
     pub detail: String,
     pub hint: Option<String>,
 }
-
-/// Nesting accepted; documents here are 6 levels deep.
-const DEEPEST: usize = 100;
 
 /// # Errors
 /// Not UTF-8, empty, cut off, not JSON, or nested more than 100 levels deep; with line and column.
@@ -46,7 +44,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed, Malformed> {
     scan.run();
     if scan.too_deep {
         return Err(malformed(
-            format!("the document is nested more than {DEEPEST} levels deep"),
+            format!("the document is nested more than {} levels deep", INPUT_LIMITS.json_depth),
             None,
         ));
     }
@@ -124,7 +122,7 @@ impl<'a> Scan<'a> {
 
     fn open(&mut self, level: Level, at: usize) -> usize {
         self.levels.push(level);
-        self.too_deep = self.levels.len() > DEEPEST;
+        self.too_deep = self.levels.len() > INPUT_LIMITS.json_depth;
         at + 1
     }
 
@@ -155,7 +153,7 @@ impl<'a> Scan<'a> {
         {
             *expects_name = false;
             *name = found;
-            if !names.insert(name.clone()) {
+            if !names.insert(name.clone()) && self.problems.len() <= MOST_FINDINGS {
                 let pointer = self.pointer();
                 self.problems
                     .push(FieldProblem::new(pointer, "appears twice").with_hint("keep one of them"));
@@ -177,7 +175,9 @@ impl<'a> Scan<'a> {
         if word.parse::<f64>().is_ok_and(|v| !v.is_finite()) {
             let digits = word.bytes().any(|b| b.is_ascii_digit());
             let detail = format!("is {}, not a finite number", if digits { "too large" } else { word });
-            self.problems.push(FieldProblem::new(self.pointer(), detail));
+            if self.problems.len() <= MOST_FINDINGS {
+                self.problems.push(FieldProblem::new(self.pointer(), detail));
+            }
             self.cleaned[start] = b'0';
             self.cleaned[start + 1..end].fill(b' ');
         }
@@ -186,7 +186,7 @@ impl<'a> Scan<'a> {
 
     fn pointer(&self) -> String {
         let part = |level: &Level| match level {
-            Level::Object { name, .. } => format!("/{}", name.replace('~', "~0").replace('/', "~1")),
+            Level::Object { name, .. } => format!("/{}", escaped(name)),
             Level::Array { index } => format!("/{index}"),
         };
         self.levels.iter().map(part).collect()

@@ -6,7 +6,7 @@ use super::robot::{NamedRobots, read_robot_or_name};
 use super::validate_request::MODEL_FIELDS;
 use super::warm_start::read_trajectory;
 use crate::excitation::{Added, Given, Hypothesis, Knowledge, Rivals};
-use crate::model::Robot;
+use crate::model::{INPUT_LIMITS, Robot};
 use crate::parameters::BaseParameters;
 use crate::residual::{AugmentedModel, EffectColumns, RivalTerm, Term, information_over};
 use nalgebra::DMatrix;
@@ -123,7 +123,10 @@ fn place<'t>(cursor: &Cursor, robot: &Robot, terms: impl Iterator<Item = &'t Ter
     let fields = cursor.fields(PLACE_FIELDS)?;
     let effect = fields.required("effect")?.string()?;
     let joints: Vec<&str> = match fields.nullable("joints") {
-        Some(list) => list.items()?.iter().filter_map(|c| c.string()).collect(),
+        Some(list) => {
+            let items = list.items_up_to(INPUT_LIMITS.joints, "joints")?;
+            items.iter().filter_map(|c| c.string()).collect()
+        }
         None => Vec::new(),
     };
     // A finding of the whole robot names all joints, its term none.

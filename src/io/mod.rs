@@ -42,7 +42,7 @@ pub use json::{Malformed, Parsed, parse};
 pub use knowledge_request::{DesignModel, DesignTerms, MOST_GIVEN};
 pub use model_document::{robot_value, urdf, urdf_gravity};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
-pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_file};
+pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_file};
 pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts};
 pub use validate_request::{ModelEffect, ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
 pub use words::{listed, measured, shortest, significant, unit};

@@ -215,7 +215,11 @@ fn free_name(robot: &Robot, wanted: &str) -> String {
 
 /// Shortest text that reads back as the same number.
 fn number(v: f64) -> String {
-    format!("{v}")
+    match v.abs() {
+        // Written out, these have up to three hundred digits.
+        size if size != 0.0 && !(1e-6..1e16).contains(&size) => format!("{v:e}"),
+        _ => format!("{v}"),
+    }
 }
 
 fn triple(v: &[f64]) -> String {
@@ -257,6 +261,19 @@ fn write_link(w: &mut Writer<Vec<u8>>, joint: &Joint, frame: &Described) -> std:
     Ok(())
 }
 
+/// Stands for no limit where the format must have one, as in files of others.
+const NO_LIMIT: f64 = 1e16;
+
+/// Attributes of `<limit>`. ROS's parser (urdfdom) takes no joint without effort and velocity, and reads a missing position as 0.
+fn limits(joint: &Joint) -> Vec<(&'static str, String)> {
+    let l = &joint.limits;
+    let position = l.position.or((!joint.is_revolute()).then_some([-NO_LIMIT, NO_LIMIT]));
+    let ends = position.map(|[low, high]| [("lower", number(low)), ("upper", number(high))]);
+    let magnitudes = [("effort", l.effort), ("velocity", l.velocity)];
+    let stated = magnitudes.map(|(name, v)| (name, number(v.unwrap_or(NO_LIMIT))));
+    ends.into_iter().flatten().chain(stated).collect()
+}
+
 fn write_joint(w: &mut Writer<Vec<u8>>, joint: &Joint, frame: &Described, parent: &str) -> std::io::Result<()> {
     let bounded = joint.limits.position.is_some();
     let kind = match (joint.is_revolute(), bounded) {
@@ -283,17 +300,10 @@ fn write_joint(w: &mut Writer<Vec<u8>>, joint: &Joint, frame: &Described, parent
             w.create_element("axis")
                 .with_attribute(("xyz", triple(frame.axis.as_slice()).as_str()))
                 .write_empty()?;
-            let mut limits = Vec::new();
-            if let Some([low, high]) = joint.limits.position {
-                limits.extend([("lower", number(low)), ("upper", number(high))]);
-            }
-            limits.extend(joint.limits.effort.map(|v| ("effort", number(v))));
-            limits.extend(joint.limits.velocity.map(|v| ("velocity", number(v))));
-            if !limits.is_empty() {
-                w.create_element("limit")
-                    .with_attributes(limits.iter().map(|(n, v)| (*n, v.as_str())))
-                    .write_empty()?;
-            }
+            let limits = limits(joint);
+            w.create_element("limit")
+                .with_attributes(limits.iter().map(|(n, v)| (*n, v.as_str())))
+                .write_empty()?;
             if let Some(prior) = &joint.prior {
                 let (damping, friction) = (number(prior.viscous), number(prior.coulomb));
                 w.create_element("dynamics")

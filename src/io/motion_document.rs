@@ -1,16 +1,15 @@
 //! Robots and motions as they are drawn.
 
-use super::cursor::{Cursor, Fields, Findings};
+use super::cursor::{Cursor, Findings};
 use super::json::Parsed;
 use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
+use super::warm_start::read_trajectory;
 use crate::model::FieldProblem;
 use crate::trajectory::FourierSeries;
-use nalgebra::DMatrix;
 use serde::Serialize;
 
 pub const MOTION_FIELDS: &[&str] = &["robot", "trajectory", "samples"];
 pub const SERIES_FIELDS: &[&str] = &["fundamental_hz", "coefficients", "offset"];
-pub const COEFFICIENT_FIELDS: &[&str] = &["a", "b"];
 
 /// Samples of one period beyond which no screen shows more.
 const MOST_SAMPLES: u64 = 20_000;
@@ -113,44 +112,10 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<MotionRequest> {
     let joints = robot.as_ref().map(|r| r.robot.joint_count());
     let series = fields
         .nullable("trajectory")
-        .and_then(|c| read_series(&c.fields(SERIES_FIELDS)?, joints));
+        .and_then(|c| read_trajectory(&c, &c.fields(SERIES_FIELDS)?, joints));
     Some(MotionRequest {
         robot: robot?,
         series,
         samples: samples.unwrap_or(USUAL_SAMPLES) as usize,
     })
-}
-
-fn read_series(fields: &Fields, joints: Option<usize>) -> Option<FourierSeries> {
-    let fundamental = fields.required("fundamental_hz").and_then(|c| {
-        let hz = c.number()?;
-        if hz <= 0.0 {
-            c.complain(format!("is {hz}, expected a frequency above zero"));
-        }
-        Some(hz)
-    });
-    let offset = fields.required("offset").and_then(|c| c.numbers(joints));
-    let coefficients = fields.required("coefficients")?.fields(COEFFICIENT_FIELDS)?;
-    let a = coefficients.required("a").and_then(|c| read_matrix(&c, joints, None));
-    let order = a.as_ref().map(DMatrix::ncols);
-    let b = coefficients.required("b").and_then(|c| read_matrix(&c, joints, order));
-    Some(FourierSeries {
-        fundamental_hz: fundamental?,
-        offset: offset?,
-        a: a?,
-        b: b?,
-    })
-}
-
-/// One row per joint, all of the same length.
-fn read_matrix(cursor: &Cursor, rows: Option<usize>, columns: Option<usize>) -> Option<DMatrix<f64>> {
-    let items = cursor.items()?;
-    if rows.is_some_and(|n| n != items.len()) || items.is_empty() {
-        cursor.complain(format!("has {} rows, expected one per joint", items.len()));
-        return None;
-    }
-    let first = columns.or_else(|| items[0].value().as_array().map(Vec::len));
-    let values: Vec<Option<Vec<f64>>> = items.iter().map(|c| c.numbers(first)).collect();
-    let values: Vec<Vec<f64>> = values.into_iter().collect::<Option<_>>()?;
-    Some(DMatrix::from_fn(values.len(), values[0].len(), |r, c| values[r][c]))
 }

@@ -4,6 +4,7 @@ use super::cursor::Cursor;
 use crate::excitation::{
     DEFAULT_CLEARANCE_M, DEFAULT_SAFETY_FACTOR, HalfSpace, Obstacle, SelfCollision, SpaceLimits, TorqueLimits,
 };
+use crate::model::INPUT_LIMITS;
 
 pub const TORQUE_FIELDS: &[&str] = &["limits", "safety_factor"];
 pub const SPACE_FIELDS: &[&str] = &["clearance", "half_spaces", "boxes", "self_collision"];
@@ -23,7 +24,11 @@ pub(super) fn read_torque_limits(cursor: &Cursor) -> Option<TorqueLimits> {
 /// `joints`: names, where the robot could be read; pairs to be ignored are named by them.
 pub(super) fn read_space_limits(cursor: &Cursor, joints: Option<&[String]>) -> Option<SpaceLimits> {
     let fields = cursor.fields(SPACE_FIELDS)?;
-    let list = |name: &str| fields.nullable(name).and_then(|c| c.items()).unwrap_or_default();
+    let list = |name: &str| {
+        let cursor = fields.nullable(name)?;
+        cursor.items_up_to(INPUT_LIMITS.obstacles, name)
+    };
+    let list = |name: &str| list(name).unwrap_or_default();
     let clearance = fields.nullable("clearance").map(|c| c.number());
     Some(SpaceLimits {
         half_spaces: list("half_spaces").iter().filter_map(read_half_space).collect(),
@@ -61,7 +66,12 @@ fn read_box(cursor: &Cursor) -> Option<Obstacle> {
 
 fn read_self_collision(cursor: &Cursor, joints: Option<&[String]>) -> Option<SelfCollision> {
     let fields = cursor.fields(SELF_COLLISION_FIELDS)?;
-    let pairs = fields.nullable("ignore").and_then(|c| c.items()).unwrap_or_default();
+    // As many pairs as a robot can have, and again the other way round.
+    let most = INPUT_LIMITS.joints * INPUT_LIMITS.joints;
+    let pairs = fields
+        .nullable("ignore")
+        .and_then(|c| c.items_up_to(most, "pairs"))
+        .unwrap_or_default();
     let ignored = pairs.iter().filter_map(|pair| read_pair(pair, joints?)).collect();
     Some(SelfCollision { ignored })
 }

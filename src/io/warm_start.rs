@@ -1,13 +1,12 @@
 //! An earlier trajectory to go on from, in the words in which a design hands it out.
 
 use super::cursor::{Cursor, Fields};
+use crate::model::INPUT_LIMITS;
 use crate::trajectory::FourierSeries;
 use nalgebra::DMatrix;
 
 pub const WARM_START_FIELDS: &[&str] = &["coefficients", "offset", "fundamental_hz"];
 const COEFFICIENT_FIELDS: &[&str] = &["a", "b"];
-/// More harmonics than any problem takes.
-const MOST_HARMONICS: usize = 50;
 
 /// Reads `{"coefficients": {"a": [[…]…], "b": …}, "offset": […], "fundamental_hz": …}`, one row per joint.
 pub(super) fn read_warm_start(cursor: &Cursor, joints: Option<usize>) -> Option<FourierSeries> {
@@ -18,8 +17,8 @@ pub(super) fn read_warm_start(cursor: &Cursor, joints: Option<usize>) -> Option<
 /// The same of an object that may have other fields beside.
 pub(super) fn read_trajectory(cursor: &Cursor, fields: &Fields, joints: Option<usize>) -> Option<FourierSeries> {
     let rows = fields.required("coefficients").and_then(|c| c.fields(COEFFICIENT_FIELDS));
-    let offset = fields.required("offset").and_then(|c| c.numbers(joints));
-    let fundamental_hz = fields.required("fundamental_hz").and_then(|c| positive(&c));
+    let offset = fields.required("offset").and_then(|c| row(&c, joints, INPUT_LIMITS.joints));
+    let fundamental_hz = fields.required("fundamental_hz").and_then(|c| fundamental(&c));
     let rows = rows?;
     let (a, b) = (matrix(&rows, "a", joints), matrix(&rows, "b", joints));
     let (a, b, offset) = (a?, b?, offset?);
@@ -37,24 +36,38 @@ pub(super) fn read_trajectory(cursor: &Cursor, fields: &Fields, joints: Option<u
     })
 }
 
-fn positive(cursor: &Cursor) -> Option<f64> {
-    let value = cursor.number()?;
-    if value <= 0.0 {
-        cursor.complain(format!("is {value}; it must be a positive number of Hz"));
+/// A fundamental frequency (Hz).
+fn fundamental(cursor: &Cursor) -> Option<f64> {
+    let ([low, high], value) = (INPUT_LIMITS.fundamental_hz, cursor.number()?);
+    if !(low..=high).contains(&value) {
+        cursor.complain(format!("is {value}; a fundamental is from {low:e} to {high:e} Hz"));
         return None;
     }
     Some(value)
 }
 
+/// As many numbers as `length` says, or up to `most`, none of them beyond any motion.
+fn row(cursor: &Cursor, length: Option<usize>, most: usize) -> Option<Vec<f64>> {
+    if length.is_none() {
+        cursor.items_up_to(most, "values")?;
+    }
+    let (values, largest) = (cursor.numbers(length)?, INPUT_LIMITS.coefficient);
+    if let Some(v) = values.iter().find(|v| v.abs() > largest) {
+        cursor.complain(format!("has the value {v:e}; the largest accepted is {largest:e}"));
+        return None;
+    }
+    Some(values)
+}
+
 fn matrix(fields: &Fields, name: &str, joints: Option<usize>) -> Option<DMatrix<f64>> {
-    let cursor = fields.required(name)?;
-    let items = cursor.items()?;
-    let rows: Vec<Vec<f64>> = items.iter().map(|row| row.numbers(None)).collect::<Option<_>>()?;
+    let (cursor, most) = (fields.required(name)?, INPUT_LIMITS.harmonics);
+    let items = cursor.items_up_to(INPUT_LIMITS.joints, "rows")?;
+    let rows: Vec<Vec<f64>> = items.iter().map(|c| row(c, None, most)).collect::<Option<_>>()?;
     let order = rows.first().map_or(0, Vec::len);
-    if joints.is_some_and(|n| n != rows.len()) || order == 0 || order > MOST_HARMONICS || rows.iter().any(|r| r.len() != order) {
+    if joints.is_some_and(|n| n != rows.len()) || order == 0 || rows.iter().any(|r| r.len() != order) {
         let expected = joints.map_or("one row per joint".to_string(), |n| format!("{n} rows, one per joint,"));
         cursor.complain(format!(
-            "must have {expected} with one number per harmonic in each, 1 to {MOST_HARMONICS}"
+            "must have {expected} with one number per harmonic in each, 1 to {most}, in all rows alike"
         ));
         return None;
     }

@@ -4,17 +4,25 @@
 //! at a fixed [`Transform`](crate::spatial::Transform) from the frame before it. Modified DH parameters ([`Mdh`]) are one way to
 //! fill that transform, a URDF file ([`from_urdf`]) another.
 
+mod angles;
 mod capsule;
 mod error;
+mod input_limits;
 mod joint;
 mod limits;
+mod link_tree;
+mod notes;
 mod robot;
 mod urdf;
-mod urdf_elements;
+mod xml;
 
+pub use angles::Rounding;
 pub use capsule::Capsule;
 pub use error::{FieldProblem, ModelError};
+pub use input_limits::{INPUT_LIMITS, InputLimits};
 pub use joint::{Axis, Joint, JointKind, LinkBounds, LinkPrior, Mdh};
 pub use limits::Limits;
+pub use link_tree::ChainEnds;
+pub use notes::Notes;
 pub use robot::{Friction, Robot};
-pub use urdf::{UrdfRobot, from_urdf};
+pub use urdf::{UrdfRobot, body_complaint, from_urdf, from_urdf_rounded};

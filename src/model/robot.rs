@@ -1,12 +1,9 @@
 //! The robot itself: built once, checked once, shared by every computation.
 
-use super::limits::LimitProblem;
-use super::{FieldProblem, Joint, ModelError};
+use super::limits::{BEYOND_ANY_POSITION, FASTEST_REVOLUTE, LARGEST_REVOLUTE, LimitProblem};
+use super::{FieldProblem, INPUT_LIMITS, Joint, ModelError};
 use nalgebra::Vector3;
-
-/// The longest chain accepted. Redundant arms have 7 joints, dual-arm chains 15; the symbolic and numeric base parameters are
-/// tested up to 10, and 30 keeps an accidental or hostile document from asking for gigabytes.
-pub const MAX_JOINTS: usize = 30;
+use std::collections::HashMap;
 
 /// Friction that the declared model has on every joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,37 +95,72 @@ impl Robot {
         }
         match self.joints.len() {
             0 => found.push(FieldProblem::new("/joints", "is empty: a robot has at least one joint")),
-            n if n > MAX_JOINTS => {
+            n if n > INPUT_LIMITS.joints => {
+                let most = INPUT_LIMITS.joints;
                 found.push(FieldProblem::new(
                     "/joints",
-                    format!("has {n} joints, the most accepted is {MAX_JOINTS}"),
+                    format!("has {n} joints, the most accepted is {most}"),
                 ));
+                return found;
             }
             _ => {}
         }
+        self.name_problems(&mut found);
         for (i, joint) in self.joints.iter().enumerate() {
-            self.name_problems(i, &mut found);
             placement_problems(i, joint, &mut found);
             limit_problems(i, joint, &mut found);
             prior_problems(i, joint, &mut found);
             bound_problems(i, joint, &mut found);
+            geometry_problems(i, joint, &mut found);
         }
         found
     }
 
-    fn name_problems(&self, i: usize, found: &mut Vec<FieldProblem>) {
-        let name = &self.joints[i].name;
-        let pointer = format!("/joints/{i}/name");
-        if name.trim().is_empty() {
-            found.push(FieldProblem::new(pointer, "is empty"));
-        } else if let Some(first) = self.joints[..i].iter().position(|j| &j.name == name) {
-            found.push(FieldProblem::new(
-                pointer,
-                format!("`{name}` is already the name of joint {}", first + 1),
-            ));
+    fn name_problems(&self, found: &mut Vec<FieldProblem>) {
+        found.extend(name_problem("/name", &self.name, false));
+        let (mut joints, mut links) = (HashMap::new(), HashMap::new());
+        for (i, joint) in self.joints.iter().enumerate() {
+            let named = [("name", &joint.name, &mut joints), ("link", &joint.link_name, &mut links)];
+            let before = found.len();
+            // A link is called after its joint where nobody names it: what is wrong with the joint's name is said once.
+            for (field, name, known) in named {
+                if found.len() > before {
+                    break;
+                }
+                let pointer = format!("/joints/{i}/{field}");
+                if let Some(problem) = name_problem(&pointer, name, true) {
+                    found.push(problem);
+                } else if let Some(first) = known.insert(name.clone(), i) {
+                    let of = if field == "name" { "joint" } else { "the link of joint" };
+                    found.push(FieldProblem::new(
+                        pointer,
+                        format!("`{name}` is already the name of {of} {}", first + 1),
+                    ));
+                }
+            }
         }
     }
 }
+
+/// Names stand in files of many formats: what would break a line, a field or a tag that cannot be escaped is refused.
+fn name_problem(pointer: &str, name: &str, is_required: bool) -> Option<FieldProblem> {
+    if is_required && name.trim().is_empty() {
+        return Some(FieldProblem::new(pointer, "is empty"));
+    }
+    if name.chars().count() > INPUT_LIMITS.name_characters {
+        let detail = format!("is longer than {} characters", INPUT_LIMITS.name_characters);
+        return Some(FieldProblem::new(pointer, detail));
+    }
+    let bad = name.chars().find(|&c| c.is_control() || UNPRINTABLE.contains(&c))?;
+    let detail = format!(
+        "has the character U+{:04X}, which no file format holds in a name",
+        u32::from(bad)
+    );
+    Some(FieldProblem::new(pointer, detail).with_hint("names are of one line, without control characters"))
+}
+
+/// Line and paragraph separator, and what XML does not allow though it is no control character.
+const UNPRINTABLE: [char; 4] = ['\u{2028}', '\u{2029}', '\u{fffe}', '\u{ffff}'];
 
 fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     if let Some(mdh) = joint.mdh {
@@ -148,7 +180,7 @@ fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
             }
         }
         for (field, v) in [("d", mdh.d), ("r", mdh.r)] {
-            if v.is_finite() && v.abs() > LONGEST_LINK {
+            if v.is_finite() && v.abs() > INPUT_LIMITS.length {
                 found.push(
                     FieldProblem::new(format!("/joints/{i}/mdh/{field}"), format!("is {v} m"))
                         .with_hint("lengths are in metres; this looks like millimetres"),
@@ -162,16 +194,18 @@ fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     let r = joint.placement.rotation;
     // Rounding of a product of a few rotations; a matrix that is further off was never a rotation.
     let rigid = (r * r.transpose() - nalgebra::Matrix3::identity()).amax() < 1e-9 && r.determinant() > 0.0;
-    if !rigid || !joint.placement.translation.iter().all(|v| v.is_finite()) {
+    let translation = joint.placement.translation;
+    if !rigid || !translation.iter().all(|v| v.is_finite()) {
         found.push(FieldProblem::new(
             format!("/joints/{i}"),
             "its place is not a finite rigid transform",
         ));
+    } else if joint.mdh.is_none() && translation.norm() > INPUT_LIMITS.length {
+        let detail = format!("is {:.3e} m away from the joint before it", translation.norm());
+        let hint = "lengths are in metres; this looks like millimetres";
+        found.push(FieldProblem::new(format!("/joints/{i}/placement/xyz"), detail).with_hint(hint));
     }
 }
-
-/// No arm has links of 20 m between two joints; millimetres taken for metres land far above.
-const LONGEST_LINK: f64 = 20.0;
 
 fn limit_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     for (field, problem) in joint.limits.problems() {
@@ -193,24 +227,28 @@ fn limit_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     degree_problems(i, joint, found);
 }
 
-/// Limits that were written in degrees. A revolute joint that turns freely has ±2π, dress-pack windings reach a few turns; five
-/// turns (31 rad) is beyond any arm, and 40 rad/s (382 rev/min) is beyond any joint behind a gear. A single joint with short travel
-/// in degrees (±20) would slip below, but all joints are written in the same unit, and some have a long travel.
+/// Limits that were written in degrees. A single joint with short travel in degrees (±20) would slip below, but all joints are written in the
+/// same unit, and some have a long travel.
 fn degree_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
-    if !joint.is_revolute() {
-        return;
-    }
     let hint = "limits of revolute joints are in radians; this looks like degrees: multiply by π/180";
     if let Some([low, high]) = joint.limits.position
         && low.is_finite()
         && high.is_finite()
-        && low.abs().max(high.abs()) > 31.5
     {
-        found.push(FieldProblem::new(format!("/joints/{i}/limits/position"), format!("is [{low}, {high}] rad")).with_hint(hint));
+        let (pointer, largest) = (format!("/joints/{i}/limits/position"), low.abs().max(high.abs()));
+        let unit = joint.position_unit();
+        if largest >= BEYOND_ANY_POSITION {
+            let detail = format!("is [{low:?}, {high:?}] {unit}: one end is beyond any joint");
+            let hint = "give two ends that the joint can reach, or null where it has no limits";
+            found.push(FieldProblem::new(pointer, detail).with_hint(hint));
+        } else if joint.is_revolute() && largest > LARGEST_REVOLUTE {
+            found.push(FieldProblem::new(pointer, format!("is [{low}, {high}] rad")).with_hint(hint));
+        }
     }
     if let Some(v) = joint.limits.velocity
+        && joint.is_revolute()
         && v.is_finite()
-        && v > 40.0
+        && v > FASTEST_REVOLUTE
     {
         found.push(FieldProblem::new(format!("/joints/{i}/limits/velocity"), format!("is {v} rad/s")).with_hint(hint));
     }
@@ -218,26 +256,44 @@ fn degree_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
 
 fn prior_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     let Some(prior) = &joint.prior else { return };
-    let b = &prior.inertia;
-    let pointer = |field: &str| format!("/joints/{i}/prior/{field}");
-    if !b.mass.is_finite() || b.mass < 0.0 {
-        found.push(FieldProblem::new(
-            pointer("mass"),
-            format!("is {} kg, a mass is finite and not negative", b.mass),
-        ));
+    let (b, most) = (&prior.inertia, INPUT_LIMITS);
+    let mut complain = |field: &str, detail: String| {
+        found.push(FieldProblem::new(format!("/joints/{i}/prior/{field}"), detail));
+    };
+    if !(0.0..=most.mass).contains(&b.mass) {
+        complain("mass", format!("is {:?} kg; a mass is from 0 to {:e} kg", b.mass, most.mass));
     }
-    if !b.center_of_mass.iter().all(|v| v.is_finite()) {
-        found.push(FieldProblem::new(pointer("center_of_mass"), "is not finite"));
+    if !b.center_of_mass.iter().all(|v| v.abs() <= most.length) {
+        complain(
+            "center_of_mass",
+            format!("is farther than {} m from the joint: lengths are in metres", most.length),
+        );
     }
-    if !b.inertia.iter().all(|v| v.is_finite()) {
-        found.push(FieldProblem::new(pointer("inertia"), "is not finite"));
+    if !b.inertia.iter().all(|v| v.abs() <= most.inertia) {
+        complain("inertia", format!("has an entry beyond {:e} kg m²", most.inertia));
     }
     for (field, v) in [("viscous", prior.viscous), ("coulomb", prior.coulomb)] {
-        if !v.is_finite() || v < 0.0 {
-            found.push(FieldProblem::new(
-                pointer(field),
-                format!("is {v}; friction is finite and not negative"),
-            ));
+        if !(0.0..=most.friction).contains(&v) {
+            complain(field, format!("is {v:?}; friction is from 0 to {:e}", most.friction));
+        }
+    }
+}
+
+fn geometry_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
+    let (count, most) = (joint.geometry.len(), INPUT_LIMITS.capsules_per_link);
+    if count > most {
+        let detail = format!("has {count} capsules, the most accepted is {most}");
+        let hint = "cover the link by a few that contain it";
+        found.push(FieldProblem::new(format!("/joints/{i}/geometry"), detail).with_hint(hint));
+    }
+    let far = |p: &Vector3<f64>| !p.iter().all(|v| v.abs() <= INPUT_LIMITS.length);
+    for (k, capsule) in joint.geometry.iter().enumerate().take(most) {
+        if capsule.ends.iter().any(far) {
+            let detail = format!(
+                "has an end farther than {} m from the joint: lengths are in metres",
+                INPUT_LIMITS.length
+            );
+            found.push(FieldProblem::new(format!("/joints/{i}/geometry/{k}"), detail));
         }
     }
 }

@@ -92,10 +92,15 @@ impl LinkInertia {
         j
     }
 
-    /// `None` when the mass is zero, because then no centre of mass exists.
+    /// `None` when there is a first moment without mass, because then no centre of mass exists; that of nothing is the origin.
     pub fn physical(&self) -> Option<PhysicalInertia> {
         if self.mass == 0.0 {
-            return None;
+            let nowhere = self.first_moment == Vector3::zeros();
+            return nowhere.then_some(PhysicalInertia {
+                mass: 0.0,
+                center_of_mass: Vector3::zeros(),
+                inertia: self.inertia,
+            });
         }
         let c = self.first_moment / self.mass;
         let steiner = Matrix3::identity() * c.dot(&c) - c * c.transpose();

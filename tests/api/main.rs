@@ -14,6 +14,7 @@ mod openapi;
 mod pages;
 mod queue;
 mod readme;
+mod robot_files;
 mod robots;
 mod runs;
 mod security;

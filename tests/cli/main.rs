@@ -4,6 +4,7 @@ mod degenerate;
 mod effects;
 mod identify;
 mod operate;
+mod robot_files;
 
 use serde_json::{Value, json};
 use std::path::PathBuf;

@@ -118,7 +118,7 @@ fn prop_columns_map_headers_units_signs_offsets_and_rate() {
     }
     let columns = Columns {
         time: Some("tick".to_string()),
-        time_unit: TimeUnit::Milliseconds,
+        time_unit: Some(TimeUnit::Milliseconds),
         position: JointColumns {
             headers: vec!["motor".to_string()],
             file: None,
@@ -264,4 +264,114 @@ fn prop_a_file_that_ends_within_a_row_loses_that_row_alone() {
         (report.rows, count(&report, FindingKind::GarbageRow), log.samples()),
         (100, 1, 99)
     );
+}
+
+fn stored(file: &str) -> Vec<u8> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/logs")
+        .join(file);
+    std::fs::read(path).unwrap()
+}
+
+/// Stamps of controllers and ROS: the unit is that of the steps.
+#[test]
+fn prop_stamps_in_any_unit_are_read_as_seconds_and_it_is_said() {
+    for (unit, per_second, words) in [
+        ("ms", 1e3, "milliseconds"),
+        ("us", 1e6, "microseconds"),
+        ("ns", 1e9, "nanoseconds"),
+    ] {
+        for rate in [25.0, 100.0, 500.0, 1000.0, 4000.0] {
+            // From zero, and since 1970.
+            for start in [0.0, 1_764_315_000.0] {
+                let row = |i: usize| {
+                    let t = i as f64 / rate;
+                    format!("{:.0},{:.9},{:.9}", (start + t) * per_second, t.sin(), t.cos())
+                };
+                let rows: Vec<String> = (0..2000).map(row).collect();
+                let result = read(file(&rows), &Columns::default(), 1);
+                if unit == "ms" && rate > 500.0 {
+                    // Stamps of whole milliseconds do not resolve such rates.
+                    continue;
+                }
+                let (log, report) = result.unwrap_or_else(|e| panic!("{unit} {rate} {start}: {e}"));
+                assert!((log.rate_hz / rate - 1.0).abs() < 1e-6, "{unit} {rate}: {}", log.rate_hz);
+                let said = report
+                    .findings
+                    .iter()
+                    .find(|f| f.kind == FindingKind::TimeUnit)
+                    .expect("is said");
+                assert!(said.detail.contains(words), "{}", said.detail);
+                // Stated, it is not a finding.
+                let stated = Columns {
+                    time_unit: Some(TimeUnit::ALL.into_iter().find(|u| u.names().1 == unit).unwrap()),
+                    ..Columns::default()
+                };
+                let (_, report) = read(file(&rows), &stated, 1).unwrap();
+                assert_eq!(count(&report, FindingKind::TimeUnit), 0);
+            }
+        }
+    }
+    let (_, report) = read(file(&rows(500)), &Columns::default(), 1).unwrap();
+    assert_eq!(count(&report, FindingKind::TimeUnit), 0, "seconds are not said");
+}
+
+#[test]
+fn regress_stamps_that_are_no_times_of_one_recording_are_refused_without_their_memory() {
+    let names = ["q", "p"].map(str::to_string);
+    let read = |file: &str, columns: &Columns| {
+        let bytes = stored(file);
+        let source = Source {
+            name: file.to_string(),
+            bytes: &bytes[..],
+        };
+        read_log(source, columns, &names)
+    };
+    let error = read("last_stamp_1e12.csv.gz", &Columns::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("after line 41") && error.contains("to 1000000000000 s"),
+        "{error}"
+    );
+    let rate = |hz: f64| Columns {
+        sample_rate_hz: Some(hz),
+        ..Columns::default()
+    };
+    let (log, report) = read("ns_stamps.csv.gz", &rate(100.0)).unwrap();
+    assert_eq!((log.rate_hz, count(&report, FindingKind::TimeUnit)), (100.0, log.q[0].len()));
+    let (log, _) = read("ns_stamps.csv.gz", &Columns::default()).unwrap();
+    assert!((log.rate_hz - 100.0).abs() < 1e-3, "{}", log.rate_hz);
+    let error = read("ns_stamps.csv.gz", &rate(333.0)).unwrap_err().to_string();
+    assert!(error.contains("states 333 Hz") && error.contains("`time_unit`"), "{error}");
+    let as_seconds = Columns {
+        time_unit: Some(TimeUnit::Seconds),
+        ..rate(100.0)
+    };
+    let error = read("ns_stamps.csv.gz", &as_seconds).unwrap_err().to_string();
+    assert!(error.contains("`time_unit`"), "{error}");
+    let error = read("one_bad_row.csv.gz", &Columns::default()).unwrap_err();
+    assert!(
+        matches!(error, LogError::TooShort { .. } | LogError::TooMuchGarbage { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn prop_files_that_are_all_columns_or_all_lines_are_refused_with_the_limit() {
+    let wide = (0..10_000).map(|i| format!("c{i}")).collect::<Vec<_>>().join(",");
+    let error = read(format!("{wide}\n"), &Columns::default(), 1).unwrap_err().to_string();
+    assert!(error.contains("has 10000 columns, the most accepted is 4096"), "{error}");
+    let narrow = (0..3000).map(|i| format!("c{i}")).collect::<Vec<_>>().join(",");
+    let error = read(format!("{narrow}\n"), &Columns::default(), 1).unwrap_err().to_string();
+    assert!(error.contains("and 2940 more") && error.len() < 3000, "{error}");
+    let garbage = format!("time,q1,tau1\n0,{},1\n", "x".repeat(1_000_000));
+    let error = read(garbage, &Columns::default(), 1).unwrap_err().to_string();
+    assert!(error.len() < 1000, "{}", error.len());
+    // A hundred megabytes of zeros in a hundred kilobytes.
+    let mut encoder = GzEncoder::new(b"".to_vec(), Compression::default());
+    encoder.write_all(b"time,q1,tau1\n").unwrap();
+    (0..100).for_each(|_| encoder.write_all(&b"0,0,0\n".repeat(1 << 18)).unwrap());
+    let error = read(encoder.finish().unwrap(), &Columns::default(), 1)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("more than 100 times its size"), "{error}");
 }

@@ -5,6 +5,7 @@ mod support;
 
 mod dynamics;
 mod excitation;
+mod robot_files;
 mod robots;
 mod space;
 mod trajectory;

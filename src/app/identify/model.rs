@@ -4,7 +4,7 @@ use crate::app::{Code, Error};
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::PhysicalFit;
 use crate::io::{IdentifyRequest, robot_value, urdf, urdf_gravity};
-use crate::model::{LinkPrior, Robot, from_urdf};
+use crate::model::{ChainEnds, LinkPrior, Robot, Rounding, from_urdf_rounded};
 use crate::parameters::Layout;
 use crate::residual::Fitted;
 use nalgebra::DVector;
@@ -55,12 +55,18 @@ pub(super) fn model_files(
         value: robot_json,
         problems: Vec::new(),
     };
-    let from_json = crate::io::robot_document(&parsed)
+    let from_json = crate::io::robot_document_rounded(&parsed, Rounding::AsWritten)
         .map_err(|e| internal("JSON", format!("{e:?}")))?
         .robot;
-    let from_xml = from_urdf(&files.urdf, urdf_gravity(&robot), robot.friction(), None)
-        .map_err(|e| internal("URDF", e.to_string()))?
-        .robot;
+    let from_xml = from_urdf_rounded(
+        &files.urdf,
+        urdf_gravity(&robot),
+        robot.friction(),
+        ChainEnds::default(),
+        Rounding::AsWritten,
+    )
+    .map_err(|e| internal("URDF", e.to_string()))?
+    .robot;
     for (what, read) in [("JSON", from_json), ("URDF", from_xml)] {
         let error = torque_difference(&robot, &read);
         if error.is_nan() || error > 1e-9 {

@@ -4,9 +4,8 @@ mod check;
 
 use self::check::{check, not_finite};
 use super::{Ending, files};
-use crate::app::{Code, Error};
-use crate::io::shipped::Shipped;
-use crate::io::{NamedRobots, RobotDocument, robot_document, shortest};
+use crate::app::Error;
+use crate::io::{RobotDocument, shortest};
 use crate::model::{FieldProblem, Robot};
 use crate::parameters::Layout;
 use crate::simulate::{Experiment, HiddenEffect, LogFault, Noise, RecordedLog, corrupt, simulate};
@@ -22,6 +21,8 @@ pub struct Arguments {
     /// Robot: a JSON or URDF file, or the name of one that comes with the program.
     #[arg(long, value_name = "FILE|NAME")]
     robot: String,
+    #[command(flatten)]
+    chain: files::ChainArguments,
     /// Request: a JSON file with `trajectory`, and as wanted `parameters`, `periods`, `sample_rate_hz`, `noise`, `effects`, `faults`, `seed`.
     #[arg(long, value_name = "FILE")]
     request: PathBuf,
@@ -78,7 +79,8 @@ enum Path {
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    let robot = robot(&arguments.robot)?;
+    let RobotDocument { robot, notes } = files::read_robot(&arguments.robot, &arguments.chain)?;
+    files::print_notes(&notes);
     let crate::io::Parsed {
         value: mut document,
         mut problems,
@@ -118,17 +120,6 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         format!("{} rows of {} joints\n", log.time.len(), log.q.len())
     })?;
     Ok(Ending::Done)
-}
-
-fn robot(name_or_file: &str) -> Result<Robot, Error> {
-    let parsed = files::robot(name_or_file)?;
-    let RobotDocument { robot, .. } = match &parsed.value {
-        Value::String(name) => Shipped
-            .named(name)
-            .ok_or_else(|| Error::new(Code::UnknownRobot, format!("there is no robot `{name}`")))?,
-        _ => robot_document(&parsed).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors))?,
-    };
-    Ok(robot)
 }
 
 /// Entries of a list that cannot be read, each by its place.

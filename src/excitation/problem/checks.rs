@@ -1,11 +1,9 @@
 //! What can be wrong with a request, field by field.
 
 use super::{Criterion, Given, ProblemSpec};
-use crate::model::{FieldProblem, ModelError};
-use crate::trajectory::sample_count;
+use crate::model::{FieldProblem, INPUT_LIMITS, ModelError};
+use crate::trajectory::{Trajectory, sample_count};
 
-/// More harmonics than any controller's bandwidth carries; keeps accidental requests from asking for hours.
-const HIGHEST_ORDER: usize = 50;
 /// Numbers in the observation matrix: beyond this one evaluation takes so long that a search learns nothing and cannot stop within a
 /// second. The iiwa 14 has room for 12,500 samples, a period of 10 s at more than 1 kHz.
 const LARGEST_MATRIX: usize = 5_000_000;
@@ -32,13 +30,19 @@ pub(super) fn series_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>)
             )
             .with_hint("use 5 as in the paper, at least 2"),
         );
-    } else if spec.order > HIGHEST_ORDER {
+    } else if spec.order > INPUT_LIMITS.harmonics {
         found.push(FieldProblem::new(
             "/fourier/order",
-            format!("is {}, the highest accepted is {HIGHEST_ORDER}", spec.order),
+            format!("is {}, the highest accepted is {}", spec.order, INPUT_LIMITS.harmonics),
         ));
     }
     if !(fundamental && rate) {
+        return;
+    }
+    let [low, high] = INPUT_LIMITS.fundamental_hz;
+    if !(low..=high).contains(&spec.fundamental_hz) {
+        let detail = format!("is {:e}; a fundamental is from {low:e} to {high:e} Hz", spec.fundamental_hz);
+        found.push(FieldProblem::new("/fourier/fundamental_hz", detail));
         return;
     }
     let samples = sample_count(1.0 / spec.fundamental_hz, spec.sample_rate_hz);
@@ -68,8 +72,9 @@ pub(super) fn harmonic_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem
         let ascending = list.windows(2).all(|w| w[0] < w[1]);
         let inside = list.iter().all(|l| (1..=spec.order).contains(l));
         if list.len() < 2 || !ascending || !inside {
+            let shown: Vec<_> = list.iter().take(INPUT_LIMITS.harmonics).collect();
             let detail = format!(
-                "is {list:?}; a joint has at least two harmonics between 1 and the order, {}, ascending",
+                "is {shown:?}; a joint has at least two harmonics between 1 and the order, {}, ascending",
                 spec.order
             );
             let hint = "rest at the start binds two of them together: with one harmonic nothing would move";
@@ -84,6 +89,13 @@ pub(super) fn knowledge_problems(spec: &ProblemSpec, columns: usize) -> Result<(
     let joints = spec.robot.joint_count();
     let mut found = Vec::new();
     for (i, given) in knowledge.given.iter().enumerate() {
+        if let Given::Motion { series, .. } = given {
+            let samples = sample_count(series.duration(), spec.sample_rate_hz);
+            if let Err(e) = size_problem(samples, joints, columns) {
+                let placed = |p: FieldProblem| FieldProblem::new(format!("/given/{i}/fundamental_hz"), p.detail);
+                found.extend(e.0.into_iter().map(placed));
+            }
+        }
         let fits = match given {
             Given::Motion { series, .. } => series.offset.len() == joints,
             Given::Information(matrix) => matrix.shape() == (columns, columns),
@@ -123,14 +135,10 @@ pub(super) fn size_problem(samples: usize, joints: usize, parameters: usize) -> 
 pub(super) fn limit_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) {
     for (i, joint) in spec.robot.joints().iter().enumerate() {
         let l = &joint.limits;
-        if l.velocity.is_none() && l.acceleration.is_none() && l.jerk.is_none() && l.position.is_none() {
-            found.push(
-                FieldProblem::new(
-                    format!("/robot/joints/{i}/limits"),
-                    format!("joint `{}` has no limit on its motion", joint.name),
-                )
-                .with_hint("give at least its velocity limit: without one the best trajectory is infinitely fast"),
-            );
+        if l.velocity.is_none() && l.acceleration.is_none() && l.jerk.is_none() {
+            let detail = format!("joint `{}` has no limit on its velocity, acceleration or jerk", joint.name);
+            let hint = "give at least its velocity limit: without one the best trajectory is as fast as its range allows";
+            found.push(FieldProblem::new(format!("/robot/joints/{i}/limits"), detail).with_hint(hint));
         }
     }
 }
@@ -144,8 +152,14 @@ pub(super) fn noise_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) 
             format!("has {} values, the robot has {joints} joints", noise.len()),
         ));
     }
-    for (i, &v) in noise.iter().enumerate() {
-        positive(&format!("/torque_noise/{i}"), v, "N m or N", found);
+    let [low, high] = INPUT_LIMITS.torque_noise;
+    for (i, &v) in noise.iter().enumerate().take(joints) {
+        let pointer = format!("/torque_noise/{i}");
+        if positive(&pointer, v, "N m or N", found) && !(low..=high).contains(&v) {
+            let detail = format!("is {v:e}; the noise of a measured torque is from {low:e} to {high:e} N m or N");
+            let hint = "one standard deviation of what is measured while the arm moves";
+            found.push(FieldProblem::new(pointer, detail).with_hint(hint));
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Criterion, Given, Problem};
 use crate::dynamics::{ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::excitation::added::Course;
+use crate::excitation::criterion::is_finite;
 use crate::excitation::moves::{random_numbers, random_start};
 use crate::excitation::variables::Variables;
 use crate::trajectory::{FourierSeries, Trajectory};
@@ -109,6 +110,10 @@ impl Problem {
 fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let scale = matrix.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
     let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)] * scale[r] * scale[c]);
+    // Decompositions do not end on what is not finite.
+    if !is_finite(&scaled) {
+        return DMatrix::zeros(matrix.nrows(), matrix.ncols());
+    }
     let eigen = scaled.symmetric_eigen();
     let least = 1e-10 * eigen.eigenvalues.amax();
     let inverse = eigen.eigenvalues.map(|v| if v > least { 1.0 / v } else { 0.0 });

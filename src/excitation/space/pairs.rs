@@ -4,7 +4,7 @@ use super::super::problem::ProblemSpec;
 use super::distance::{Distance, poses};
 use super::{HalfSpace, Obstacle, SelfCollision, SpaceLimits};
 use crate::dynamics::Motion;
-use crate::model::{Capsule, FieldProblem, Joint, Robot};
+use crate::model::{Capsule, FieldProblem, INPUT_LIMITS, Joint, Robot};
 use crate::spatial::Transform;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -93,9 +93,28 @@ impl SpaceSet {
     }
 }
 
+/// No obstacle of an arm is farther away (m); distances are computed from squares and differences of such numbers.
+const FARTHEST: f64 = 1e4;
+
 fn check(asked: &SpaceLimits, robot: &Robot, found: &mut Vec<FieldProblem>) {
     let mut complain =
         |pointer: String, detail: String| found.push(FieldProblem::new(format!("/constraints/space{pointer}"), detail));
+    let (shapes, obstacles) = (capsules(robot).count(), asked.half_spaces.len() + asked.boxes.len());
+    // Of two links, each pair of capsules counts once.
+    let among_links = asked.self_collision.as_ref().map_or(0, |_| shapes * shapes / 2);
+    let pairs = shapes.saturating_mul(obstacles).saturating_add(among_links);
+    if obstacles > INPUT_LIMITS.obstacles || pairs > INPUT_LIMITS.distance_pairs {
+        complain(
+            String::new(),
+            format!(
+                "asks for {pairs} distances between {shapes} capsules, {obstacles} obstacles and each other, the most accepted are {} distances and {} \
+                 obstacles: use fewer, larger shapes",
+                INPUT_LIMITS.distance_pairs, INPUT_LIMITS.obstacles
+            ),
+        );
+        return;
+    }
+    let far = |v: &f64| v.abs() > FARTHEST;
     if robot.joints().iter().all(|j| j.geometry.is_empty()) {
         complain(
             String::new(),
@@ -110,19 +129,21 @@ fn check(asked: &SpaceLimits, robot: &Robot, found: &mut Vec<FieldProblem>) {
         );
     }
     for (i, HalfSpace { normal, offset, .. }) in asked.half_spaces.iter().enumerate() {
-        if !(normal.norm().is_finite() && normal.norm() > 1e-6 && offset.is_finite()) {
+        if !(normal.norm().is_finite() && normal.norm() > 1e-6 && !far(&(offset / normal.norm()))) {
             complain(
                 format!("/half_spaces/{i}"),
-                "needs a normal with a direction and a finite offset: the arm stays where normal · p ≥ offset".into(),
+                format!(
+                    "needs a normal with a direction and an offset within {FARTHEST} m: the arm stays where normal · p ≥ offset"
+                ),
             );
         }
     }
     for (i, Obstacle { center, size, .. }) in asked.boxes.iter().enumerate() {
-        let finite = center.iter().chain(size.iter()).all(|v| v.is_finite());
-        if !finite || size.iter().any(|&v| v <= 0.0) {
+        let out_of_reach = center.iter().chain(size.iter()).any(far);
+        if out_of_reach || size.iter().any(|&v| v <= 0.0) {
             complain(
                 format!("/boxes/{i}"),
-                "needs a finite center and three edges of positive length (m)".into(),
+                format!("needs a center and three edges of positive length, all within {FARTHEST} m"),
             );
         }
     }

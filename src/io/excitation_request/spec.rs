@@ -3,7 +3,7 @@
 use crate::excitation::{Criterion, Form, Knowledge, ProblemSpec, Start};
 use crate::io::cursor::{Cursor, Fields};
 use crate::io::path_limits::{read_space_limits, read_torque_limits};
-use crate::model::{FieldProblem, Friction, Joint, JointKind, Limits, Mdh, Robot};
+use crate::model::{FieldProblem, Friction, INPUT_LIMITS, Joint, JointKind, Limits, Mdh, Robot};
 use nalgebra::Vector3;
 use serde_json::Value;
 
@@ -90,7 +90,8 @@ pub(super) fn read_fundamentals(fields: &Fields) -> Vec<f64> {
         return Vec::new();
     };
     match value {
-        Value::Array(list) => list.iter().filter_map(Value::as_f64).collect(),
+        // A longer list is refused.
+        Value::Array(list) => list.iter().take(MOST_FUNDAMENTALS).filter_map(Value::as_f64).collect(),
         other => other.as_f64().into_iter().collect(),
     }
 }
@@ -100,12 +101,10 @@ fn check_fundamentals(cursor: &Cursor, first: Option<f64>) -> Option<f64> {
     if !cursor.value().is_array() {
         return cursor.number();
     }
+    cursor.items_up_to(MOST_FUNDAMENTALS, "values, and a search is made for each;")?;
     let list = cursor.numbers(None)?;
-    if list.is_empty() || list.len() > MOST_FUNDAMENTALS {
-        cursor.complain(format!(
-            "has {} values; a search chooses from 1 to {MOST_FUNDAMENTALS}",
-            list.len()
-        ));
+    if list.is_empty() {
+        cursor.complain(format!("has 0 values; a search chooses from 1 to {MOST_FUNDAMENTALS}"));
     }
     for (i, value) in list.iter().enumerate().skip(1).filter(|(_, v)| !(v.is_finite() && **v > 0.0)) {
         cursor.findings().push(FieldProblem::new(
@@ -118,10 +117,10 @@ fn check_fundamentals(cursor: &Cursor, first: Option<f64>) -> Option<f64> {
 
 fn read_harmonics(cursor: &Cursor) -> Option<Vec<Vec<usize>>> {
     let list = |c: &Cursor| -> Option<Vec<usize>> {
-        let items = c.items()?;
+        let items = c.items_up_to(INPUT_LIMITS.harmonics, "harmonics")?;
         items.iter().map(|i| i.whole(1, 1_000_000).map(|n| n as usize)).collect()
     };
-    cursor.items()?.iter().map(list).collect()
+    cursor.items_up_to(INPUT_LIMITS.joints, "lists")?.iter().map(list).collect()
 }
 
 /// An arm without fault, in the place of one that could not be read: the rest of the request is still checked.

@@ -2,14 +2,15 @@
 //! batch before and reads (and unpacks) the next.
 
 use super::rows::{Part, RowShape};
+use crate::model::INPUT_LIMITS;
 use memchr::{memchr_iter, memrchr};
 use rayon::prelude::*;
 use std::io::{self, Read};
 
 /// Bytes that one thread parses at a time: a millisecond's work, which stays in the cache together with its columns.
 const BLOCK: usize = 1 << 18;
-/// Longest line that is read. A file without line ends would fill the memory.
-const LONGEST_LINE: usize = 4 << 20;
+/// Longest line that is read.
+const LONGEST_LINE: usize = INPUT_LIMITS.log_line;
 
 /// Why reading ended before the file did.
 pub(super) enum Broken {

@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DVector};
 pub struct Columns {
     /// Header of the time column; `None` looks for the usual names.
     pub time: Option<String>,
-    pub time_unit: TimeUnit,
+    /// `None` where the stamps themselves have to say: seconds, if they make a plausible rate.
+    pub time_unit: Option<TimeUnit>,
     /// Rate where there is no time column (Hz); with a time column it overrides what the stamps say.
     pub sample_rate_hz: Option<f64>,
     pub position: JointColumns,
@@ -56,6 +57,19 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// From the longest to the shortest.
+    pub const ALL: [Self; 4] = [Self::Seconds, Self::Milliseconds, Self::Microseconds, Self::Nanoseconds];
+
+    /// Name in words, and as requests have it.
+    pub fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Seconds => ("seconds", "s"),
+            Self::Milliseconds => ("milliseconds", "ms"),
+            Self::Microseconds => ("microseconds", "us"),
+            Self::Nanoseconds => ("nanoseconds", "ns"),
+        }
+    }
+
     pub fn seconds(self) -> f64 {
         match self {
             Self::Seconds => 1.0,
@@ -70,7 +84,7 @@ impl Default for Columns {
     fn default() -> Self {
         Self {
             time: None,
-            time_unit: TimeUnit::Seconds,
+            time_unit: None,
             sample_rate_hz: None,
             position: JointColumns::default(),
             velocity: JointColumns::default(),

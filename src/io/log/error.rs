@@ -27,6 +27,8 @@ pub enum LogError {
     },
     #[error("{file}, line 1: the header is longer than {limit} bytes; a log is text with one line per sample")]
     LongHeader { file: String, limit: usize },
+    #[error("{file}, line 1: has {columns} columns, the most accepted is {limit}; leave out what is not needed")]
+    TooManyColumns { file: String, columns: usize, limit: usize },
     #[error("{file}, line {line}: is longer than any row of numbers; a log is text with one line per sample")]
     LongLine { file: String, line: u64 },
     #[error("{file}: `columns` places a quantity in the file `{other}`, which is not among the logs; give it as one more log")]
@@ -71,18 +73,28 @@ pub enum LogError {
         rows: usize,
     },
     #[error(
-        "{file}: {missing_s} s of {total_s} s are missing between time stamps, the longest gap after line {line}; record again without losing samples"
+        "{file}: {missing_s:.6} s of {total_s:.6} s are missing between time stamps, the longest gap after line {line}, from {from} s to {to} s: \
+         correct the stamp in the line after it, or record again without losing samples"
     )]
     TooManyGaps {
         file: String,
         missing_s: f64,
         total_s: f64,
         line: u64,
+        /// Ends of the longest gap.
+        from: f64,
+        to: f64,
     },
     #[error(
-        "{file}: the time stamps give a sample rate of {rate_hz} Hz; a motion is sampled between 5 Hz and 100 kHz: check the unit of time in `columns`"
+        "{file}: the time stamps give a sample rate of {rate_hz:.4e} Hz; a motion is sampled between 5 Hz and 100 kHz: state the unit of the stamps \
+         in `columns` as `time_unit` (s, ms, us or ns), or their rate as `sample_rate_hz` without a time column"
     )]
     ImplausibleRate { file: String, rate_hz: f64 },
+    #[error(
+        "{file}: the time stamps give a sample rate of {rate_hz:.4e} Hz, and `columns` states {stated_hz} Hz: correct `sample_rate_hz`, or state \
+         the unit of the stamps as `time_unit` (s, ms, us or ns)"
+    )]
+    RateDiffers { file: String, rate_hz: f64, stated_hz: f64 },
     #[error("{file}: has more than {limit} rows; lower the sample rate or split the log")]
     TooLong { file: String, limit: usize },
 }
@@ -97,6 +109,8 @@ impl LogError {
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }
+            | Self::TooManyColumns { file, .. }
+            | Self::RateDiffers { file, .. }
             | Self::LongLine { file, .. }
             | Self::MissingFile { file, .. }
             | Self::RowsDiffer { file, .. }
@@ -125,6 +139,8 @@ impl LogError {
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }
+            | Self::TooManyColumns { file, .. }
+            | Self::RateDiffers { file, .. }
             | Self::LongLine { file, .. }
             | Self::MissingFile { file, .. }
             | Self::RowsDiffer { file, .. }

@@ -1,8 +1,10 @@
 //! The header of a file: which column is taken for what, without reading the rest of it.
 
 use super::places::{Places, delimiter};
-use super::reader::{broken, open, unpacked};
+use super::reader::{broken, open};
+use super::unpack::unpacked;
 use super::{Columns, LogError};
+use crate::model::INPUT_LIMITS;
 use csv::{ReaderBuilder, Trim};
 use serde::Serialize;
 use std::io::{self, BufRead, Read};
@@ -51,8 +53,8 @@ pub(super) struct Header {
     pub lines: u64,
 }
 
-/// Longest header that is read: a thousand columns with names of a hundred letters. A file without line ends would fill the memory.
-const LONGEST_HEADER: usize = 100_000;
+/// Longest header that is read (bytes).
+const LONGEST_HEADER: usize = INPUT_LIMITS.log_header;
 
 impl Header {
     /// Reads as far as the end of the header.
@@ -74,6 +76,13 @@ impl Header {
             file: file.to_string(),
             detail: format!("line 1: {e}"),
         })?;
+        if names.len() > INPUT_LIMITS.log_columns {
+            return Err(LogError::TooManyColumns {
+                file: file.to_string(),
+                columns: names.len(),
+                limit: INPUT_LIMITS.log_columns,
+            });
+        }
         let text = |name: &[u8]| String::from_utf8_lossy(name).trim_start_matches('\u{feff}').to_string();
         Ok(Self {
             delimiter,

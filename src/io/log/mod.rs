@@ -14,9 +14,12 @@ mod report;
 mod rows;
 mod table;
 mod time_base;
+mod time_unit;
+mod unpack;
 
 pub use columns::{Columns, JointColumns, TimeUnit, Transformation};
 pub use error::LogError;
 pub use header::{FoundColumns, found_columns};
 pub use reader::{Source, read_joined_log, read_log, read_log_file};
 pub use report::{Finding, FindingKind, LogReport};
+pub use time_unit::PLAUSIBLE_HZ;

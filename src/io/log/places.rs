@@ -87,7 +87,15 @@ impl Places {
                 .find_map(|name| header.iter().position(|h| h.eq_ignore_ascii_case(name))),
         };
         if !missing.is_empty() {
-            let found = header.iter().map(|h| format!("`{h}`")).collect();
+            const SHOWN: usize = 60;
+            let name = |h: &String| match h.char_indices().nth(SHOWN) {
+                Some((end, _)) => format!("`{}…`", &h[..end]),
+                None => format!("`{h}`"),
+            };
+            let mut found: Vec<String> = header.iter().take(SHOWN).map(name).collect();
+            if header.len() > SHOWN {
+                found.push(format!("and {} more", header.len() - SHOWN));
+            }
             return Err(LogError::MissingColumns {
                 file: file.to_string(),
                 missing,

@@ -6,11 +6,11 @@ use super::header::Header;
 use super::places::{Places, Wanted};
 use super::rows::{Part, RowShape};
 use super::table::Table;
+use super::unpack::unpacked;
 use super::{LogError, LogReport, time_base};
 use crate::identification::Log;
-use flate2::read::MultiGzDecoder;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Where the bytes come from, with the name that messages use.
@@ -109,19 +109,6 @@ fn table_of<R: Read + Send>(
     })?;
     table.check()?;
     Ok(table)
-}
-
-/// The text of a file, which gzip may have packed.
-pub(super) fn unpacked<'a, R: Read + Send + 'a>(file: &str, bytes: R) -> Result<Box<dyn BufRead + Send + 'a>, LogError> {
-    let mut bytes = BufReader::with_capacity(1 << 16, bytes);
-    let start = bytes.fill_buf().map_err(|e| broken(file, 1, &e))?;
-    if start.is_empty() {
-        return Err(LogError::Empty { file: file.to_string() });
-    }
-    Ok(match start.starts_with(&[0x1f, 0x8b]) {
-        true => Box::new(BufReader::with_capacity(1 << 16, MultiGzDecoder::new(bytes))),
-        false => Box::new(bytes),
-    })
 }
 
 pub(super) fn broken(file: &str, line: u64, e: &io::Error) -> LogError {

@@ -38,6 +38,7 @@ pub enum FindingKind {
     MissingSample,
     Gap,
     Jitter,
+    TimeUnit,
 }
 
 impl FindingKind {
@@ -51,6 +52,7 @@ impl FindingKind {
             Self::MissingSample => "missing_sample",
             Self::Gap => "gap",
             Self::Jitter => "jitter",
+            Self::TimeUnit => "time_unit",
         }
     }
 }

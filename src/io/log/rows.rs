@@ -153,8 +153,8 @@ impl RowShape {
             match number(row.field(at)) {
                 Some(v) => *value = v,
                 None => {
-                    let text = String::from_utf8_lossy(row.field(at));
-                    part.garbage.add(line, || format!("`{text}` in column {}", at + 1));
+                    part.garbage
+                        .add(line, || format!("`{}` in column {}", shown(row.field(at)), at + 1));
                     return;
                 }
             }
@@ -163,14 +163,20 @@ impl RowShape {
             match number(row.field(at)) {
                 Some(t) => part.time.push(t),
                 None => {
-                    let text = String::from_utf8_lossy(row.field(at));
-                    part.missing_time.add(line, || format!("`{text}`"));
+                    part.missing_time.add(line, || format!("`{}`", shown(row.field(at))));
                     return;
                 }
             }
         }
         part.push(values.iter().copied());
     }
+}
+
+/// A field as messages show it, which may be megabytes long.
+fn shown(field: &[u8]) -> String {
+    const LONGEST: usize = 60;
+    let text = String::from_utf8_lossy(&field[..field.len().min(LONGEST)]);
+    format!("{text}{}", if field.len() > LONGEST { "…" } else { "" })
 }
 
 #[cfg(test)]

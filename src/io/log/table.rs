@@ -4,9 +4,10 @@ use super::LogError;
 use super::places::Places;
 use super::report::Tally;
 use super::rows::Part;
+use crate::model::INPUT_LIMITS;
 
-/// Most rows of one log: at 1 kHz more than two hours. A bound on memory, 2.6 GB for seven joints being out of anybody's reach.
-const MOST_ROWS: usize = 8_000_000;
+/// Most rows of one log: a bound on memory.
+const MOST_ROWS: usize = INPUT_LIMITS.log_rows;
 /// One bad row in twenty is a broken export, not a glitch.
 const GARBAGE_LIMIT: usize = 20;
 
@@ -23,6 +24,8 @@ pub(super) struct Table {
     pub qd: Vec<Vec<f64>>,
     pub tau: Vec<Vec<f64>>,
     pub rows: usize,
+    /// Whether the file has a time column.
+    pub has_time: bool,
     /// Of the file, as far as is known: an estimate of the rows to come.
     bytes_left: u64,
     pub garbage: Tally,
@@ -42,6 +45,7 @@ impl Table {
             qd: empty(&places.qd),
             tau: empty(&places.tau),
             rows: 0,
+            has_time: places.time.is_some(),
             bytes_left: bytes,
             garbage: Tally::default(),
             missing_time: Tally::default(),

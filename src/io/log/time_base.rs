@@ -2,6 +2,7 @@
 
 use super::report::{FindingKind, Tally};
 use super::table::Table;
+use super::time_unit::{PLAUSIBLE_HZ, is_rate_of, to_seconds};
 use super::{Columns, Finding, LogError, LogReport};
 use crate::identification::Log;
 
@@ -21,17 +22,17 @@ const ON_GRID: f64 = 0.01;
 
 /// Lays a table onto a uniform grid, converts to SI, and reports.
 pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogReport), LogError> {
-    let has_time = !table.time.is_empty();
-    if has_time {
-        let unit = columns.time_unit.seconds();
-        table.time.iter_mut().for_each(|t| *t *= unit);
+    let mut findings = garbage_findings(&table);
+    if table.has_time {
+        to_seconds(&mut table, columns, &mut findings);
     } else {
         // Rows that were left out still took their time.
-        let rate = columns.sample_rate_hz.expect("checked with the header");
+        let Some(rate) = columns.sample_rate_hz else {
+            return Err(LogError::NoTimeBase { file: table.file });
+        };
         let first = table.numbers.first().copied().unwrap_or(0);
         table.time = table.numbers.iter().map(|&n| f64::from(n - first) / rate).collect();
     }
-    let mut findings = garbage_findings(&table);
     drop_rows(&mut table, &mut findings)?;
     let rows_used = table.time.len();
     if rows_used < LEAST_ROWS {
@@ -202,13 +203,24 @@ struct Grid {
 impl Grid {
     fn fit(table: &Table, stated_rate: Option<f64>, findings: &mut Vec<Finding>) -> Result<Self, LogError> {
         let time = &table.time;
+        if let Some(stated_hz) = stated_rate
+            && let Err(rate_hz) = is_rate_of(stated_hz, time)
+        {
+            return Err(LogError::RateDiffers {
+                file: table.file.clone(),
+                rate_hz,
+                stated_hz,
+            });
+        }
         let rate_hz = stated_rate.unwrap_or_else(|| rate_of(time));
-        if !(5.0..=100_000.0).contains(&rate_hz) {
+        if !(PLAUSIBLE_HZ[0]..=PLAUSIBLE_HZ[1]).contains(&rate_hz) {
             return Err(LogError::ImplausibleRate {
                 file: table.file.clone(),
                 rate_hz,
             });
         }
+        // The number of samples is that of the rows as long as little is missing: nothing is allocated before that is known.
+        let gaps = Gaps::of(table, rate_hz)?;
         let duration = time[time.len() - 1] - time[0];
         let samples = (duration * rate_hz).round() as usize + 1;
         let deviation = largest_deviation(time, rate_hz);
@@ -230,46 +242,9 @@ impl Grid {
                 ),
             });
         }
-        grid.mark_gaps(table, findings)?;
+        gaps.mark(&mut grid, time);
+        gaps.report(findings);
         Ok(grid)
-    }
-
-    fn mark_gaps(&mut self, table: &Table, findings: &mut Vec<Finding>) -> Result<(), LogError> {
-        let time = &table.time;
-        let (mut gaps, mut bridged) = (Tally::default(), Tally::default());
-        let (mut missing, mut longest, mut longest_line) = (0.0, 0.0, 0);
-        for row in 1..time.len() {
-            let gap = time[row] - time[row - 1];
-            let steps = gap * self.rate_hz;
-            let line = u64::from(table.lines[row - 1]);
-            if steps > BRIDGED_STEPS {
-                gaps.add(line, || format!("{gap:.4} s"));
-                missing += gap - 1.0 / self.rate_hz;
-                if gap > longest {
-                    (longest, longest_line) = (gap, line);
-                }
-                let inside = |t: f64| ((t - time[0]) * self.rate_hz).round() as usize;
-                self.usable[(inside(time[row - 1]) + 1).min(self.samples)..inside(time[row]).min(self.samples)].fill(false);
-            } else if steps > 1.5 {
-                bridged.add(line, || format!("{:.0}", steps - 1.0));
-            }
-        }
-        let total = time[time.len() - 1] - time[0];
-        if missing > MISSING_LIMIT * total {
-            return Err(LogError::TooManyGaps {
-                file: table.file.clone(),
-                missing_s: missing,
-                total_s: total,
-                line: longest_line,
-            });
-        }
-        findings.extend(bridged.finding(FindingKind::MissingSample, |_| {
-            "after these lines one to three samples are missing; interpolated".to_string()
-        }));
-        findings.extend(gaps.finding(FindingKind::Gap, |_| {
-            format!("after these lines samples are missing, {missing:.3} s in all, longest {longest:.3} s; those times are left out of the fit")
-        }));
-        Ok(())
     }
 
     /// Replaces the values at `time` by those on the grid: cubic Hermite with slopes of the parabola through three neighbours.
@@ -308,8 +283,81 @@ impl Grid {
     }
 }
 
+/// Where samples are missing.
+struct Gaps {
+    gaps: Tally,
+    bridged: Tally,
+    /// Rows before each gap that is too long to be bridged.
+    before: Vec<usize>,
+    missing_s: f64,
+    longest_s: f64,
+}
+
+impl Gaps {
+    /// # Errors
+    /// More than a fifth of the time is missing.
+    fn of(table: &Table, rate_hz: f64) -> Result<Self, LogError> {
+        let time = &table.time;
+        let mut found = Self {
+            gaps: Tally::default(),
+            bridged: Tally::default(),
+            before: Vec::new(),
+            missing_s: 0.0,
+            longest_s: 0.0,
+        };
+        let mut longest = 0;
+        for row in 1..time.len() {
+            let gap = time[row] - time[row - 1];
+            let steps = gap * rate_hz;
+            let line = u64::from(table.lines[row - 1]);
+            if steps > BRIDGED_STEPS {
+                found.gaps.add(line, || format!("{gap:.4} s"));
+                found.before.push(row - 1);
+                found.missing_s += gap - 1.0 / rate_hz;
+                if gap > found.longest_s {
+                    (found.longest_s, longest) = (gap, row);
+                }
+            } else if steps > 1.5 {
+                found.bridged.add(line, || format!("{:.0}", steps - 1.0));
+            }
+        }
+        let total = time[time.len() - 1] - time[0];
+        if found.missing_s > MISSING_LIMIT * total {
+            return Err(LogError::TooManyGaps {
+                file: table.file.clone(),
+                missing_s: found.missing_s,
+                total_s: total,
+                line: u64::from(table.lines[longest - 1]),
+                from: time[longest - 1],
+                to: time[longest],
+            });
+        }
+        Ok(found)
+    }
+
+    fn mark(&self, grid: &mut Grid, time: &[f64]) {
+        let inside = |t: f64| ((t - time[0]) * grid.rate_hz).round() as usize;
+        for &row in &self.before {
+            let (from, to) = (inside(time[row]) + 1, inside(time[row + 1]));
+            grid.usable[from.min(grid.samples)..to.min(grid.samples)].fill(false);
+        }
+    }
+
+    fn report(&self, findings: &mut Vec<Finding>) {
+        findings.extend(self.bridged.finding(FindingKind::MissingSample, |_| {
+            "after these lines one to three samples are missing; interpolated".to_string()
+        }));
+        findings.extend(self.gaps.finding(FindingKind::Gap, |_| {
+            format!(
+                "after these lines samples are missing, {:.3} s in all, longest {:.3} s; those times are left out of the fit",
+                self.missing_s, self.longest_s
+            )
+        }));
+    }
+}
+
 /// Sample rate of a record with jitter and holes: every interval counts as a whole number of median steps.
-fn rate_of(time: &[f64]) -> f64 {
+pub(super) fn rate_of(time: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     let middle = steps.len() / 2;
     let (_, &mut median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);

@@ -3,7 +3,7 @@
 use super::read_source;
 use crate::io::bounds_document::{AXES, JOINT_BOUND_FIELDS, read_bounds};
 use crate::io::cursor::Cursor;
-use crate::model::{Capsule, Joint, JointKind, Limits, LinkPrior, Mdh};
+use crate::model::{Capsule, INPUT_LIMITS, Joint, JointKind, Limits, LinkPrior, Mdh, Notes, Rounding, body_complaint};
 use crate::spatial::{PhysicalInertia, Transform};
 use nalgebra::Matrix3;
 
@@ -27,8 +27,21 @@ pub const PRIOR_FIELDS: &[&str] = &["mass", "center_of_mass", "inertia", "viscou
 pub const CAPSULE_FIELDS: &[&str] = &["from", "to", "radius", "source"];
 pub const INERTIA_FIELDS: &[&str] = &["xx", "xy", "xz", "yy", "yz", "zz"];
 
+/// How a document is read, and what a user should know about it.
+pub(super) struct Reading {
+    pub rounding: Rounding,
+    pub notes: Notes,
+}
+
+impl Reading {
+    fn note(&mut self, joint: &str, changes: impl IntoIterator<Item = String>) {
+        self.notes
+            .extend(changes.into_iter().map(|c| format!("joint `{joint}`: {c}")));
+    }
+}
+
 /// The joint, and the turn from its frame in the dynamics (z along the axis) to its frame in the document.
-pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform) -> (Joint, Matrix3<f64>) {
+pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform, reading: &mut Reading) -> (Joint, Matrix3<f64>) {
     // The stand-in for anything unreadable passes the checks of the core, so that those see the rest.
     let stand_in = || {
         (
@@ -62,20 +75,31 @@ pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform) -> 
         };
         cursor.complain_with(detail, "give one of them");
     } else if let Some(placement) = fields.optional("placement") {
-        let read = read_placement(&placement);
+        let read = read_placement(&placement, &joint.name, reading);
         turn = read.1;
         joint.placement = *to_here * read.0;
         joint.mdh = None;
         joint.description_frame = turn;
     } else if let Some(mdh) = fields.optional("mdh") {
-        let mdh = read_mdh(&mdh);
+        let mdh = read_mdh(&mdh, &joint.name, reading);
         joint.placement = *to_here * mdh.placement();
         // Kept where it is the whole placement; with non-finite angles the core names them.
         joint.mdh = (to_here.rotation == Matrix3::identity()).then_some(mdh);
     }
     joint.limits = fields.nullable("limits").map_or(Limits::unlimited(), |c| read_limits(&c));
+    let (limits, dropped) = joint.limits.without_placeholders(joint.is_revolute(), false);
+    joint.limits = limits;
+    reading.note(&joint.name, dropped);
     joint.prior = fields.nullable("prior").and_then(|c| read_prior(&c, &turn));
-    let capsules = fields.nullable("geometry").and_then(|c| c.items()).unwrap_or_default();
+    if let Some(prior) = &joint.prior
+        && let Some(complaint) = body_complaint(prior.inertia.mass, &prior.inertia.inertia)
+    {
+        reading.notes.push(format!("the link of joint `{}` {complaint}", joint.name));
+    }
+    let capsules = fields
+        .nullable("geometry")
+        .and_then(|c| c.items_up_to(INPUT_LIMITS.capsules_per_link, "capsules"))
+        .unwrap_or_default();
     joint.geometry = capsules.iter().filter_map(|c| read_capsule(c, &turn)).collect();
     if let Some(bounds) = fields.nullable("bounds").and_then(|c| c.fields(JOINT_BOUND_FIELDS)) {
         read_source(&bounds);
@@ -113,28 +137,36 @@ const ZERO_MDH: Mdh = Mdh {
     r: 0.0,
 };
 
-fn read_mdh(cursor: &Cursor) -> Mdh {
+fn read_mdh(cursor: &Cursor, joint: &str, reading: &mut Reading) -> Mdh {
     let Some(fields) = cursor.fields(MDH_FIELDS) else {
         return ZERO_MDH;
     };
     read_source(&fields);
     let number = |name: &str| fields.required(name).and_then(|c| c.number()).unwrap_or(0.0);
+    let rounding = reading.rounding;
+    let mut kept = |(read, change): (f64, Option<String>)| {
+        reading.note(joint, change);
+        read
+    };
     Mdh {
-        alpha: number("alpha"),
-        d: number("d"),
-        theta: number("theta"),
-        r: number("r"),
+        alpha: kept(rounding.angle("alpha", number("alpha"))),
+        d: kept(rounding.length("d", number("d"))),
+        theta: kept(rounding.angle("theta", number("theta"))),
+        r: kept(rounding.length("r", number("r"))),
     }
 }
 
-fn read_placement(cursor: &Cursor) -> (Transform, Matrix3<f64>) {
+fn read_placement(cursor: &Cursor, joint: &str, reading: &mut Reading) -> (Transform, Matrix3<f64>) {
     let nothing = (Transform::identity(), Matrix3::identity());
     let Some(fields) = cursor.fields(PLACEMENT_FIELDS) else {
         return nothing;
     };
     read_source(&fields);
     let vector = |name: &str| fields.optional(name).and_then(|c| c.vector()).unwrap_or_default();
-    let placement = Transform::from_xyz_rpy(vector("xyz"), vector("rpy"));
+    let (xyz, of_lengths) = reading.rounding.lengths("xyz", vector("xyz"));
+    let (rpy, of_angles) = reading.rounding.angles("rpy", vector("rpy"));
+    reading.note(joint, of_lengths.into_iter().chain(of_angles));
+    let placement = Transform::from_xyz_rpy(xyz, rpy);
     let axis = fields.optional("axis").and_then(|c| {
         let axis = c.vector()?;
         // Shorter than 1e-6 is no direction anybody wrote down.
@@ -145,7 +177,7 @@ fn read_placement(cursor: &Cursor) -> (Transform, Matrix3<f64>) {
             );
             return None;
         }
-        Some(axis.normalize())
+        Some(reading.rounding.axis(axis.normalize()))
     });
     let turn = axis.map_or(Matrix3::identity(), |a| Transform::z_onto(&a));
     (placement * Transform::from_rotation(turn), turn)

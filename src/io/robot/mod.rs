@@ -2,17 +2,19 @@
 //!
 //! Every object of a robot document may carry a `source`: one string that says where its numbers come from.
 
+mod file;
 mod joint;
 
+pub use file::robot_file;
 pub use joint::{INERTIA_FIELDS, JOINT_FIELDS, LIMIT_FIELDS, MDH_FIELDS, PLACEMENT_FIELDS, PRIOR_FIELDS};
 
-use self::joint::read_joint;
+use self::joint::{Reading, read_joint};
 use super::cursor::{Cursor, Fields, Findings};
-use super::json::{Malformed, Parsed, parse};
-use crate::model::{FieldProblem, Friction, Robot, from_urdf};
+use super::json::Parsed;
+use crate::model::{ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Notes, Robot, Rounding, from_urdf_rounded};
 use crate::spatial::Transform;
 use nalgebra::Vector3;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// A robot as read, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,43 +43,33 @@ pub trait NamedRobots {
 /// Fields of a robot with joints.
 pub const ROBOT_FIELDS: &[&str] = &["name", "gravity", "joints", "friction", "source"];
 /// Fields of a robot given as a URDF file.
-pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "tip", "source"];
-
-/// A robot document from the bytes of a file: JSON, or URDF if it starts like XML.
-///
-/// # Errors
-/// Text that is neither.
-pub fn robot_file(bytes: &[u8]) -> Result<Parsed, Malformed> {
-    let start = bytes
-        .iter()
-        .find(|b| !b.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(b));
-    if start != Some(&b'<') {
-        return parse(bytes);
-    }
-    let xml = std::str::from_utf8(bytes).map_err(|e| Malformed {
-        detail: format!("the file is not UTF-8 text: {e}"),
-        hint: None,
-    })?;
-    Ok(Parsed {
-        value: json!({"urdf": xml.trim_start_matches('\u{feff}')}),
-        problems: Vec::new(),
-    })
-}
+pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "base", "tip", "source"];
 
 /// Reads the robot that stands at `cursor`; what is wrong goes to the cursor's findings, and `None` comes back if anything is.
 pub fn read_robot(cursor: &Cursor) -> Option<RobotDocument> {
+    read_robot_rounded(cursor, Rounding::Meant)
+}
+
+fn read_robot_rounded(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
     let urdf = cursor.value().get("urdf").is_some();
-    let read = if urdf { read_urdf(cursor) } else { read_joints(cursor) };
+    let read = match urdf {
+        true => read_urdf(cursor, rounding),
+        false => read_joints(cursor, rounding),
+    };
     read.filter(|_| !cursor.findings().within(cursor.pointer()))
 }
 
-fn read_urdf(cursor: &Cursor) -> Option<RobotDocument> {
+fn read_urdf(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
     let fields = cursor.fields(URDF_FIELDS)?;
     read_source(&fields);
     let (gravity, friction) = (read_gravity(&fields), read_friction(&fields));
-    let tip = fields.nullable("tip").and_then(|c| c.string());
+    let end = |name: &str| fields.nullable(name).and_then(|c| c.string());
+    let ends = ChainEnds {
+        base: end("base"),
+        tip: end("tip"),
+    };
     let xml = fields.required("urdf")?.string()?;
-    match from_urdf(xml, gravity, friction, tip) {
+    match from_urdf_rounded(xml, gravity, friction, ends, rounding) {
         Ok(read) => Some(RobotDocument {
             robot: read.robot,
             notes: read.notes,
@@ -89,9 +81,9 @@ fn read_urdf(cursor: &Cursor) -> Option<RobotDocument> {
     }
 }
 
-/// Problems of joints that were read from XML have no place of their own in the JSON document: the detail says which joint.
+/// Problems of what XML states are problems of the field that holds it.
 fn in_urdf(at: &str, problem: FieldProblem) -> FieldProblem {
-    if ["/urdf", "/tip", "/gravity"].contains(&problem.pointer.as_str()) {
+    if ["/urdf", "/base", "/tip", "/gravity"].contains(&problem.pointer.as_str()) {
         return FieldProblem {
             pointer: format!("{at}{}", problem.pointer),
             ..problem
@@ -99,26 +91,27 @@ fn in_urdf(at: &str, problem: FieldProblem) -> FieldProblem {
     }
     FieldProblem {
         pointer: format!("{at}/urdf"),
-        detail: format!("{} {}", problem.pointer, problem.detail),
+        detail: format!("its {} {}", problem.pointer.trim_start_matches('/'), problem.detail),
         ..problem
     }
 }
 
-fn read_joints(cursor: &Cursor) -> Option<RobotDocument> {
+fn read_joints(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
     let fields = cursor.fields(ROBOT_FIELDS)?;
     read_source(&fields);
     let name = fields.required("name").and_then(|c| c.string()).unwrap_or("robot");
     let (gravity, friction) = (read_gravity(&fields), read_friction(&fields));
     let mut joints = Vec::new();
+    let mut reading = Reading {
+        rounding,
+        notes: Notes::default(),
+    };
     let mut to_here = Transform::identity();
-    for (i, item) in fields
+    let items = fields
         .required("joints")
-        .and_then(|c| c.items())
-        .unwrap_or_default()
-        .iter()
-        .enumerate()
-    {
-        let (joint, turn) = read_joint(item, i, &to_here);
+        .and_then(|c| c.items_up_to(INPUT_LIMITS.joints, "joints"));
+    for (i, item) in items.unwrap_or_default().iter().enumerate() {
+        let (joint, turn) = read_joint(item, i, &to_here, &mut reading);
         // As in a URDF: where the axis is not z, the frame of the dynamics is the document's frame turned.
         to_here = Transform::from_rotation(turn.transpose());
         joints.push(joint);
@@ -126,7 +119,7 @@ fn read_joints(cursor: &Cursor) -> Option<RobotDocument> {
     match Robot::new(name, gravity, joints, friction) {
         Ok(robot) => Some(RobotDocument {
             robot,
-            notes: Vec::new(),
+            notes: reading.notes.into_list(),
         }),
         Err(e) => {
             let placed = |p: FieldProblem| FieldProblem {
@@ -172,8 +165,16 @@ fn read_friction(fields: &Fields) -> Friction {
 /// # Errors
 /// Everything that is wrong with it.
 pub fn robot_document(parsed: &Parsed) -> Result<RobotDocument, Vec<FieldProblem>> {
+    robot_document_rounded(parsed, Rounding::Meant)
+}
+
+/// [`robot_document`] with numbers as they are written, for documents that this program has made.
+///
+/// # Errors
+/// As [`robot_document`].
+pub fn robot_document_rounded(parsed: &Parsed, rounding: Rounding) -> Result<RobotDocument, Vec<FieldProblem>> {
     let findings = Findings::new(parsed.problems.clone());
-    let read = read_robot(&Cursor::root(&parsed.value, &findings));
+    let read = read_robot_rounded(&Cursor::root(&parsed.value, &findings), rounding);
     match read {
         Some(document) if findings.is_empty() => Ok(document),
         _ => Err(findings.into_list()),

@@ -1,5 +1,6 @@
 //! `/robots`: those that come with the program and those of the lab.
 
+use super::query::QueryFields;
 use super::results::computed;
 use super::schemas::RobotSchema;
 use crate::app::{Code, Error, Problem};
@@ -130,9 +131,30 @@ pub async fn base_parameters(
     Ok(computed(made.map_err(|e| unreadable(&id, e))?))
 }
 
+/// `tip` and `base` of the query string, for URDF files as they are.
+fn put_ends(parsed: &mut Parsed, mut query: QueryFields) -> Result<(), Failure> {
+    let named = |text: &str| Some(Some(text.to_string())).filter(|_| !text.is_empty());
+    let ends = ["tip", "base"].map(|end| (end, query.take(end, None, "the name of a link", named)));
+    query.finish()?;
+    for (end, link) in ends.into_iter().filter_map(|(end, link)| Some((end, link?))) {
+        match parsed.value.as_object_mut().filter(|fields| fields.contains_key("urdf")) {
+            Some(fields) => fields.insert(end.to_string(), link.into()),
+            None => {
+                let problem = FieldProblem::new(format!("/query/{end}"), "goes with a robot from a URDF file");
+                return Err(Failure(Error::invalid("the address", vec![problem])));
+            }
+        };
+    }
+    Ok(())
+}
+
 /// Keep a robot of the lab; its id is made from its name.
 #[utoipa::path(
     post, path = "/robots", tag = "robots", operation_id = "add_robot",
+    params(
+        ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF file that has more"),
+        ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
+    ),
     request_body(content((RobotSchema = "application/json"), (String = "application/xml"))),
     responses(
         (status = 201, description = "Kept; its address is in `Location`", body = RobotSummary,
@@ -145,8 +167,14 @@ pub async fn base_parameters(
         (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn post(State(service): State<Service>, access: Access, RobotBody(parsed): RobotBody) -> Result<Response, Failure> {
+pub async fn post(
+    State(service): State<Service>,
+    access: Access,
+    query: QueryFields,
+    RobotBody(mut parsed): RobotBody,
+) -> Result<Response, Failure> {
     access.require(Role::Admin)?;
+    put_ends(&mut parsed, query)?;
     let document = parsed.value.clone();
     let robot = read(&service, parsed).await?;
     let id = slug(&robot.name);
@@ -156,7 +184,11 @@ pub async fn post(State(service): State<Service>, access: Access, RobotBody(pars
 /// Keep a robot of the lab under a name of your choice, in the place of the one that had it.
 #[utoipa::path(
     put, path = "/robots/{id}", tag = "robots", operation_id = "put_robot",
-    params(("id" = String, Path, description = "Name: letters, digits, `-` and `_`")),
+    params(
+        ("id" = String, Path, description = "Name: letters, digits, `-` and `_`"),
+        ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF file that has more"),
+        ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
+    ),
     request_body(content((RobotSchema = "application/json"), (String = "application/xml"))),
     responses(
         (status = 200, description = "Replaced", body = RobotSummary),
@@ -173,9 +205,11 @@ pub async fn put(
     State(service): State<Service>,
     access: Access,
     Path(id): Path<String>,
-    RobotBody(parsed): RobotBody,
+    query: QueryFields,
+    RobotBody(mut parsed): RobotBody,
 ) -> Result<Response, Failure> {
     access.require(Role::Admin)?;
+    put_ends(&mut parsed, query)?;
     if id != slug(&id) {
         let problem = FieldProblem::new("/path/id", "is not a name").with_hint(format!("names are like `{}`", slug(&id)));
         return Err(Failure(Error::invalid("the address", vec![problem])));

@@ -48,7 +48,9 @@ pub struct UrdfRobotSchema {
     gravity: [f64; 3],
     #[schema(required = false)]
     friction: Vec<FrictionSchema>,
-    /// Last link of the chain, where the file has several.
+    /// Link that stands still; the root of the file if left out.
+    base: Option<String>,
+    /// Last link of the chain, where the file has several. Joints off the chain are locked at zero.
     tip: Option<String>,
     #[schema(required = false)]
     source: String,
