@@ -55,11 +55,14 @@ impl ChainArguments {
         let stated = [("base", &self.base), ("tip", &self.tip)];
         let stated = stated.into_iter().filter_map(|(name, link)| Some((name, link.as_ref()?)));
         for (name, link) in stated {
-            let of_file = robot.get("urdf").is_some();
+            let of_file = ["urdf", "mjcf"].iter().any(|kind| robot.get(kind).is_some());
             match robot.as_object_mut().filter(|_| of_file) {
                 Some(fields) => fields.insert(name.to_string(), link.clone().into()),
                 None => {
-                    let error = Error::new(Code::InvalidDocument, format!("--{name} goes with a robot from a URDF file"));
+                    let error = Error::new(
+                        Code::InvalidDocument,
+                        format!("--{name} goes with a robot from a URDF or MJCF file"),
+                    );
                     return Err(error.with_hint("a robot with `joints` is the chain itself: leave joints out there"));
                 }
             };

@@ -13,6 +13,7 @@ mod identify;
 mod openapi;
 mod plots;
 mod render;
+mod robot;
 #[cfg(feature = "service")]
 mod serve;
 #[cfg(feature = "service")]
@@ -70,6 +71,8 @@ enum Command {
     Validate(validate::Arguments),
     /// Let a virtual robot write a log.
     Simulate(simulate::Arguments),
+    /// Print what is understood of a robot's file: chain, limits, masses, notes.
+    Robot(robot::Arguments),
     /// Print the base parameters of a robot.
     BaseParameters(base_parameters::Arguments),
     /// Serve the HTTP interface.
@@ -141,6 +144,7 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
         Command::Identify(arguments) => identify::run(&arguments, json),
         Command::Validate(arguments) => validate::run(&arguments, json),
         Command::Simulate(arguments) => simulate::run(&arguments, json),
+        Command::Robot(arguments) => robot::run(&arguments, json),
         Command::BaseParameters(arguments) => base_parameters::run(&arguments, json),
         #[cfg(feature = "service")]
         Command::Serve(arguments) => serve::run(&arguments),

@@ -21,6 +21,7 @@ mod model_document;
 mod motion_document;
 mod path_limits;
 mod robot;
+mod robot_report;
 pub mod shipped;
 mod trajectory_table;
 mod validate_request;
@@ -43,6 +44,7 @@ pub use knowledge_request::{DesignModel, DesignTerms, MOST_GIVEN};
 pub use model_document::{robot_value, urdf, urdf_gravity};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_file};
+pub use robot_report::{ReportedJoint, RobotReport};
 pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts};
 pub use validate_request::{ModelEffect, ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
 pub use words::{listed, measured, shortest, significant, unit};
@@ -77,8 +79,10 @@ pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[
     ("ColumnQuantity", columns_document::QUANTITY_FIELDS),
     ("JointRobot", robot::ROBOT_FIELDS),
     ("UrdfRobot", robot::URDF_FIELDS),
+    ("MjcfRobot", robot::MJCF_FIELDS),
     ("Joint", robot::JOINT_FIELDS),
     ("Mdh", robot::MDH_FIELDS),
+    ("Dh", robot::DH_FIELDS),
     ("Placement", robot::PLACEMENT_FIELDS),
     ("Limits", robot::LIMIT_FIELDS),
     ("LinkPrior", robot::PRIOR_FIELDS),

@@ -17,8 +17,8 @@ pub(super) fn read_warm_start(cursor: &Cursor, joints: Option<usize>) -> Option<
 /// The same of an object that may have other fields beside.
 pub(super) fn read_trajectory(cursor: &Cursor, fields: &Fields, joints: Option<usize>) -> Option<FourierSeries> {
     let rows = fields.required("coefficients").and_then(|c| c.fields(COEFFICIENT_FIELDS));
-    let offset = fields.required("offset").and_then(|c| row(&c, joints, INPUT_LIMITS.joints));
     let fundamental_hz = fields.required("fundamental_hz").and_then(|c| fundamental(&c));
+    let offset = fields.required("offset").and_then(|c| row(&c, joints, INPUT_LIMITS.joints));
     let rows = rows?;
     let (a, b) = (matrix(&rows, "a", joints), matrix(&rows, "b", joints));
     let (a, b, offset) = (a?, b?, offset?);

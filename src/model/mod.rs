@@ -2,7 +2,7 @@
 //!
 //! A robot is a chain of joints. Joint `j` moves about (revolute) or along (prismatic) the z axis of its own frame, which sits
 //! at a fixed [`Transform`](crate::spatial::Transform) from the frame before it. Modified DH parameters ([`Mdh`]) are one way to
-//! fill that transform, a URDF file ([`from_urdf`]) another.
+//! fill that transform, URDF and MJCF files ([`from_urdf`], [`from_mjcf`]) are others.
 
 mod angles;
 mod capsule;
@@ -11,6 +11,7 @@ mod input_limits;
 mod joint;
 mod limits;
 mod link_tree;
+mod mjcf;
 mod notes;
 mod robot;
 mod urdf;
@@ -23,6 +24,7 @@ pub use input_limits::{INPUT_LIMITS, InputLimits};
 pub use joint::{Axis, Joint, JointKind, LinkBounds, LinkPrior, Mdh};
 pub use limits::Limits;
 pub use link_tree::ChainEnds;
+pub use mjcf::from_mjcf;
 pub use notes::Notes;
 pub use robot::{Friction, Robot};
 pub use urdf::{UrdfRobot, body_complaint, from_urdf, from_urdf_rounded};

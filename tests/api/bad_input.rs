@@ -204,7 +204,8 @@ fn a_joint_without_any_limit_is_refused_with_the_remedy() {
         json!({"name": "free", "joints": [{"name": "J1", "kind": "revolute", "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0}}]});
     let errors = server.post_json("/excitation", &request.to_string()).errors();
     assert!(
-        errors[0].starts_with("/robot/joints/0/limits: joint `J1` has no limit on its motion (give at least"),
+        errors[0]
+            .starts_with("/robot/joints/0/limits: joint `J1` has no limit on its velocity, acceleration or jerk (give at least"),
         "{errors:?}"
     );
 }

@@ -81,7 +81,7 @@ fn what_was_made_of_a_file_is_answered() {
         &json!({"name": "arm", "joints": []}).to_string(),
     );
     assert!(
-        of_joints.errors()[0].starts_with("/query/tip: goes with a robot from a URDF file"),
+        of_joints.errors()[0].starts_with("/query/tip: goes with a robot from a URDF or MJCF file"),
         "{}",
         of_joints.text
     );

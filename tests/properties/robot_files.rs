@@ -1,9 +1,11 @@
 //! Robot files as people have them: read with a note, or refused with link and remedy.
 
+use dynident::dynamics::{forward_kinematics, inverse_dynamics};
 use dynident::excitation::{Criterion, Form, Knowledge, Problem, ProblemSpec, Start};
 use dynident::io::{RobotDocument, parse, read_excitation_request, robot_document, robot_file, robot_value, urdf};
 use dynident::model::{ChainEnds, Friction, Rounding, from_urdf, from_urdf_rounded};
-use dynident::parameters::BaseParameters;
+use dynident::parameters::{BaseParameters, Layout};
+use dynident::spatial::Transform;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -520,4 +522,107 @@ fn an_ordinary_problem_is_within_all_limits() {
     };
     // No position limits, and a velocity limit: that is enough.
     Problem::new(spec).unwrap();
+}
+
+/// MuJoCo's own torques of a model with every kind of orientation, default classes, references, anchors, frames and two joints on one body.
+#[test]
+fn val_torques_of_an_mjcf_file_are_those_of_mujoco() {
+    let read = read(&data("ref_mjcf.xml"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let reference: Value = serde_json::from_slice(&data("ref_mjcf.json")).unwrap();
+    assert_eq!(json!(names(&read)), reference["joints"]);
+    assert_eq!(read.robot.gravity(), Vector3::new(0.3, -0.2, -9.7));
+    let [low, high] = read.robot.joints()[0].limits.position.unwrap();
+    assert!((low.to_degrees() + 170.0).abs() < 1e-12 && (high.to_degrees() - 170.0).abs() < 1e-12);
+    let layout = Layout::standard(&read.robot);
+    let phi = layout.prior(&read.robot).expect("every body has an inertial");
+    for state in reference["states"].as_array().unwrap() {
+        let list = |name: &str| -> Vec<f64> { state[name].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+        let torque = inverse_dynamics(&read.robot, &layout, phi.as_slice(), &list("q"), &list("qd"), &list("qdd"));
+        for (ours, theirs) in torque.iter().zip(list("torque")) {
+            // The quaternion of the file has eight digits, and MuJoCo reads it as they are.
+            assert!((ours - theirs).abs() < 1e-6 * (1.0 + theirs.abs()), "{ours} {theirs}");
+        }
+    }
+    let small = read_document(&data("robots/mjcf.xml"));
+    assert_eq!(names(&small), ["j"]);
+    let wrong = |xml: &str| read_text(xml).unwrap_err();
+    assert!(wrong("<mujoco><include file='a.xml'/></mujoco>").contains("<include> in line 1"));
+    assert!(wrong("<mujoco><worldbody><body name='b'><freejoint/></body></worldbody></mujoco>").contains("is free"));
+    assert!(wrong("<mujoco><worldbody><body name='b'><joint axis='0 0'/></body></worldbody></mujoco>").contains("axis is `0 0`"));
+    let coupled = "<mujoco><worldbody><body name='b'><joint name='a'/><body name='c'><joint name='f'/></body><body name='d'><joint name='g'/></body></body>\
+        </worldbody><equality><joint joint1='g' joint2='f'/></equality></mujoco>";
+    let gripper = read_document(coupled.as_bytes());
+    assert_eq!(names(&gripper), ["a"], "{:?}", gripper.notes);
+}
+
+fn read_document(bytes: &[u8]) -> RobotDocument {
+    read(bytes, &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn read_text(text: &str) -> Result<RobotDocument, String> {
+    read(text.as_bytes(), &[])
+}
+
+/// The three ways of writing one table are one robot, and a table that looks like another is said to.
+#[test]
+fn dh_tables_of_all_conventions_are_the_same_robot() {
+    let body = |mass: f64| json!({"mass": mass, "center_of_mass": [0.1, -0.05, 0.2], "inertia": {"xx": 0.02, "xy": 0, "xz": 0, "yy": 0.03, "yz": 0, "zz": 0.025}});
+    let table = [
+        [0.0, FRAC_PI_2, 0.16, 0.1],
+        [-0.42, 0.0, 0.0, 0.0],
+        [-0.39, 0.0, 0.13, 0.3],
+        [0.0, FRAC_PI_2, 0.1, 0.0],
+        [0.0, 0.0, 0.1, 0.0],
+    ];
+    let joint = |k: usize| json!({"name": format!("J{k}"), "kind": "revolute", "limits": {"velocity": 1}});
+    let standard: Vec<Value> = (0..5)
+        .map(|k| {
+            let ([a, alpha, d, theta], mut joint) = (table[k], joint(k));
+            joint["dh"] = json!({"convention": "standard", "a": a, "alpha": alpha, "d": d, "theta": theta});
+            joint["prior"] = body(1.0 + k as f64);
+            joint
+        })
+        .collect();
+    // Row i of a modified table has a and alpha of row i − 1 of the standard one.
+    let modified = |convention: &str| -> Vec<Value> {
+        (0..5)
+            .map(|k| {
+                let before = if k == 0 { [0.0; 4] } else { table[k - 1] };
+                let ([_, _, d, theta], mut joint) = (table[k], joint(k));
+                joint["dh"] = json!({"convention": convention, "a": before[0], "alpha": before[1], "d": d, "theta": theta});
+                joint
+            })
+            .collect()
+    };
+    let of = |joints: &[Value]| read_document(json!({"name": "dh", "joints": joints}).to_string().as_bytes());
+    let (one, craig, khalil) = (of(&standard), of(&modified("craig")), of(&modified("khalil")));
+    assert_eq!(
+        (one.notes.len(), craig.notes.len()),
+        (0, 0),
+        "{:?} {:?}",
+        one.notes,
+        craig.notes
+    );
+    for other in [&craig, &khalil] {
+        for (a, b) in one.robot.joints().iter().zip(other.robot.joints()) {
+            assert!((a.placement.rotation - b.placement.rotation).amax() < 1e-15);
+            assert!((a.placement.translation - b.placement.translation).amax() < 1e-15);
+            assert_eq!(a.mdh.is_some(), b.mdh.is_some());
+        }
+    }
+    // The flange of the textbook's own product of rows, and the centre of mass in the frame at the end of a row.
+    let q = [0.3, -0.7, 1.1, 0.4, -0.2];
+    let end = (0..5).fold(Transform::identity(), |t, k| {
+        let [a, alpha, d, theta] = table[k];
+        t * Transform::rot_z(q[k] + theta) * Transform::trans(a, 0.0, d) * Transform::rot_x(alpha)
+    });
+    let frame = forward_kinematics(&one.robot, &q)[4];
+    let com = |t: &Transform, c: Vector3<f64>| t.rotation * c + t.translation;
+    let ours = com(&frame, one.robot.joints()[4].prior.unwrap().inertia.center_of_mass);
+    assert!((ours - com(&end, Vector3::new(0.1, -0.05, 0.2))).amax() < 1e-14);
+    let mut mistaken = modified("craig");
+    for (k, joint) in mistaken.iter_mut().enumerate() {
+        joint["dh"] = json!({"convention": "craig", "a": table[k][0], "alpha": table[k][1], "d": table[k][2], "theta": 0});
+    }
+    assert!(of(&mistaken).notes[0].contains("looks like standard DH"));
 }

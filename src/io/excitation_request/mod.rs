@@ -167,6 +167,7 @@ fn placed(problem: FieldProblem, request: &Value, has_robot: bool) -> Option<Fie
     let pointer = match (of_robot, &request["robot"]) {
         (true, Value::String(_)) => "/robot".to_string(),
         (true, robot) if robot.get("urdf").is_some() => "/robot/urdf".to_string(),
+        (true, robot) if robot.get("mjcf").is_some() => "/robot/mjcf".to_string(),
         _ => problem.pointer.clone(),
     };
     Some(FieldProblem { pointer, ..problem })

@@ -47,7 +47,7 @@ fn all_that_is_wrong_is_found_at_once() {
         "/robot/joints/0/limits/position: is [-170, 170] rad (limits of revolute joints are in radians; this looks like degrees",
         "/robot/joints/1/mdh/d: is null, expected a number",
         "/robot/joints/1/limits/position: is [2, -2]: the lower limit must be below the upper one (did you mean [-2, 2]?)",
-        "/robot/joints/2: has neither `mdh` nor `placement`",
+        "/robot/joints/2: has neither `mdh` nor `dh` nor `placement`",
         "/fourier/fundamental: is not a field of this document (did you mean `fundamental_hz`?)",
         "/fourier/fundamental_hz: is missing",
         "/fourier/order: is 0",

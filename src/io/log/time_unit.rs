@@ -12,8 +12,12 @@ use super::time_base::rate_of;
 pub const PLAUSIBLE_HZ: [f64; 2] = [5.0, 100_000.0];
 /// Rates at which a unit other than the second is recognised (Hz): less than three decades, so that no two units fit.
 const USUAL_HZ: [f64; 2] = [20.0, 10_000.0];
-/// A rate that is stated beside the stamps is theirs within this factor.
+/// A rate that is stated beside the stamps is theirs within this factor; it replaces what they say.
 const SAME_RATE: f64 = 2.0;
+/// A unit is that of the stamps where it makes the stated rate within this factor.
+const SAME_UNIT: f64 = 1.1;
+/// Counts of a unit since 1970 are above this; numbers of rows are not.
+const SINCE_1970: f64 = 1e11;
 
 /// Brings the stamps to seconds, in the unit that is stated or that they are in.
 pub(super) fn to_seconds(table: &mut Table, columns: &Columns, findings: &mut Vec<Finding>) {
@@ -41,10 +45,14 @@ fn recognised(table: &Table, stated_hz: Option<f64>) -> TimeUnit {
     let Some(rate) = rough_rate(&table.time) else {
         return TimeUnit::Seconds;
     };
+    // Steps of one may be milliseconds, and may be the numbers of the rows: a guess would be a factor in every velocity.
+    if rate == 1.0 && stated_hz.is_none() && table.time[0].abs() < SINCE_1970 {
+        return TimeUnit::Seconds;
+    }
     let fits = |unit: &TimeUnit| {
         let rate = rate / unit.seconds();
         let [low, high] = match (stated_hz, unit) {
-            (Some(stated), _) => [stated / SAME_RATE, stated * SAME_RATE],
+            (Some(stated), _) => [stated / SAME_UNIT, stated * SAME_UNIT],
             (None, TimeUnit::Seconds) => PLAUSIBLE_HZ,
             (None, _) => USUAL_HZ,
         };

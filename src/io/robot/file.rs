@@ -3,6 +3,7 @@
 use crate::io::json::{Malformed, Parsed, parse};
 use encoding_rs::Encoding;
 use flate2::read::MultiGzDecoder;
+use quick_xml::events::Event;
 use serde_json::json;
 use std::borrow::Cow;
 use std::io::Read;
@@ -10,7 +11,7 @@ use std::io::Read;
 /// Bytes that a compressed robot file may unpack to: the largest URDF files, with all their meshes' names, are a hundredth.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// A robot document from the bytes of a file: JSON, or URDF if it starts like XML; either may be packed by gzip.
+/// A robot document from the bytes of a file: JSON, or URDF or MJCF if it starts like XML; each may be packed by gzip.
 ///
 /// # Errors
 /// Text that is neither, or in another encoding than it says.
@@ -29,10 +30,24 @@ pub fn robot_file(bytes: &[u8]) -> Result<Parsed, Malformed> {
     if !xml.trim_start().starts_with('<') {
         return parse(xml.as_bytes());
     }
+    let xml = xml.trim_start_matches('\u{feff}');
+    let kind = if is_mjcf(xml) { "mjcf" } else { "urdf" };
     Ok(Parsed {
-        value: json!({"urdf": xml.trim_start_matches('\u{feff}')}),
+        value: json!({kind: xml}),
         problems: Vec::new(),
     })
+}
+
+/// Whether the first element is `<mujoco>`.
+fn is_mjcf(xml: &str) -> bool {
+    let mut reader = quick_xml::Reader::from_str(xml);
+    loop {
+        match reader.read_event() {
+            Ok(Event::Start(tag) | Event::Empty(tag)) => return tag.name().as_ref() == b"mujoco",
+            Ok(Event::Eof) | Err(_) => return false,
+            Ok(_) => {}
+        }
+    }
 }
 
 fn malformed(detail: String, hint: &str) -> Malformed {

@@ -11,6 +11,7 @@ pub const JOINT_FIELDS: &[&str] = &[
     "name",
     "kind",
     "mdh",
+    "dh",
     "placement",
     "limits",
     "prior",
@@ -21,6 +22,7 @@ pub const JOINT_FIELDS: &[&str] = &[
     "source",
 ];
 pub const MDH_FIELDS: &[&str] = &["alpha", "d", "theta", "r", "source"];
+pub const DH_FIELDS: &[&str] = &["convention", "a", "alpha", "d", "theta", "source"];
 pub const PLACEMENT_FIELDS: &[&str] = &["xyz", "rpy", "axis", "source"];
 pub const LIMIT_FIELDS: &[&str] = &["position", "velocity", "acceleration", "jerk", "effort", "source"];
 pub const PRIOR_FIELDS: &[&str] = &["mass", "center_of_mass", "inertia", "viscous", "coulomb", "source"];
@@ -31,29 +33,71 @@ pub const INERTIA_FIELDS: &[&str] = &["xx", "xy", "xz", "yy", "yz", "zz"];
 pub(super) struct Reading {
     pub rounding: Rounding,
     pub notes: Notes,
+    /// The part of a standard DH row that stands behind its joint, `Trans_x(a) Rot_x(alpha)`; `None` behind other placements.
+    behind: Option<[f64; 2]>,
+    /// Convention and alpha of every joint that a DH table places.
+    table: Vec<(Convention, f64)>,
+}
+
+/// Who writes a DH table how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Convention {
+    /// Denavit and Hartenberg: `Rot_z(theta) Trans_z(d) Trans_x(a) Rot_x(alpha)`, joint i about z_{i-1}.
+    Standard,
+    /// Craig: `Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d)`; Khalil's with other letters.
+    Modified,
 }
 
 impl Reading {
+    pub fn new(rounding: Rounding) -> Self {
+        Self {
+            rounding,
+            notes: Notes::default(),
+            behind: Some([0.0; 2]),
+            table: Vec::new(),
+        }
+    }
+
+    /// Tables of the two conventions look alike. The first frame of a modified table usually has the direction of the base, so that its alpha is 0;
+    /// in a standard table it is the last that is.
+    pub fn look_at_table(&mut self, joints: usize) {
+        let ([(convention, first), .., (_, last)], true) = (&self.table[..], self.table.len() == joints) else {
+            return;
+        };
+        let note = match (convention, *first == 0.0, *last == 0.0) {
+            (Convention::Modified, false, true) => {
+                "the table looks like standard DH (alpha of the first joint is not 0, that of the last is) and is read as modified DH: if it is \
+                 standard, give its rows as `dh` with the convention `standard`"
+            }
+            (Convention::Standard, true, false) => {
+                "the table looks like modified DH (alpha of the first joint is 0, that of the last is not) and is read as standard DH: if it is \
+                 Craig's, give the convention `craig`"
+            }
+            _ => return,
+        };
+        self.notes.push(note);
+    }
+
     fn note(&mut self, joint: &str, changes: impl IntoIterator<Item = String>) {
         self.notes
             .extend(changes.into_iter().map(|c| format!("joint `{joint}`: {c}")));
     }
 }
 
-/// The joint, and the turn from its frame in the dynamics (z along the axis) to its frame in the document.
-pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform, reading: &mut Reading) -> (Joint, Matrix3<f64>) {
+/// The joint, and the pose of its link frame in the document within its frame in the dynamics (z along the axis).
+pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform, reading: &mut Reading) -> (Joint, Transform) {
     // The stand-in for anything unreadable passes the checks of the core, so that those see the rest.
     let stand_in = || {
         (
             Joint::from_mdh(format!("joint {}", index + 1), JointKind::Revolute, ZERO_MDH),
-            Matrix3::identity(),
+            Transform::identity(),
         )
     };
     let Some(fields) = cursor.fields(JOINT_FIELDS) else {
         return stand_in();
     };
     read_source(&fields);
-    let (mut joint, mut turn) = stand_in();
+    let (mut joint, mut link) = stand_in();
     joint.name = fields
         .required("name")
         .and_then(|c| c.string())
@@ -67,30 +111,45 @@ pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform, rea
         .required("kind")
         .and_then(|c| c.choice(&kinds))
         .unwrap_or(JointKind::Revolute);
-    if fields.has("mdh") == fields.has("placement") {
-        let detail = if fields.has("mdh") {
-            "has both `mdh` and `placement`"
-        } else {
-            "has neither `mdh` nor `placement`"
+    let given = ["mdh", "dh", "placement"].into_iter().filter(|f| fields.has(f)).count();
+    let before = reading.behind.take();
+    if given != 1 {
+        let detail = match given {
+            0 => "has neither `mdh` nor `dh` nor `placement`",
+            _ => "has more than one of `mdh`, `dh` and `placement`",
         };
         cursor.complain_with(detail, "give one of them");
     } else if let Some(placement) = fields.optional("placement") {
         let read = read_placement(&placement, &joint.name, reading);
-        turn = read.1;
+        link = Transform::from_rotation(read.1.transpose());
         joint.placement = *to_here * read.0;
         joint.mdh = None;
-        joint.description_frame = turn;
+        joint.description_frame = read.1;
+    } else if let Some(table) = fields.optional("dh") {
+        let (row, behind) = read_dh(&table, &joint.name, reading);
+        joint.placement = *to_here * row.placement();
+        // Turns about x and shifts along it can change places: what stands behind the joint before joins the row.
+        joint.mdh = before.map(|[alpha, a]| Mdh {
+            alpha: alpha + row.alpha,
+            d: a + row.d,
+            ..row
+        });
+        let [alpha, a] = behind.unwrap_or_default();
+        link = Transform::trans(a, 0.0, 0.0) * Transform::rot_x(alpha);
+        reading.behind = behind;
     } else if let Some(mdh) = fields.optional("mdh") {
         let mdh = read_mdh(&mdh, &joint.name, reading);
         joint.placement = *to_here * mdh.placement();
         // Kept where it is the whole placement; with non-finite angles the core names them.
-        joint.mdh = (to_here.rotation == Matrix3::identity()).then_some(mdh);
+        joint.mdh = (*to_here == Transform::identity()).then_some(mdh);
+        reading.behind = Some([0.0; 2]);
+        reading.table.push((Convention::Modified, mdh.alpha));
     }
     joint.limits = fields.nullable("limits").map_or(Limits::unlimited(), |c| read_limits(&c));
     let (limits, dropped) = joint.limits.without_placeholders(joint.is_revolute(), false);
     joint.limits = limits;
     reading.note(&joint.name, dropped);
-    joint.prior = fields.nullable("prior").and_then(|c| read_prior(&c, &turn));
+    joint.prior = fields.nullable("prior").and_then(|c| read_prior(&c, &link));
     if let Some(prior) = &joint.prior
         && let Some(complaint) = body_complaint(prior.inertia.mass, &prior.inertia.inertia)
     {
@@ -100,17 +159,17 @@ pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform, rea
         .nullable("geometry")
         .and_then(|c| c.items_up_to(INPUT_LIMITS.capsules_per_link, "capsules"))
         .unwrap_or_default();
-    joint.geometry = capsules.iter().filter_map(|c| read_capsule(c, &turn)).collect();
+    joint.geometry = capsules.iter().filter_map(|c| read_capsule(c, &link)).collect();
     if let Some(bounds) = fields.nullable("bounds").and_then(|c| c.fields(JOINT_BOUND_FIELDS)) {
         read_source(&bounds);
         joint.bounds = read_bounds(&bounds);
     }
     joint.slender_axis = fields.nullable("slender_axis").and_then(|c| c.choice(AXES));
-    (joint, turn)
+    (joint, link)
 }
 
 /// A capsule in the document's link frame, turned into the frame of the dynamics.
-fn read_capsule(cursor: &Cursor, turn: &Matrix3<f64>) -> Option<Capsule> {
+fn read_capsule(cursor: &Cursor, link: &Transform) -> Option<Capsule> {
     let fields = cursor.fields(CAPSULE_FIELDS)?;
     read_source(&fields);
     let end = |name: &str| fields.required(name).and_then(|c| c.vector());
@@ -125,7 +184,7 @@ fn read_capsule(cursor: &Cursor, turn: &Matrix3<f64>) -> Option<Capsule> {
         Some(radius)
     });
     Some(Capsule {
-        ends: [turn.transpose() * from?, turn.transpose() * to?],
+        ends: [from?, to?].map(|p| link.rotation * p + link.translation),
         radius: radius?,
     })
 }
@@ -153,6 +212,53 @@ fn read_mdh(cursor: &Cursor, joint: &str, reading: &mut Reading) -> Mdh {
         d: kept(rounding.length("d", number("d"))),
         theta: kept(rounding.angle("theta", number("theta"))),
         r: kept(rounding.length("r", number("r"))),
+    }
+}
+
+/// A row of a table as one of modified DH, and what of it stands behind the joint.
+fn read_dh(cursor: &Cursor, joint: &str, reading: &mut Reading) -> (Mdh, Option<[f64; 2]>) {
+    let Some(fields) = cursor.fields(DH_FIELDS) else {
+        return (ZERO_MDH, None);
+    };
+    read_source(&fields);
+    let conventions = [
+        ("standard", Convention::Standard),
+        ("craig", Convention::Modified),
+        ("khalil", Convention::Modified),
+    ];
+    let convention = fields
+        .required("convention")
+        .and_then(|c| c.choice(&conventions))
+        .unwrap_or(Convention::Modified);
+    let number = |name: &str| fields.required(name).and_then(|c| c.number()).unwrap_or(0.0);
+    let rounding = reading.rounding;
+    let mut kept = |(read, change): (f64, Option<String>)| {
+        reading.note(joint, change);
+        read
+    };
+    let [alpha, theta] = ["alpha", "theta"].map(|name| kept(rounding.angle(name, number(name))));
+    let [a, d] = ["a", "d"].map(|name| kept(rounding.length(name, number(name))));
+    reading.table.push((convention, alpha));
+    // Khalil's d is Craig's a, and his r is Craig's d.
+    match convention {
+        Convention::Modified => (
+            Mdh {
+                alpha,
+                d: a,
+                theta,
+                r: d,
+            },
+            Some([0.0; 2]),
+        ),
+        Convention::Standard => {
+            let row = Mdh {
+                alpha: 0.0,
+                d: 0.0,
+                theta,
+                r: d,
+            };
+            (row, Some([alpha, a]))
+        }
     }
 }
 
@@ -202,7 +308,7 @@ fn read_limits(cursor: &Cursor) -> Limits {
 }
 
 /// Prior parameters in the document's link frame, turned into the frame of the dynamics.
-fn read_prior(cursor: &Cursor, turn: &Matrix3<f64>) -> Option<LinkPrior> {
+fn read_prior(cursor: &Cursor, link: &Transform) -> Option<LinkPrior> {
     let fields = cursor.fields(PRIOR_FIELDS)?;
     read_source(&fields);
     let mass = fields.required("mass").and_then(|c| c.number());
@@ -210,11 +316,11 @@ fn read_prior(cursor: &Cursor, turn: &Matrix3<f64>) -> Option<LinkPrior> {
     let inertia = fields.required("inertia").and_then(|c| read_inertia(&c));
     let friction = |name: &str| fields.optional(name).and_then(|c| c.number()).unwrap_or(0.0);
     let (viscous, coulomb) = (friction("viscous"), friction("coulomb"));
-    let back = turn.transpose();
+    let turn = link.rotation;
     let inertia = PhysicalInertia {
         mass: mass?,
-        center_of_mass: back * center?,
-        inertia: back * inertia? * turn,
+        center_of_mass: turn * center? + link.translation,
+        inertia: turn * inertia? * turn.transpose(),
     };
     Some(LinkPrior {
         inertia,

@@ -1,4 +1,4 @@
-//! Robot documents: JSON with modified DH or general placements, or a URDF file.
+//! Robot documents: JSON with modified DH or general placements, a URDF or an MJCF file.
 //!
 //! Every object of a robot document may carry a `source`: one string that says where its numbers come from.
 
@@ -6,12 +6,12 @@ mod file;
 mod joint;
 
 pub use file::robot_file;
-pub use joint::{INERTIA_FIELDS, JOINT_FIELDS, LIMIT_FIELDS, MDH_FIELDS, PLACEMENT_FIELDS, PRIOR_FIELDS};
+pub use joint::{DH_FIELDS, INERTIA_FIELDS, JOINT_FIELDS, LIMIT_FIELDS, MDH_FIELDS, PLACEMENT_FIELDS, PRIOR_FIELDS};
 
 use self::joint::{Reading, read_joint};
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::Parsed;
-use crate::model::{ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Notes, Robot, Rounding, from_urdf_rounded};
+use crate::model::{ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Robot, Rounding, from_mjcf, from_urdf_rounded};
 use crate::spatial::Transform;
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -44,6 +44,8 @@ pub trait NamedRobots {
 pub const ROBOT_FIELDS: &[&str] = &["name", "gravity", "joints", "friction", "source"];
 /// Fields of a robot given as a URDF file.
 pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "base", "tip", "source"];
+/// Fields of a robot given as an MJCF file.
+pub const MJCF_FIELDS: &[&str] = &["mjcf", "gravity", "friction", "base", "tip", "source"];
 
 /// Reads the robot that stands at `cursor`; what is wrong goes to the cursor's findings, and `None` comes back if anything is.
 pub fn read_robot(cursor: &Cursor) -> Option<RobotDocument> {
@@ -51,46 +53,55 @@ pub fn read_robot(cursor: &Cursor) -> Option<RobotDocument> {
 }
 
 fn read_robot_rounded(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
-    let urdf = cursor.value().get("urdf").is_some();
-    let read = match urdf {
-        true => read_urdf(cursor, rounding),
-        false => read_joints(cursor, rounding),
+    let read = match ["urdf", "mjcf"].map(|kind| cursor.value().get(kind).is_some()) {
+        [true, _] => read_xml(cursor, "urdf", URDF_FIELDS, rounding),
+        [_, true] => read_xml(cursor, "mjcf", MJCF_FIELDS, rounding),
+        _ => read_joints(cursor, rounding),
     };
     read.filter(|_| !cursor.findings().within(cursor.pointer()))
 }
 
-fn read_urdf(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
-    let fields = cursor.fields(URDF_FIELDS)?;
+/// A robot from the text of a file of one of two kinds.
+fn read_xml(cursor: &Cursor, kind: &str, known: &[&str], rounding: Rounding) -> Option<RobotDocument> {
+    let fields = cursor.fields(known)?;
     read_source(&fields);
-    let (gravity, friction) = (read_gravity(&fields), read_friction(&fields));
+    let friction = read_friction(&fields);
     let end = |name: &str| fields.nullable(name).and_then(|c| c.string());
     let ends = ChainEnds {
         base: end("base"),
         tip: end("tip"),
     };
-    let xml = fields.required("urdf")?.string()?;
-    match from_urdf_rounded(xml, gravity, friction, ends, rounding) {
+    let xml = fields.required(kind)?.string()?;
+    let read = match kind {
+        "urdf" => from_urdf_rounded(xml, read_gravity(&fields), friction, ends, rounding),
+        _ => {
+            let gravity = fields.has("gravity").then(|| read_gravity(&fields));
+            from_mjcf(xml, gravity, friction, ends, rounding)
+        }
+    };
+    match read {
         Ok(read) => Some(RobotDocument {
             robot: read.robot,
             notes: read.notes,
         }),
         Err(e) => {
-            cursor.findings().merge(e.0.into_iter().map(|p| in_urdf(cursor.pointer(), p)));
+            let at = cursor.pointer();
+            cursor.findings().merge(e.0.into_iter().map(|p| in_file(at, kind, p)));
             None
         }
     }
 }
 
 /// Problems of what XML states are problems of the field that holds it.
-fn in_urdf(at: &str, problem: FieldProblem) -> FieldProblem {
-    if ["/urdf", "/base", "/tip", "/gravity"].contains(&problem.pointer.as_str()) {
+fn in_file(at: &str, kind: &str, problem: FieldProblem) -> FieldProblem {
+    if ["/urdf", "/mjcf", "/base", "/tip", "/gravity"].contains(&problem.pointer.as_str()) {
         return FieldProblem {
             pointer: format!("{at}{}", problem.pointer),
             ..problem
         };
     }
     FieldProblem {
-        pointer: format!("{at}/urdf"),
+        pointer: format!("{at}/{kind}"),
         detail: format!("its {} {}", problem.pointer.trim_start_matches('/'), problem.detail),
         ..problem
     }
@@ -102,28 +113,31 @@ fn read_joints(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
     let name = fields.required("name").and_then(|c| c.string()).unwrap_or("robot");
     let (gravity, friction) = (read_gravity(&fields), read_friction(&fields));
     let mut joints = Vec::new();
-    let mut reading = Reading {
-        rounding,
-        notes: Notes::default(),
-    };
+    let mut reading = Reading::new(rounding);
     let mut to_here = Transform::identity();
     let items = fields
         .required("joints")
         .and_then(|c| c.items_up_to(INPUT_LIMITS.joints, "joints"));
     for (i, item) in items.unwrap_or_default().iter().enumerate() {
-        let (joint, turn) = read_joint(item, i, &to_here, &mut reading);
         // As in a URDF: where the axis is not z, the frame of the dynamics is the document's frame turned.
-        to_here = Transform::from_rotation(turn.transpose());
+        let (joint, link) = read_joint(item, i, &to_here, &mut reading);
+        to_here = link;
         joints.push(joint);
     }
+    reading.look_at_table(joints.len());
     match Robot::new(name, gravity, joints, friction) {
         Ok(robot) => Some(RobotDocument {
             robot,
             notes: reading.notes.into_list(),
         }),
         Err(e) => {
+            let of_table = |pointer: &str| {
+                let index = pointer.strip_prefix("/joints/")?.split_once("/mdh/")?.0;
+                let joint = cursor.value()["joints"].get(index.parse::<usize>().ok()?)?;
+                joint.get("dh").map(|_| format!("/joints/{index}/dh"))
+            };
             let placed = |p: FieldProblem| FieldProblem {
-                pointer: format!("{}{}", cursor.pointer(), p.pointer),
+                pointer: format!("{}{}", cursor.pointer(), of_table(&p.pointer).unwrap_or(p.pointer)),
                 ..p
             };
             cursor.findings().merge(e.0.into_iter().map(placed));

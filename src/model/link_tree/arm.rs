@@ -53,6 +53,11 @@ fn described_joints(tree: &LinkTree, chain: &Chain, is_carrier: &[bool], notes: 
         let anchor = Transform::trans(joint.anchor.x, joint.anchor.y, joint.anchor.z);
         let mut placement = to_here * joint.origin * anchor * Transform::from_rotation(turn);
         placement.rotation = tree.rounding.rotation(placement.rotation);
+        placement = placement
+            * match joint.freedom {
+                Freedom::Prismatic => Transform::trans(0.0, 0.0, -joint.reference),
+                _ => Transform::rot_z(-joint.reference),
+            };
         // From here on the dynamics' frame is the file's link frame turned by `turn`, at the axis.
         to_here = Transform::from_rotation(turn.transpose()) * anchor.inverse();
         let body = lumped_inertia(tree, joint.child, is_carrier, notes);

@@ -60,6 +60,8 @@ pub(super) struct TreeJoint {
     pub axis: Vector3<f64>,
     /// A point of the axis in the child's frame (m); zero in URDF.
     pub anchor: Vector3<f64>,
+    /// Position (rad or m) at which the links stand as `origin` says; zero in URDF.
+    pub reference: f64,
     pub limits: Limits,
     pub viscous: f64,
     pub coulomb: f64,

@@ -152,6 +152,7 @@ fn read_joint(text: &XmlText, node: Node, links: &HashMap<String, usize>, roundi
         child: below,
         axis,
         anchor: Vector3::zeros(),
+        reference: 0.0,
         limits,
         viscous,
         coulomb,

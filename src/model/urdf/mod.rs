@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 use roxmltree::{Document, Node};
 
 pub use self::inertial::body_complaint;
+pub(super) use self::numbers::Element;
 
 /// A robot read from a file, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]

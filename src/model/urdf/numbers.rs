@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use roxmltree::Node;
 
 /// An element and whom it belongs to, as errors name it.
-pub(super) struct Element<'a> {
+pub(in crate::model) struct Element<'a> {
     pub text: &'a XmlText,
     pub node: Node<'a, 'a>,
     /// `joint `j1``.

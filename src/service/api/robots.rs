@@ -4,7 +4,7 @@ use super::query::QueryFields;
 use super::results::computed;
 use super::schemas::RobotSchema;
 use crate::app::{Code, Error, Problem};
-use crate::io::{BaseParametersDocument, Parsed};
+use crate::io::{BaseParametersDocument, Parsed, RobotReport};
 use crate::model::FieldProblem;
 use crate::service::access::{Access, slug};
 use crate::service::child::{REQUEST, RobotRead, Task};
@@ -32,6 +32,9 @@ pub struct RobotSummary {
     pub shipped: bool,
     /// What to know about how it was read.
     pub notes: Vec<String>,
+    /// What was understood of the document, where it was just given.
+    #[schema(value_type = Option<RobotReport>)]
+    pub understood: Option<Value>,
 }
 
 #[derive(Serialize, utoipa::ToSchema)]
@@ -47,6 +50,7 @@ impl RobotSummary {
             joints: read.joints,
             shipped: is_shipped(id),
             notes: read.notes,
+            understood: None,
         }
     }
 }
@@ -137,10 +141,14 @@ fn put_ends(parsed: &mut Parsed, mut query: QueryFields) -> Result<(), Failure> 
     let ends = ["tip", "base"].map(|end| (end, query.take(end, None, "the name of a link", named)));
     query.finish()?;
     for (end, link) in ends.into_iter().filter_map(|(end, link)| Some((end, link?))) {
-        match parsed.value.as_object_mut().filter(|fields| fields.contains_key("urdf")) {
+        match parsed
+            .value
+            .as_object_mut()
+            .filter(|f| f.contains_key("urdf") || f.contains_key("mjcf"))
+        {
             Some(fields) => fields.insert(end.to_string(), link.into()),
             None => {
-                let problem = FieldProblem::new(format!("/query/{end}"), "goes with a robot from a URDF file");
+                let problem = FieldProblem::new(format!("/query/{end}"), "goes with a robot from a URDF or MJCF file");
                 return Err(Failure(Error::invalid("the address", vec![problem])));
             }
         };
@@ -152,7 +160,7 @@ fn put_ends(parsed: &mut Parsed, mut query: QueryFields) -> Result<(), Failure> 
 #[utoipa::path(
     post, path = "/robots", tag = "robots", operation_id = "add_robot",
     params(
-        ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF file that has more"),
+        ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF or MJCF file that has more"),
         ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
     ),
     request_body(content((RobotSchema = "application/json"), (String = "application/xml"))),
@@ -186,7 +194,7 @@ pub async fn post(
     put, path = "/robots/{id}", tag = "robots", operation_id = "put_robot",
     params(
         ("id" = String, Path, description = "Name: letters, digits, `-` and `_`"),
-        ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF file that has more"),
+        ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF or MJCF file that has more"),
         ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
     ),
     request_body(content((RobotSchema = "application/json"), (String = "application/xml"))),
@@ -228,7 +236,11 @@ async fn keep(
 ) -> Result<Response, Failure> {
     let new = service.put_robot(id, &document, replace, access).await?;
     let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-    let summary = RobotSummary::of(id, read);
+    let understood = Some(read.understood.clone());
+    let summary = RobotSummary {
+        understood,
+        ..RobotSummary::of(id, read)
+    };
     Ok((status, [(header::LOCATION, format!("/robots/{id}"))], Json(summary)).into_response())
 }
 

@@ -2,7 +2,7 @@
 
 use crate::app::LogFile;
 use crate::excitation::Point;
-use crate::io::{Parsed, RobotDocument};
+use crate::io::{Parsed, RobotDocument, RobotReport};
 use crate::model::FieldProblem;
 use crate::service::known::Known;
 use crate::service::work::{Input, Kind, Outcome};
@@ -124,11 +124,16 @@ pub struct RobotRead {
     pub name: String,
     pub joints: Vec<String>,
     pub notes: Vec<String>,
+    /// A [`RobotReport`].
+    pub understood: Value,
 }
 
 impl From<RobotDocument> for RobotRead {
-    fn from(RobotDocument { robot, notes, .. }: RobotDocument) -> Self {
+    fn from(read: RobotDocument) -> Self {
+        let understood = serde_json::to_value(RobotReport::of(&read)).unwrap_or_default();
+        let RobotDocument { robot, notes, .. } = read;
         Self {
+            understood,
             name: robot.name().to_string(),
             joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
             notes,

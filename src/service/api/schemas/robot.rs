@@ -11,13 +11,14 @@ pub enum RobotOrName {
     Robot(RobotSchema),
 }
 
-/// A robot by its joints, or as a URDF file.
+/// A robot by its joints, or as a URDF or MJCF file.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Robot)]
 #[serde(untagged)]
 pub enum RobotSchema {
     Joints(JointRobotSchema),
     Urdf(UrdfRobotSchema),
+    Mjcf(MjcfRobotSchema),
 }
 
 /// A serial arm. Every object in it may carry a `source`: where its numbers come from.
@@ -56,6 +57,26 @@ pub struct UrdfRobotSchema {
     source: String,
 }
 
+/// A serial arm as an MJCF document (MuJoCo).
+#[derive(Serialize, ToSchema)]
+#[schema(as = MjcfRobot)]
+#[serde(deny_unknown_fields)]
+pub struct MjcfRobotSchema {
+    /// The XML document, with everything that it includes written out.
+    mjcf: String,
+    /// That of the file if left out.
+    #[schema(required = false)]
+    gravity: [f64; 3],
+    #[schema(required = false)]
+    friction: Vec<FrictionSchema>,
+    /// Body that stands still; the world if left out.
+    base: Option<String>,
+    /// Last body of the chain, where the file has several. Joints off the chain are locked at zero.
+    tip: Option<String>,
+    #[schema(required = false)]
+    source: String,
+}
+
 #[derive(Serialize, ToSchema)]
 #[schema(as = Friction, rename_all = "snake_case")]
 pub enum FrictionSchema {
@@ -63,7 +84,7 @@ pub enum FrictionSchema {
     Coulomb,
 }
 
-/// A joint and the link it carries; placed by `mdh` or by `placement`.
+/// A joint and the link it carries; placed by `mdh`, `dh` or `placement`.
 #[derive(Serialize, ToSchema)]
 #[schema(as = Joint)]
 #[serde(deny_unknown_fields)]
@@ -72,6 +93,8 @@ pub struct JointSchema {
     kind: KindSchema,
     #[schema(required = false)]
     mdh: MdhSchema,
+    #[schema(required = false)]
+    dh: DhSchema,
     #[schema(required = false)]
     placement: PlacementSchema,
     limits: Option<LimitsSchema>,
@@ -117,6 +140,35 @@ pub struct MdhSchema {
     r: f64,
     #[schema(required = false)]
     source: String,
+}
+
+/// A row of a DH table in the convention that it is published in.
+#[derive(Serialize, ToSchema)]
+#[schema(as = Dh)]
+#[serde(deny_unknown_fields)]
+pub struct DhSchema {
+    convention: ConventionSchema,
+    /// (m)
+    a: f64,
+    /// (rad)
+    alpha: f64,
+    /// (m)
+    d: f64,
+    /// (rad)
+    theta: f64,
+    #[schema(required = false)]
+    source: String,
+}
+
+/// `standard`: `Rot_z(theta) Trans_z(d) Trans_x(a) Rot_x(alpha)`, link parameters in the frame at its end. `craig` and `khalil`:
+/// `Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d)`.
+#[derive(Serialize, ToSchema)]
+#[schema(as = DhConvention, rename_all = "snake_case")]
+#[allow(dead_code)]
+pub enum ConventionSchema {
+    Standard,
+    Craig,
+    Khalil,
 }
 
 /// A joint frame in the link frame before it, as in URDF.
