@@ -19,7 +19,7 @@ use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument, significa
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
 use crate::residual::{
-    AugmentedModel, DataFault, Estimates, Fitted, Remedy, Stretch, TraceOptions, Traced, trace, trace_mounted,
+    AugmentedModel, DataFault, Estimates, FaultKind, Fitted, Remedy, Stretch, TraceOptions, Traced, trace, trace_mounted,
 };
 
 /// Where an identification stands, for whoever watches.
@@ -177,12 +177,18 @@ struct Declared {
 impl Declared {
     /// Without a diagnosis everything is as it was declared.
     fn by_data(request: &IdentifyRequest, logs: &[UsedLog]) -> Self {
-        let mounted = request.trace.then(|| mounted(&request.robot, logs)).flatten();
-        let robot = mounted.map_or_else(|| request.robot.clone(), |m| request.robot.with_gravity(m.gravity));
-        let faults = match request.trace {
+        let mut mounted = request.trace.then(|| mounted(&request.robot, logs)).flatten();
+        let mut robot = mounted.map_or_else(|| request.robot.clone(), |m| request.robot.with_gravity(m.gravity));
+        let mut faults = match request.trace {
             true => data_faults(&robot, logs),
             false => Vec::new(),
         };
+        // Gravity turned round with all torques turned round is what was declared: the data decide for neither.
+        let all_turned = |f: &DataFault| f.fault == FaultKind::TorqueSign && f.joints.len() == robot.joint_count();
+        if mounted.is_some() && faults.iter().any(all_turned) {
+            (mounted, robot) = (None, request.robot.clone());
+            faults = data_faults(&robot, logs);
+        }
         Self {
             moved: mounted.is_some(),
             robot,

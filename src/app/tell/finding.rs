@@ -69,6 +69,10 @@ impl Teller<'_> {
         let mut joints: Vec<usize> = (0..self.robot.joint_count())
             .filter(|&j| f.joints.iter().any(|n| n == self.name(j)))
             .collect();
+        // A joint without rows has no error to speak of.
+        if joints.iter().any(|&j| of(&f.rms_before, j).is_finite()) {
+            joints.retain(|&j| of(&f.rms_before, j).is_finite());
+        }
         joints.sort_by(|&a, &b| gain(b).total_cmp(&gain(a)));
         joints.truncate(MOST_JOINTS);
         joints.sort_unstable();

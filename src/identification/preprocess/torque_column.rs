@@ -105,12 +105,13 @@ fn common_step(column: &[f64], usable: &[bool], finest: f64) -> Option<f64> {
     (step > finest).then_some(step)
 }
 
-/// Euclid's algorithm, with nearest multiples; b where a is a multiple of it, a where b is zero.
+/// Euclid's algorithm, with nearest multiples; a where b is zero. Where a is a multiple of b, it says more closely what b is: rounding of a is divided by many.
 fn divisor(mut a: f64, mut b: f64) -> f64 {
     while b > 0.0 {
-        let rest = (a - (a / b).round() * b).abs();
+        let count = (a / b).round();
+        let rest = (a - count * b).abs();
         if rest <= ROUNDING * b {
-            return b;
+            return if count > 1.0 { a / count } else { b };
         }
         (a, b) = (b, rest);
     }

@@ -5,6 +5,7 @@
 
 use super::super::AugmentedModel;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
+use crate::identification::preprocess::{Exclusion, exclusions};
 use crate::model::Robot;
 use crate::parameters::{Layout, ParameterKind};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
@@ -48,8 +49,15 @@ impl Form {
         let (n, samples) = (motion.joints(), motion.samples());
         let size = robot.gravity().norm();
         let mean_square = |t: &Vec<f64>| t.iter().map(|v| v * v).sum::<f64>() / samples as f64;
-        let weight: Vec<f64> = torque.iter().map(|t| mean_square(t).sqrt().recip()).collect();
-        if samples == 0 || weight.iter().any(|w| !w.is_finite()) {
+        let still: Vec<bool> = (0..n).map(|j| motion.velocities(j).iter().all(|v| *v == 0.0)).collect();
+        let excluded = exclusions(&torque, &vec![true; samples], &still);
+        // A torque that takes no part weighs nothing.
+        let of = |(t, out): (&Vec<f64>, &Option<Exclusion>)| match out {
+            None => mean_square(t).sqrt().recip(),
+            Some(_) => 0.0,
+        };
+        let weight: Vec<f64> = torque.iter().zip(&excluded).map(of).collect();
+        if samples == 0 || weight.iter().any(|w| !w.is_finite()) || weight.iter().all(|w| *w == 0.0) {
             return None;
         }
         let model = AugmentedModel::declared(robot);
