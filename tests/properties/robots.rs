@@ -4,7 +4,7 @@ use crate::support::{rng, vectors};
 use dynident::dynamics::{forward_kinematics, inverse_dynamics};
 use dynident::io::shipped::Shipped;
 use dynident::io::{NamedRobots, RobotDocument, parse, robot_document, robot_file, urdf, urdf_gravity};
-use dynident::model::{Robot, from_urdf};
+use dynident::model::{ChainEnds, Robot, from_urdf};
 use dynident::parameters::Layout;
 use dynident::spatial::Transform;
 use nalgebra::{Matrix3, Vector3};
@@ -60,7 +60,7 @@ fn prop_an_exported_urdf_keeps_its_mounting() {
         let mounted = upright.with_gravity(Vector3::from(along).normalize() * size);
         let text = urdf(&mounted);
         assert_eq!(text.contains("fixed"), along != [0.0, 0.0, -1.0], "{along:?}");
-        let read = from_urdf(&text, urdf_gravity(&mounted), mounted.friction(), None).unwrap();
+        let read = from_urdf(&text, urdf_gravity(&mounted), mounted.friction(), ChainEnds::default()).unwrap();
         for (a, b) in torques(&mounted).iter().flatten().zip(torques(&read.robot).iter().flatten()) {
             // Roll, pitch and yaw of a turn are rounded to 1e-16, and so is gravity of 9.81 m/s² with them.
             assert!((a - b).abs() < 1e-10, "{along:?}: {a} {b}");
