@@ -17,7 +17,8 @@ fn server(place: &Place, arguments: &[&str]) -> Process {
 }
 
 fn with_faults(mut command: Command) -> Command {
-    command.env("DYNIDENT_TEST_FAULTS", "1");
+    // With a backtrace, as some operators set it, the reason is not the last that a child says.
+    command.env("DYNIDENT_TEST_FAULTS", "1").env("RUST_BACKTRACE", "1");
     command
 }
 

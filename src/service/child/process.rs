@@ -219,12 +219,19 @@ fn listen(log: PipeReader) -> VecDeque<String> {
         .filter(|l| !l.trim().is_empty())
     {
         tracing::warn!(line, "a child says");
-        last.push_back(line.chars().take(LONGEST_LINE).collect());
+        if says_why(&line) {
+            last.push_back(line.chars().take(LONGEST_LINE).collect());
+        }
         if last.len() > LAST_LINES {
             last.pop_front();
         }
     }
     last
+}
+
+/// Whether a line stands for itself: those of a backtrace would push out what led to it.
+fn says_why(line: &str) -> bool {
+    !line.starts_with([' ', '\t']) && !line.starts_with("note:") && line != "stack backtrace:"
 }
 
 fn death(status: Option<io::Result<ExitStatus>>, said: &VecDeque<String>, memory: u64) -> Death {
@@ -242,10 +249,36 @@ fn death(status: Option<io::Result<ExitStatus>>, said: &VecDeque<String>, memory
         _ => "it is gone".to_string(),
     };
     // The C library or Rust's runtime have explained an abort just before it.
-    let explained = |line: &&String| !line.starts_with("note:") && !line.starts_with("  ");
-    crashed(how, said.iter().rev().find(explained).cloned())
+    crashed(how, said.back().cloned())
 }
 
 fn crashed(how: String, said: Option<String>) -> Death {
     Death::Crashed { how, said }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn heard(text: &str) -> Death {
+        let (reader, mut writer) = io::pipe().unwrap();
+        io::Write::write_all(&mut writer, text.as_bytes()).unwrap();
+        drop(writer);
+        death(None, &listen(reader), 1 << 30)
+    }
+
+    #[test]
+    fn what_a_child_said_last_tells_why_it_died_whatever_backtrace_follows() {
+        let frames: String = (0..20).map(|i| format!("  {i:2}: dynident::io::log\n")).collect();
+        let note = "note: Some details are omitted, run with `RUST_BACKTRACE=full` for a verbose backtrace.";
+        let backtrace = format!("stack backtrace:\n{frames}{note}\n");
+        let refused = heard(&format!("memory allocation of 100000000000001 bytes failed\n{backtrace}"));
+        assert_eq!(refused, Death::Memory(1 << 30));
+        assert_eq!(refused.error("the job").code, Code::MemoryLimit);
+        let overflow = "thread '<unnamed>' (1) has overflowed its stack\nfatal runtime error: stack overflow, aborting";
+        let Death::Crashed { said, .. } = heard(&format!("{overflow}\n{backtrace}")) else {
+            panic!("a stack is not the memory limit");
+        };
+        assert_eq!(said.as_deref(), Some("fatal runtime error: stack overflow, aborting"));
+    }
 }
