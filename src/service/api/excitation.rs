@@ -5,12 +5,12 @@ use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
 use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
-use crate::app::Problem;
-use crate::app::{CancelFlag, Code, Error};
-use crate::excitation::{Backoff, first_run};
+use crate::app::{Code, Error, Problem};
+use crate::excitation::Backoff;
 use crate::io::{DesignDocument, TableFormat, trajectory_csv_parts, trajectory_json_parts};
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
+use crate::service::child::{REQUEST, Series, Task};
 use crate::service::design::Motion;
 use crate::service::document::JsonBody;
 use crate::service::prefer::PreferWait;
@@ -18,7 +18,7 @@ use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
 use crate::service::store::{JobRow, sha256};
 use crate::service::submit::Asked;
-use crate::service::work::{Input, Kind, Request};
+use crate::service::work::{Input, Kind};
 use crate::trajectory::{FourierSeries, Trajectory};
 use axum::body::Body;
 use axum::extract::{Path, State};
@@ -215,15 +215,15 @@ async fn first_run_of(
     }
     let file = job.input.as_ref().ok_or_else(internal_error)?;
     let input: Input = read_stored(service.files().read(file).await?).await?;
-    let work = move |_: &CancelFlag| -> Result<Option<FourierSeries>, Error> {
-        let Request::Excite(request) = Request::of(Kind::Excitation, &input)? else {
-            return Ok(None);
-        };
-        Ok(first_run(&request.problem, &series, backoff).map(|run| run.series))
+    let task = Task::FirstRun {
+        input,
+        series: series.into(),
+        amplitude: backoff.amplitude,
+        slowness: backoff.slowness,
     };
-    let run = service.blocking(work).await?;
+    let run: Option<Series> = service.compute_document(task, REQUEST).await?;
     let none = || Error::new(Code::NoTrajectory, "no part of this motion keeps every limit along the path");
-    Ok(run.ok_or_else(none)?)
+    Ok(run.ok_or_else(none)?.into())
 }
 
 async fn motion_of(service: &Service, job: &JobRow) -> Result<(Motion, f64), Failure> {

@@ -2,15 +2,17 @@
 
 use super::confine::confine;
 use super::fault;
-use super::message::{Advance, Document, FromChild, JobTask, Latest, Named, RobotRead, Spot, Task, ToChild, receive, send};
+use super::message::{
+    Advance, Document, FromChild, JobTask, Latest, Named, RobotRead, Series, Spot, Task, ToChild, receive, send,
+};
 use crate::app::{CancelFlag, Code, Error, Exchange, LogFile, inspect, motion};
-use crate::excitation::{Found, Point};
+use crate::excitation::{Backoff, Found, Point, first_run};
 use crate::io::{BaseParametersDocument, Parsed, RobotDocument, read_identify_request, read_motion_request, robot_document};
 use crate::service::blocking::ended;
 use crate::service::known::Known;
 use crate::service::problem::internal_error;
 use crate::service::progress::News;
-use crate::service::work::{Measure, Outcome, Request, Told};
+use crate::service::work::{Kind, Measure, Outcome, Request, Told};
 use crate::service::{rows, spread, submit::stored_error};
 use crate::web::{Circumstances, report};
 use serde::Serialize;
@@ -145,6 +147,18 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             let id = Some(id);
             let page = report(&result, &Circumstances { id, ended, design });
             Ok(FromChild::Answer(page.into_bytes()))
+        }
+        Task::FirstRun {
+            input,
+            series,
+            amplitude,
+            slowness,
+        } => {
+            let run = match Request::of(Kind::Excitation, &input)? {
+                Request::Excite(request) => first_run(&request.problem, &series.into(), Backoff { amplitude, slowness }),
+                Request::Identify(_) | Request::Validate(_) => None,
+            };
+            answer(&run.map(|run| Series::from(run.series)))
         }
     }
 }

@@ -6,6 +6,8 @@ use crate::io::{Parsed, RobotDocument, RobotReport};
 use crate::model::FieldProblem;
 use crate::service::known::Known;
 use crate::service::work::{Input, Kind, Outcome};
+use crate::trajectory::FourierSeries;
+use nalgebra::DMatrix;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -116,6 +118,49 @@ pub enum Task {
         ended: Option<String>,
         design: Option<Value>,
     },
+    /// A first run of a design: smaller, slower. Answers with its [`Series`], or null where no part of the motion keeps every limit.
+    FirstRun {
+        input: Input,
+        series: Series,
+        amplitude: f64,
+        slowness: f64,
+    },
+}
+
+/// A [`FourierSeries`], joint by joint.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Series {
+    fundamental_hz: f64,
+    a: Vec<Vec<f64>>,
+    b: Vec<Vec<f64>>,
+    offset: Vec<f64>,
+}
+
+impl From<FourierSeries> for Series {
+    fn from(series: FourierSeries) -> Self {
+        let rows = |m: &DMatrix<f64>| m.row_iter().map(|row| row.iter().copied().collect()).collect();
+        Self {
+            fundamental_hz: series.fundamental_hz,
+            a: rows(&series.a),
+            b: rows(&series.b),
+            offset: series.offset,
+        }
+    }
+}
+
+impl From<Series> for FourierSeries {
+    fn from(series: Series) -> Self {
+        let matrix = |rows: &[Vec<f64>]| {
+            let columns = rows.first().map_or(0, Vec::len);
+            DMatrix::from_row_iterator(rows.len(), columns, rows.iter().flatten().copied())
+        };
+        Self {
+            fundamental_hz: series.fundamental_hz,
+            a: matrix(&series.a),
+            b: matrix(&series.b),
+            offset: series.offset,
+        }
+    }
 }
 
 /// What there is to say of a robot.

@@ -14,7 +14,7 @@ mod pool;
 mod process;
 
 pub use inside::main;
-pub(super) use message::{Advance, FromChild, JobTask, Latest, RobotRead, ShareOf, Spot, Task, ToChild};
+pub(super) use message::{Advance, FromChild, JobTask, Latest, RobotRead, Series, ShareOf, Spot, Task, ToChild};
 pub(super) use pool::Children;
 pub(super) use process::{Child, Death, Event};
 
