@@ -70,6 +70,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
         predictions: Vec::new(),
         predictions_error: None,
         residual: tracing.map(|existing| changes(request, &read, existing, faults)),
+        notes: request.notes.clone(),
     };
     Ok(Validated { document, bodies, read })
 }

@@ -48,6 +48,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     parsed.problems.extend(model.problems.into_iter().map(placed));
     let request = read_validate_request(&parsed, &Shipped, &NoExcitations)
         .map_err(|errors| files::in_file(&arguments.model, Error::invalid("the validation request", errors)))?;
+    files::print_notes(&request.notes);
     let logs: Vec<LogFile> = arguments.log.iter().map(|p| LogFile::at(p)).collect();
     let mut found = validate(&request, &logs, &cancel_on_interrupt()?)?;
     // The errors are safe before anything is made for pictures.

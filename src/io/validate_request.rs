@@ -7,7 +7,7 @@ use super::identify_document::{JointErrors, LogDocument, PredictionDocument};
 use super::identify_request::{NamedExcitations, boolean, read_period, read_preprocess};
 use super::json::Parsed;
 use super::log::Columns;
-use super::robot::{NamedRobots, read_robot_or_name};
+use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
 use crate::identification::PreprocessOptions;
 use crate::model::{FieldProblem, Robot};
 use crate::residual::{AugmentedModel, Prior};
@@ -18,6 +18,8 @@ use serde::Serialize;
 pub struct ValidateRequest {
     /// The model: a robot every link of which has prior parameters.
     pub robot: Robot,
+    /// What a user should know about how it was read.
+    pub notes: Vec<String>,
     /// Constant torque of every joint.
     pub offsets: Option<Vec<f64>>,
     pub columns: Columns,
@@ -73,6 +75,7 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
     let model = model?;
     Some(ValidateRequest {
         robot: model.robot,
+        notes: model.notes,
         offsets: model.offsets,
         augmented: model.augmented,
         trace,
@@ -84,6 +87,7 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
 
 struct Model {
     robot: Robot,
+    notes: Vec<String>,
     offsets: Option<Vec<f64>>,
     augmented: Option<(AugmentedModel, Prior)>,
 }
@@ -92,20 +96,25 @@ fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
     let model = match cursor.value().get("robot").is_some() {
         true => {
             let fields = cursor.fields(MODEL_FIELDS)?;
-            let robot = fields.required("robot").and_then(|c| read_robot_or_name(&c, robots))?.robot;
+            let RobotDocument { robot, notes } = fields.required("robot").and_then(|c| read_robot_or_name(&c, robots))?;
             let offsets = fields.nullable("offsets").and_then(|c| c.numbers(Some(robot.joint_count())));
             let augmented = fields.nullable("augmented").and_then(|c| read_augmented(&c, &robot));
             Model {
                 robot,
+                notes,
                 offsets,
                 augmented,
             }
         }
-        false => Model {
-            robot: read_robot_or_name(cursor, robots)?.robot,
-            offsets: None,
-            augmented: None,
-        },
+        false => {
+            let RobotDocument { robot, notes } = read_robot_or_name(cursor, robots)?;
+            Model {
+                robot,
+                notes,
+                offsets: None,
+                augmented: None,
+            }
+        }
     };
     for joint in model.robot.joints().iter().filter(|j| j.prior.is_none()) {
         cursor.complain_with(
@@ -134,6 +143,8 @@ pub struct ValidateDocument {
     /// it is known, or tracing was turned off.
     #[cfg_attr(feature = "service", schema(value_type = Option<Object>))]
     pub residual: Option<serde_json::Value>,
+    /// What to know about how the model's robot was read.
+    pub notes: Vec<String>,
 }
 
 /// An effect of a model.
