@@ -135,6 +135,8 @@ fn exact_rotation(rotation: Matrix3<f64>) -> Matrix3<f64> {
 }
 
 #[cfg(test)]
+// Rounded multiples of π are what is tested.
+#[allow(clippy::approx_constant)]
 mod tests {
     use super::*;
 

@@ -184,7 +184,7 @@ mod tests {
         let mut notes = Notes::default();
         let text = XmlText::new(xml, "/urdf", &mut notes).map_err(|e| e.to_string())?;
         let document = text.parse().map_err(|e| e.to_string())?;
-        let last = document.descendants().filter(Node::is_element).last().expect("has a root");
+        let last = document.descendants().rfind(Node::is_element).expect("has a root");
         Ok((text.line(last), notes.into_list()))
     }
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// The mapping from a file's header to the joints, as the request's `columns` gives it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Columns {
     /// Header of the time column; `None` looks for the usual names.
     pub time: Option<String>,
@@ -76,19 +76,6 @@ impl TimeUnit {
             Self::Milliseconds => 1e-3,
             Self::Microseconds => 1e-6,
             Self::Nanoseconds => 1e-9,
-        }
-    }
-}
-
-impl Default for Columns {
-    fn default() -> Self {
-        Self {
-            time: None,
-            time_unit: None,
-            sample_rate_hz: None,
-            position: JointColumns::default(),
-            velocity: JointColumns::default(),
-            torque: JointColumns::default(),
         }
     }
 }
