@@ -93,7 +93,8 @@ impl JobDocument {
             kind: job.kind.name(),
             robot: job.robot.clone(),
             state: job.state.name(),
-            outcome: job.outcome.clone(),
+            // A result that is stored before its predictions are made is not handed out yet.
+            outcome: job.outcome.clone().filter(|_| job.state.is_final()),
             cancel_requested: job.cancel_requested,
             name: job.name.clone(),
             note: job.note.clone(),
