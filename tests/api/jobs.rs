@@ -233,7 +233,7 @@ fn events(server: &Server, path: &str, last: Option<&str>) -> Vec<(String, u64, 
     let last = last.map(|id| format!("Last-Event-ID: {id}\r\n")).unwrap_or_default();
     write!(
         stream,
-        "GET {path} HTTP/1.0\r\nHost: test\r\nAccept: text/event-stream\r\n{last}\r\n"
+        "GET {path} HTTP/1.0\r\nHost: localhost\r\nAccept: text/event-stream\r\n{last}\r\n"
     )
     .unwrap();
     let mut found = Vec::new();
