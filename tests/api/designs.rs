@@ -200,3 +200,39 @@ fn limits_that_leave_no_room_are_named() {
         outside.text
     );
 }
+
+/// Browsers ask for compressed answers: what is streamed comes to its end, packed or not.
+#[test]
+fn a_compressed_trajectory_is_whole() {
+    use std::io::{Read, Write};
+    let server = Server::start();
+    let id = server.excite(&quick_request()).json()["id"].as_str().unwrap().to_string();
+    for (format, columns) in [("csv", "time,q1,"), ("json", "{\"columns\":")] {
+        let path = format!("/excitation/{id}/trajectory?format={format}&rate_hz=1000");
+        let mut stream = std::net::TcpStream::connect(server.address).unwrap();
+        let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\naccept-encoding: gzip\r\nconnection: close\r\n\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let at = answer.windows(4).position(|w| w == b"\r\n\r\n").unwrap();
+        let (head, mut rest) = (String::from_utf8_lossy(&answer[..at]).to_lowercase(), &answer[at + 4..]);
+        assert!(head.contains("content-encoding: gzip"), "{head}");
+        // Chunks (RFC 9112, 7.1): a length, the bytes, and at the end a length of zero.
+        let mut packed = Vec::new();
+        loop {
+            let line = rest.windows(2).position(|w| w == b"\r\n").expect("the answer was cut off");
+            let length = usize::from_str_radix(std::str::from_utf8(&rest[..line]).unwrap(), 16).unwrap();
+            if length == 0 {
+                break;
+            }
+            packed.extend_from_slice(&rest[line + 2..line + 2 + length]);
+            rest = &rest[line + 4 + length..];
+        }
+        let mut text = String::new();
+        flate2::read::GzDecoder::new(packed.as_slice())
+            .read_to_string(&mut text)
+            .unwrap();
+        assert!(text.starts_with(columns), "{format}: {}", &text[..40]);
+        assert_eq!(text, server.get(&path).text, "{format}");
+    }
+}

@@ -24,7 +24,7 @@ use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
-use futures_util::stream::unfold;
+use futures_util::stream::{StreamExt, unfold};
 use serde::Serialize;
 
 /// The result of a design, under the id of its job.
@@ -185,7 +185,7 @@ pub async fn trajectory(
 /// A body that is written as fast as the client takes it, each part off the threads that serve; no thread waits for the client, and none goes on
 /// when it has left.
 fn streamed(parts: impl Iterator<Item = String> + Send + 'static) -> Body {
-    Body::from_stream(unfold(Some(parts), |rest| async {
+    let parts = unfold(Some(parts), |rest| async {
         let mut rest = rest?;
         let next = tokio::task::spawn_blocking(move || (rest.next(), rest)).await;
         match next {
@@ -193,7 +193,9 @@ fn streamed(parts: impl Iterator<Item = String> + Send + 'static) -> Body {
             // The client sees a body that is cut off, not one that merely ends.
             Err(panic) => Some((Err(std::io::Error::other(panic)), None)),
         }
-    }))
+    });
+    // The compressor asks once more after the end, where an unfolded stream that is not fused panics.
+    Body::from_stream(parts.fuse())
 }
 
 fn no_trajectory() -> Failure {
