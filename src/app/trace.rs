@@ -48,9 +48,14 @@ pub(super) fn mounting_fault(declared: &Robot, gravity: &Gravity) -> DataFault {
         fault: FaultKind::GravityDirection,
         joints: Vec::new(),
         detail: format!(
-            "gravity points along {} m/s² in the base frame, {angle:.0}° from the declared {}: the arm is mounted otherwise than its description says",
+            "gravity points along {} m/s² in the base frame, {angle:.0}° from the declared {}: the arm is mounted otherwise than its description says{}",
             vector(gravity.value),
-            vector(declared.gravity())
+            vector(declared.gravity()),
+            if gravity.is_all_seen {
+                ""
+            } else {
+                "; what this arm does not show of the direction is as declared"
+            }
         ),
         remedy: Remedy::Reorient,
         parameters: ["x", "y", "z"].into_iter().enumerate().map(component).collect(),

@@ -20,6 +20,9 @@ const OWN: usize = 5;
 /// torque is below any noise.
 const RIDGE: f64 = 1e-9;
 
+/// Share of the torque's squares below which nothing is told apart: a thousandth of the torque, where the ridge and the rounding of recorded digits have a say.
+const NOTHING: f64 = 1e-6;
+
 /// A joint turned round must leave so much less, as for signs under a known gravity.
 const TURN: f64 = 1.1;
 /// Arms of up to so many joints have all patterns of signs tried; longer ones one joint at a time.
@@ -28,6 +31,7 @@ const MOST_EXHAUSTED: usize = 12;
 /// The quadratic form.
 pub(super) struct Form {
     pub joints: usize,
+    pub samples: usize,
     /// Columns of the rigid body; those of the joints come after.
     pub rigid: usize,
     /// Numbers of the rigid body's columns in the standard layout.
@@ -111,6 +115,7 @@ impl Form {
         });
         Some(Self {
             joints: n,
+            samples,
             rigid,
             kept: model.base.kept,
             normal,
@@ -206,7 +211,7 @@ impl Form {
         let n = self.joints;
         let sum = (0..n).fold(DVector::zeros(right.nrows()), |v, j| v + right.column(j * n + j) * signs[j]);
         let x = self.solved(direction, &DMatrix::from_columns(&[sum.clone()]));
-        (self.total() - sum.dot(&x.column(0))).max(0.0)
+        (self.total() - sum.dot(&x.column(0))).max(NOTHING * self.total())
     }
 
     fn total(&self) -> f64 {
@@ -249,7 +254,8 @@ impl Form {
             let signs = of(mask);
             let pair = |j: usize, k: usize| signs[j] * signs[k] * products[(at[j], at[k])];
             let rest: f64 = (0..n).map(|j| (0..n).map(|k| pair(j, k)).sum::<f64>()).sum();
-            (rest.max(0.0), rest.max(0.0) * TURN.powi(mask.count_ones() as i32), signs)
+            let rest = rest.max(NOTHING * self.total());
+            (rest, rest * TURN.powi(mask.count_ones() as i32), signs)
         });
         let best = weighed
             .min_by(|a, b| a.1.total_cmp(&b.1))

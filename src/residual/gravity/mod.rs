@@ -39,6 +39,10 @@ const CLEARLY: f64 = 1.2;
 /// it says nothing of gravity.
 const EXPLAINED: f64 = 0.5;
 
+/// Twice the log of a likelihood ratio below which two directions are alike: two standard deviations, of as many independent values as there are samples, whatever the number
+/// of joints.
+const ALIKE: f64 = 4.0;
+
 /// Direction by which a vote is decisive: the angle between two torques is below 60° or above 120°.
 const DECISIVE: f64 = 0.5;
 
@@ -80,15 +84,15 @@ pub fn mounting(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])]) -> Option<Mounti
     } else {
         &voted[0]
     };
-    let best = &chosen.1;
+    // What the arm does not show of gravity (along parallel axes, say) is as declared.
+    let best = chosen.1.clone().toward(&form, declared);
     let angle = best.direction.angle(&declared);
     if angle < OTHER_MOUNTING {
         return None;
     }
     let ratio = level.rest.min(form.best_columns(declared)) / best.rest.max(f64::MIN_POSITIVE);
-    // Alike by the fit, but only with masses that lie on the wrong side of the arm.
-    let upside_down = || vote(&level) < -DECISIVE && chosen.0 > DECISIVE;
-    (ratio > CLEARLY || ratio > 1.0 / CLEARLY && upside_down()).then(|| Mounting {
+    // Where the declared direction fits alike it stands, whatever the masses say: with little inertia in a log their signs are those of its misfit.
+    (ratio > CLEARLY).then(|| Mounting {
         gravity: best.direction * size,
         angle,
         ratio,
@@ -126,18 +130,30 @@ impl Fitted {
         Self::at(form, there.direction)
     }
 
+    /// The direction nearest to the declared one among those that fit like this one.
+    fn toward(mut self, form: &Form, declared: Vector3<f64>) -> Self {
+        let most = self.rest * (ALIKE / form.samples as f64).exp();
+        let mut step = 0.25;
+        while step > 2e-5 {
+            let here = self.direction.angle(&declared);
+            let near = around(&self.direction, step).filter(|u| u.angle(&declared) < here);
+            let alike = near.map(|u| (form.rest(u, &self.signs), u)).filter(|t| t.0 <= most);
+            match alike.min_by(|a, b| a.1.angle(&declared).total_cmp(&b.1.angle(&declared))) {
+                Some((rest, direction)) => (self.rest, self.direction) = (rest, direction),
+                None => step *= 0.5,
+            }
+        }
+        self
+    }
+
     /// Compass search: steps of the sphere in eight directions, halved when none helps, from half the way between two starting points down to a
     /// thousandth of a degree.
     fn within(mut self, form: &Form, allowed: impl Fn(&Vector3<f64>) -> bool) -> Self {
         let mut step = 0.25;
         while step > 2e-5 {
-            let x = self.direction.cross(&smallest_axis(&self.direction)).normalize();
-            let y = self.direction.cross(&x);
-            let turned = (0..8).map(|k| {
-                let (s, c) = (k as f64 * std::f64::consts::FRAC_PI_4).sin_cos();
-                (self.direction * f64::cos(step) + (x * c + y * s) * f64::sin(step)).normalize()
-            });
-            let tried = turned.filter(&allowed).map(|u| (form.rest(u, &self.signs), u));
+            let tried = around(&self.direction, step)
+                .filter(&allowed)
+                .map(|u| (form.rest(u, &self.signs), u));
             match tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((rest, direction)) if rest < self.rest => (self.rest, self.direction) = (rest, direction),
                 _ => step *= 0.5,
@@ -145,6 +161,16 @@ impl Fitted {
         }
         self
     }
+}
+
+/// Eight directions at an angle of `step` to one.
+fn around(u: &Vector3<f64>, step: f64) -> impl Iterator<Item = Vector3<f64>> {
+    let x = u.cross(&smallest_axis(u)).normalize();
+    let (u, y) = (*u, u.cross(&x));
+    (0..8).map(move |k| {
+        let (s, c) = (k as f64 * std::f64::consts::FRAC_PI_4).sin_cos();
+        (u * f64::cos(step) + (x * c + y * s) * f64::sin(step)).normalize()
+    })
 }
 
 fn smallest_axis(u: &Vector3<f64>) -> Vector3<f64> {

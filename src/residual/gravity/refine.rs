@@ -8,13 +8,16 @@ use crate::residual::stretch::spans;
 use crate::residual::system::Data;
 use crate::residual::trace::{floor, trace};
 use crate::residual::{AugmentedModel, Stretch, Term, TraceOptions, Traced};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Gravity in the base frame with the standard deviation of every component [m/s²].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gravity {
     pub value: Vector3<f64>,
+    /// Of what the arm shows.
     pub std_dev: Vector3<f64>,
+    /// Whether the arm shows all of the direction; what it does not show is as declared.
+    pub is_all_seen: bool,
 }
 
 /// The tracing with gravity where all samples have it, starting from where `robot` has it. Effects that were found may have turned it by a little: then
@@ -47,24 +50,48 @@ fn refined(robot: &Robot, stretches: &[Stretch]) -> Gravity {
         None => Gravity {
             value: robot.gravity(),
             std_dev: Vector3::zeros(),
+            is_all_seen: false,
         },
     }
 }
 
 /// Gravity of `robot` with the tilt `term`, whose parameters have this covariance.
 fn turned(robot: &Robot, term: &Term, covariance: &DMatrix<f64>) -> Gravity {
-    let value = tilted(robot.gravity(), &term.shape);
+    let (shape, covariance) = seen(term, covariance);
+    let value = tilted(robot.gravity(), &shape);
     // A hundred thousandth of a radian: turns are linear over that.
     let step = 1e-5;
     let column = |i: usize| {
-        let mut there = term.shape.clone();
+        let mut there = shape.clone();
         there[i] += step;
         (tilted(robot.gravity(), &there) - value) / step
     };
-    let slope = DMatrix::from_fn(3, term.shape.len(), |r, c| column(c)[r]);
-    let spread = &slope * covariance * slope.transpose();
+    let slope = DMatrix::from_fn(3, shape.len(), |r, c| column(c)[r]);
+    let spread = &slope * &covariance.0 * slope.transpose();
     Gravity {
         value,
         std_dev: Vector3::from_fn(|i, _| spread[(i, i)].max(0.0).sqrt()),
+        is_all_seen: covariance.1,
     }
+}
+
+/// Standard deviation (rad) from which a turn of gravity is not seen: a degree and a half, ten times what a good log gives.
+const UNSEEN: f64 = 0.026;
+
+/// The turns that the data show, with their covariance and whether that is all: along the others gravity stays where it was.
+fn seen(term: &Term, covariance: &DMatrix<f64>) -> (Vec<f64>, (DMatrix<f64>, bool)) {
+    let k = term.shape.len();
+    let eigen = covariance.view((0, 0), (k, k)).into_owned().symmetric_eigen();
+    let angles = DVector::from_column_slice(&term.shape);
+    let (mut shape, mut spread, mut all) = (DVector::zeros(k), DMatrix::zeros(k, k), true);
+    for (variance, axis) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        // Without information a pseudo-inverse has no variance at all.
+        if *variance > 0.0 && *variance < UNSEEN * UNSEEN {
+            shape += axis * axis.dot(&angles);
+            spread += axis * axis.transpose() * *variance;
+        } else {
+            all = false;
+        }
+    }
+    (shape.as_slice().to_vec(), (spread, all))
 }
