@@ -1,8 +1,13 @@
 //! Arms on walls and ceilings that are declared upright: where gravity points is found before signs are accused.
 
 use crate::bench::*;
+use dynident::dynamics::inverse_dynamics;
+use dynident::io::NamedRobots;
+use dynident::io::shipped::Shipped;
+use dynident::parameters::Layout;
 use dynident::residual::{Stretch, Verdict, mounting};
 use dynident::simulate::HiddenEffect;
+use dynident::trajectory::Trajectory;
 use nalgebra::Vector3;
 
 /// Every arm in two of the fourteen directions, another two each, and one that is no starting point of the search.
@@ -69,5 +74,25 @@ fn prop_noise_does_not_mount_an_arm() {
             "{}",
             robot.name()
         );
+    }
+}
+
+/// A planar arm shows nothing of gravity along its axes, and in a log without inertia the signs of masses are those of the misfit: such a record was once told to
+/// hang upside down.
+#[test]
+fn prop_an_arm_that_shows_little_of_gravity_is_not_accused() {
+    let robot = Shipped.named("planar_two_link").expect("comes with the program").robot;
+    let layout = Layout::standard(&robot);
+    let bodies = layout.prior(&robot).expect("has bodies");
+    for seed in 0..5 {
+        let motion = excitation(2, 300 + seed).sample(100.0);
+        let held = |s: usize| {
+            let [q1, q2] = [0, 1].map(|j| motion.get(j, s)[0]);
+            let weight = inverse_dynamics(&robot, &layout, bodies.as_slice(), &[q1, q2], &[0.0; 2], &[0.0; 2]);
+            // What no body makes, so that there is a misfit.
+            [weight[0] + 0.5 * (3.0 * q2).sin(), weight[1] + 0.3 * (2.0 * q1 + q2).cos()]
+        };
+        let torque: Vec<Vec<f64>> = (0..2).map(|j| (0..motion.samples()).map(|s| held(s)[j]).collect()).collect();
+        assert_eq!(mounting(&robot, &[(&motion, &torque)]), None, "seed {seed}");
     }
 }
