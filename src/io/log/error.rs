@@ -1,5 +1,6 @@
 //! Why a file is not a log.
 
+use crate::io::shortest;
 use thiserror::Error;
 
 /// A log that cannot be used. Every variant names the file, the place and the remedy.
@@ -61,7 +62,7 @@ pub enum LogError {
         limit: usize,
     },
     #[error(
-        "{file}, line {line}: time goes back from {from} s to {to} s, and {count} of {rows} rows come out of order; one log holds one \
+        "{file}, line {line}: time goes back from {from:?} s to {to:?} s, and {count} of {rows} rows come out of order; one log holds one \
          recording: split the file there, or sort it"
     )]
     TimeGoesBack {
@@ -73,8 +74,9 @@ pub enum LogError {
         rows: usize,
     },
     #[error(
-        "{file}: {missing_s:.6} s of {total_s:.6} s are missing between time stamps, the longest gap after line {line}, from {from} s to {to} s: \
-         correct the stamp in the line after it, or record again without losing samples"
+        "{file}: {} s of {} s are missing between time stamps, the longest gap after line {line}, from {} s to {} s: \
+         correct the stamp in the line after it, or record again without losing samples",
+        thousandths(.missing_s), thousandths(.total_s), thousandths(.from), thousandths(.to)
     )]
     TooManyGaps {
         file: String,
@@ -97,6 +99,12 @@ pub enum LogError {
     RateDiffers { file: String, rate_hz: f64, stated_hz: f64 },
     #[error("{file}: has more than {limit} rows; lower the sample rate or split the log")]
     TooLong { file: String, limit: usize },
+}
+
+/// To a thousandth, where that is a number of digits that anybody reads.
+fn thousandths(value: &f64) -> String {
+    let rounded = (value * 1e3).round() / 1e3;
+    shortest(if rounded.is_finite() { rounded } else { *value })
 }
 
 impl LogError {

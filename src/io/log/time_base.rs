@@ -102,7 +102,7 @@ fn drop_rows(table: &mut Table, findings: &mut Vec<Finding>) -> Result<(), LogEr
         // A single stamp that is too late shows in the next one, which fits between its neighbours.
         let too_late = table.time.get(row + 1).is_some_and(|&next| next < t && next > t0);
         if t < t0 || too_late {
-            disorder.add(line, || format!("{t} s after {t0} s"));
+            disorder.add(line, || format!("{t:?} s after {t0:?} s"));
             back.get_or_insert((line, t0, t));
             keep[row] = false;
         } else if t == t0 {
@@ -111,7 +111,7 @@ fn drop_rows(table: &mut Table, findings: &mut Vec<Finding>) -> Result<(), LogEr
             } else {
                 &mut repeated_time
             };
-            tally.add(line, || format!("{t} s"));
+            tally.add(line, || format!("{t:?} s"));
             keep[row] = false;
         } else {
             last = Some(row);
