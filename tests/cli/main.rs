@@ -344,7 +344,7 @@ fn an_identification_is_a_table_pictures_and_a_report() {
     assert!(page.contains("Joint spring on J2") && page.contains("SHA-256") && page.ends_with("</html>\n"));
 }
 
-/// Rates of controllers, with periods and without: from 400 Hz on, tracing has fewer rows than the estimate that is drawn beside it.
+/// Rates of controllers, with periods and without: from 400 Hz on, rows are means over several samples.
 #[test]
 fn logs_of_every_rate_are_drawn_and_what_the_found_effects_predict_fits() {
     let folder = Folder::new("rates");
@@ -384,7 +384,7 @@ fn logs_of_every_rate_are_drawn_and_what_the_found_effects_predict_fits() {
         assert_eq!(predictions.len(), 2, "{case}");
         let numbers = |v: &Value| serde_json::from_value::<Vec<f64>>(v.clone()).unwrap();
         for (series, noise) in predictions.iter().zip([0.05, 0.03]) {
-            let (measured, augmented) = (numbers(&series["measured"]), numbers(&series["augmented"]));
+            let (measured, predicted) = (numbers(&series["measured"]), numbers(&series["base"]));
             // A log without periods is filtered, and has rows as its cut-off needs them.
             assert!(
                 measured.len() > if periods > 1 { 400 } else { 100 },
@@ -393,7 +393,7 @@ fn logs_of_every_rate_are_drawn_and_what_the_found_effects_predict_fits() {
             );
             // The spring moves the second torque by some 20 N m, and predictions at other samples than their own by a tenth of that. What is drawn
             // keeps the peaks of the noise, so that its own mean square may be a few times that of all rows.
-            let squares: f64 = measured.iter().zip(&augmented).map(|(m, a)| (m - a).powi(2)).sum();
+            let squares: f64 = measured.iter().zip(&predicted).map(|(m, p)| (m - p).powi(2)).sum();
             let rms = (squares / measured.len() as f64).sqrt();
             assert!(rms < 3.0 * noise, "{case}: {rms} beside a noise of {noise}");
         }
