@@ -547,7 +547,10 @@ fn val_torques_of_an_mjcf_file_are_those_of_mujoco() {
     assert_eq!(names(&small), ["j"]);
     let wrong = |xml: &str| read_text(xml).unwrap_err();
     assert!(wrong("<mujoco><include file='a.xml'/></mujoco>").contains("<include> in line 1"));
-    assert!(wrong("<mujoco><worldbody><body name='b'><freejoint/></body></worldbody></mujoco>").contains("is free"));
+    assert!(
+        wrong("<mujoco><worldbody><body name='b'><freejoint/><body name='c'><joint/></body></body></worldbody></mujoco>")
+            .contains("is free")
+    );
     assert!(wrong("<mujoco><worldbody><body name='b'><joint axis='0 0'/></body></worldbody></mujoco>").contains("axis is `0 0`"));
     let coupled = "<mujoco><worldbody><body name='b'><joint name='a'/><body name='c'><joint name='f'/></body><body name='d'><joint name='g'/></body></body>\
         </worldbody><equality><joint joint1='g' joint2='f'/></equality></mujoco>";
@@ -625,4 +628,35 @@ fn dh_tables_of_all_conventions_are_the_same_robot() {
         joint["dh"] = json!({"convention": "craig", "a": table[k][0], "alpha": table[k][1], "d": table[k][2], "theta": 0});
     }
     assert!(of(&mistaken).notes[0].contains("looks like standard DH"));
+}
+
+/// Forty files as people have them against Pinocchio's reading of the same arms written exactly: joints, number of base parameters, torques.
+#[test]
+fn val_forty_urdf_variants_have_the_base_parameters_and_torques_of_pinocchio() {
+    let reference: Value = serde_json::from_slice(&data("ref_urdf_variants.json")).unwrap();
+    let variants = reference["variants"].as_array().unwrap();
+    assert_eq!(variants.len(), 40);
+    for (k, variant) in variants.iter().enumerate() {
+        let tip = variant["tip"].as_str().map(|tip| ("tip", tip));
+        let found = read(variant["urdf"].as_str().unwrap().as_bytes(), tip.as_slice());
+        let robot = found.unwrap_or_else(|e| panic!("{k} {}: {e}", variant["traits"])).robot;
+        let names: Vec<&str> = robot.joints().iter().map(|j| j.name.as_str()).collect();
+        assert_eq!(json!(names), variant["joints"], "{k}");
+        let inertial = BaseParameters::exact(&robot).len() - 2 * robot.joint_count();
+        assert_eq!(
+            json!(inertial),
+            variant["inertial_base_parameters"],
+            "{k} {}",
+            variant["traits"]
+        );
+        let layout = Layout::standard(&robot);
+        let phi = layout.prior(&robot).expect("every link has an inertial");
+        for state in variant["states"].as_array().unwrap() {
+            let list = |name: &str| -> Vec<f64> { state[name].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+            let torque = inverse_dynamics(&robot, &layout, phi.as_slice(), &list("q"), &list("qd"), &list("qdd"));
+            for (ours, theirs) in torque.iter().zip(list("torque")) {
+                assert!((ours - theirs).abs() < 1e-9 * (1.0 + theirs.abs()), "{k}: {ours} {theirs}");
+            }
+        }
+    }
 }
