@@ -172,7 +172,14 @@ fn poor(second_joint: f64) -> String {
     let tau = inverse_dynamics_batch(&Chain::new(&robot), &layout, &truth, &motion, Coulomb::Sign);
     let mut rows = vec![["time", "q1", "q2", "tau1", "tau2"].map(str::to_string).to_vec()];
     rows.extend((0..1500).map(|s| {
-        let noise = |j: usize| 0.01 * ((s * 7919 + j * 104_729) as f64 * 0.618).sin();
+        // White: of a single tone, which is what the sine of a multiple of the time is, whitening leaves nothing.
+        let hash = |j: usize| {
+            ((s * 2 + j) as u64)
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .rotate_left(29)
+                .wrapping_mul(0xbf58_476d_1ce4_e5b9)
+        };
+        let noise = |j: usize| 0.01 * ((hash(j) >> 32) as f64 / f64::from(u32::MAX) * 2.0 - 1.0);
         let (q, t) = (
             |j: usize| motion.positions(j)[s % 500],
             |j: usize| tau[j * motion.stride() + s % 500] + noise(j),
