@@ -50,6 +50,7 @@ fn planar() -> Value {
         joint["prior"]["inertia"] = json!({"xx": 0.01, "xy": 0, "xz": 0, "yy": 0.1, "yz": 0, "zz": 0.1});
         joint["prior"]["viscous"] = json!(0.3);
         joint["prior"]["coulomb"] = json!(0.5);
+        joint["geometry"] = json!([{"from": [0, 0, 0], "to": [1, 0, 0], "radius": 0.05}]);
     }
     robot
 }
@@ -100,7 +101,7 @@ fn robots() -> Vec<Document> {
         .iter()
         .map(|v| Document::Json(Node::of(v)))
         .collect();
-    all.extend([URDF, GRIPPER, &iiwa].map(|xml| Document::Xml(Element::parse(xml))));
+    all.extend([URDF, &iiwa].map(|xml| Document::Xml(Element::parse(xml))));
     all
 }
 
