@@ -19,7 +19,7 @@ export function sourceForm(take) {
 
 function filePanel(place, take) {
   const input = h('input', { id: 'source-file', type: 'file', accept: '.urdf,.xml,.json' });
-  const zone = h('div', { class: 'drop' }, h('label', { for: 'source-file' }, 'URDF or JSON file'), input, h('p', { class: 'help' }, 'Choose a file, or drop it here. A URDF needs no meshes; xacro files have to be expanded first.'));
+  const zone = h('div', { class: 'drop' }, h('label', { for: 'source-file' }, 'URDF, MJCF or JSON file'), input, h('p', { class: 'help' }, 'Choose a file, or drop it here. A URDF needs no meshes; xacro files have to be expanded first.'));
   const read = async (file) => file && text(place, await file.text(), take);
   input.addEventListener('change', () => read(input.files[0]));
   zone.addEventListener('dragover', (e) => { e.preventDefault(); zone.classList.add('over'); });
@@ -30,7 +30,7 @@ function filePanel(place, take) {
 
 function pastePanel(place, take) {
   const area = h('textarea', { id: 'source-text', rows: 10, spellcheck: 'false', class: 'mono', placeholder: '<robot name="my_arm"> …  or  {"name": "my arm", "joints": [ … ]}' });
-  return h('div', {}, h('div', { class: 'field' }, h('label', { for: 'source-text' }, 'URDF or JSON'), area), h('button', { type: 'button', class: 'primary', onclick: () => text(place, area.value, take) }, 'Read it'));
+  return h('div', {}, h('div', { class: 'field' }, h('label', { for: 'source-text' }, 'URDF, MJCF or JSON'), area), h('button', { type: 'button', class: 'primary', onclick: () => text(place, area.value, take) }, 'Read it'));
 }
 
 /** Reads a document; a URDF file with several ends asks for the last link of the chain. */
@@ -39,9 +39,9 @@ async function text(place, content, take, tip) {
   const xml = content.trimStart().startsWith('<');
   let robot;
   try {
-    robot = xml ? { urdf: content, ...(tip ? { tip } : {}) } : JSON.parse(content);
+    robot = xml ? { [/<mujoco[\s>]/.test(content) ? 'mjcf' : 'urdf']: content, ...(tip ? { tip } : {}) } : JSON.parse(content);
   } catch (error) {
-    fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, 'This is neither a URDF file nor JSON.'), h('p', {}, error.message)));
+    fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, 'This is neither XML (URDF, MJCF) nor JSON.'), h('p', {}, error.message)));
     return;
   }
   const ends = xml ? lastLinks(content) : [];

@@ -25,7 +25,7 @@ function addRobot() {
 async function editKept(robot) {
   const document = await getJson(`/robots/${encodeURIComponent(robot.id)}`);
   const { description, notes } = await postJson('/motion', { robot: document });
-  const remarks = document.urdf ? ['This robot was given as a URDF file. Saved here, it is kept by its joints, with all that was read of the file.', ...notes] : notes;
+  const remarks = document.urdf || document.mjcf ? ['This robot was given as a URDF or MJCF file. Saved here, it is kept by its joints, with all that was read of the file.', ...notes] : notes;
   const own = document.joints ? document : description;
   if (!robot.shipped) return edit(robot.id, { description: own, notes: remarks });
   return edit(null, { description: { ...own, name: `${own.name} (copy)` }, notes: ['Robots that come with the program stay as they are; this is a copy.', ...remarks] });
