@@ -21,7 +21,7 @@ fn regress_no_robot_document_stops_the_server() {
         assert_eq!(answer.status, 422, "{path}: {}", answer.text);
         let errors = answer.errors().join("\n");
         assert!(errors.contains(expected), "`{expected}` not in {errors}");
-        assert!(start.elapsed().as_secs_f64() < 5.0, "{path}");
+        assert!(start.elapsed().as_secs_f64() < 30.0, "{path}");
     };
     refused(
         "/motion",
