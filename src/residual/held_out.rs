@@ -1,8 +1,9 @@
 //! Held-out data have the last word: did an effect, or all of them together, change the error on data that fitted nothing?
 //!
 //! Two models are compared on the same rows. Residuals are correlated in time and the two models' errors with each other, so that rows are no
-//! witnesses; the differences of their squares, summed over blocks of time, nearly are. They are tested by Student's t with the covariance of
-//! neighbouring blocks added (Diebold & Mariano 1995; Newey & West 1987).
+//! witnesses; blocks of time nearly are. The logarithm of the ratio of the two mean squares in every block is tested by Student's t with the covariance of
+//! neighbouring blocks added (Diebold & Mariano 1995; Newey & West 1987). Ratios, because an effect gains far more in some blocks than in others: on plain
+//! differences, one block in which the poorer model extrapolates makes the scatter as large as the gain, and hides an offset of eighty deviations.
 //!
 //! Without validation logs every block of the identification logs is predicted by a fit to the others. That is weaker: the same data chose the effects.
 
@@ -86,8 +87,8 @@ impl RowErrors {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// How much less `after` leaves than `self` in every block of time, over these joints, each weighted; on the rows that both have.
-    fn decrease(&self, after: &Self, joints: &[usize], weights: &[f64]) -> Vec<f64> {
+    /// Squares of `self` and of `after` in every block of time, summed over these joints, each weighted; on the rows that both have.
+    fn beside(&self, after: &Self, joints: &[usize], weights: &[f64]) -> Vec<[f64; 2]> {
         let rows: Vec<usize> = self.squares.iter().map(|s| s[0].len()).collect();
         let of = |(stretch, rows): (usize, std::ops::Range<usize>)| {
             let joint = |&j: &usize| {
@@ -95,10 +96,15 @@ impl RowErrors {
                     &self.squares[stretch][j][rows.clone()],
                     &after.squares[stretch][j][rows.clone()],
                 );
-                let differences = b.iter().zip(a).map(|(b, a)| b - a).filter(|d| !d.is_nan());
-                weights[j] * differences.sum::<f64>()
+                let both = b.iter().zip(a).filter(|(b, a)| !b.is_nan() && !a.is_nan());
+                both.fold([0.0; 2], |[before, after], (b, a)| {
+                    [before + weights[j] * b, after + weights[j] * a]
+                })
             };
-            joints.iter().map(joint).sum()
+            joints
+                .iter()
+                .map(joint)
+                .fold([0.0; 2], |[b, a], [more, less]| [b + more, a + less])
         };
         time_blocks(&rows).into_iter().map(|b| of((b.stretch, b.rows))).collect()
     }
@@ -117,8 +123,17 @@ fn squares(stretch: &Stretch, joint: usize, predicted: &[f64], keep: &[bool]) ->
     (0..keep.len()).map(row).collect()
 }
 
-/// Mean of `differences` against zero: its sum, and the chance of one as large to either side.
-fn paired_test(differences: &[f64]) -> (f64, f64) {
+/// What the second of two models leaves less than the first, summed over the blocks, and the chance of such a change to either side. A change that most blocks
+/// do not share counts as chance.
+fn paired_test(blocks: &[[f64; 2]]) -> (f64, f64) {
+    let sum: f64 = blocks.iter().map(|[before, after]| before - after).sum();
+    let ratio = |[before, after]: &[f64; 2]| (*before > 0.0 && *after > 0.0).then(|| (before / after).ln());
+    let (mean, p_value) = mean_test(&blocks.iter().filter_map(ratio).collect::<Vec<_>>());
+    (sum, if mean * sum > 0.0 { p_value } else { 1.0 })
+}
+
+/// Mean of `differences`, and the chance of one as far from zero to either side.
+fn mean_test(differences: &[f64]) -> (f64, f64) {
     let n = differences.len();
     let sum: f64 = differences.iter().sum();
     if n < FEWEST_BLOCKS || sum == 0.0 {
@@ -132,7 +147,7 @@ fn paired_test(differences: &[f64]) -> (f64, f64) {
     let variance = own.max(own + neighbours) / (n * (n - 1)) as f64;
     let t = mean / variance.sqrt().max(f64::MIN_POSITIVE);
     // t² is F with one degree of freedom above, both sides together.
-    (sum, f_tail(t * t, [1.0, (n - 1) as f64]))
+    (mean, f_tail(t * t, [1.0, (n - 1) as f64]))
 }
 
 fn change(sum: f64, p_value: f64) -> Change {
@@ -168,11 +183,11 @@ impl Judge<'_> {
     /// whose errors are reported.
     pub fn finding(&self, without: &RowErrors, with: &RowErrors, joints: &[usize]) -> (FindingHeldOut, f64) {
         let all: Vec<usize> = (0..self.floor.len()).collect();
-        let (sum, p_value) = paired_test(&without.decrease(with, &all, &self.weights()));
+        let (sum, p_value) = paired_test(&without.beside(with, &all, &self.weights()));
         let mut change = change(sum, p_value);
         // No change on the whole, and one joint pays for it: worse. The chance is shared among the joints.
         let pays = |&j: &usize| {
-            let (sum, p) = paired_test(&without.decrease(with, &[j], &self.weights()));
+            let (sum, p) = paired_test(&without.beside(with, &[j], &self.weights()));
             sum < 0.0 && p < BEYOND_CHANCE / all.len() as f64
         };
         if change == Change::Same && all.iter().any(|j| pays(j)) {
@@ -191,7 +206,7 @@ impl Judge<'_> {
     pub fn whole(&self, names: &[String], declared: &RowErrors, last: &RowErrors) -> HeldOut {
         let weights = self.weights();
         let joint = |(j, name): (usize, &String)| {
-            let (sum, p_value) = paired_test(&declared.decrease(last, &[j], &weights));
+            let (sum, p_value) = paired_test(&declared.beside(last, &[j], &weights));
             JointHeldOut {
                 joint: name.clone(),
                 before: declared.rms(&[j]),
@@ -202,7 +217,7 @@ impl Judge<'_> {
             }
         };
         let all: Vec<usize> = (0..names.len()).collect();
-        let (sum, p_value) = paired_test(&declared.decrease(last, &all, &weights));
+        let (sum, p_value) = paired_test(&declared.beside(last, &all, &weights));
         HeldOut {
             verdict: match change(sum, p_value) {
                 Change::Better => HeldOutVerdict::Confirmed,
@@ -331,11 +346,30 @@ mod tests {
                     last
                 })
                 .collect();
-            beyond += usize::from(paired_test(&differences).1 < BEYOND_CHANCE);
+            beyond += usize::from(mean_test(&differences).1 < BEYOND_CHANCE);
         }
         // 50 are expected; correlation and the estimate of it cost a little.
         assert!((20..100).contains(&beyond), "{beyond} of 5000");
-        assert_eq!(paired_test(&[0.0; 16]).1, 1.0);
-        assert!(paired_test(&[1.0, 1.1, 0.9, 1.0, 1.2, 0.8, 1.0, 1.1]).1 < 1e-6);
+        assert_eq!(mean_test(&[0.0; 16]).1, 1.0);
+        assert!(mean_test(&[1.0, 1.1, 0.9, 1.0, 1.2, 0.8, 1.0, 1.1]).1 < 1e-6);
+    }
+
+    /// Every block gains, one of them a hundred times more than the others: no accident.
+    #[test]
+    fn a_block_that_gains_most_does_not_hide_what_all_gain() {
+        let mut blocks: Vec<[f64; 2]> = (0..16).map(|i| [1.5 + 0.05 * i as f64, 1.0]).collect();
+        blocks[3] = [100.0, 1.0];
+        let (sum, p_value) = paired_test(&blocks);
+        assert!(sum > 0.0 && p_value < 1e-4, "{p_value}");
+        let one: Vec<[f64; 2]> = (0..16)
+            .map(|i| {
+                if i == 3 {
+                    [100.0, 1.0]
+                } else {
+                    [1.0, 1.0 + 0.001 * (i % 3) as f64]
+                }
+            })
+            .collect();
+        assert!(paired_test(&one).1 > BEYOND_CHANCE);
     }
 }

@@ -138,7 +138,7 @@ fn logs_and_requests_that_are_wrong_end_with_status_2_and_a_remedy() {
     check(&folder.write("empty.csv", ""), &["invalid_log", "empty.csv", "is empty"]);
     check(&folder.file("absent.csv"), &["absent.csv", "cannot be read"]);
     check(
-        &folder.write("header.csv", &"x".repeat(200_000)),
+        &folder.write("header.csv", &"x".repeat(200_001)),
         &["header.csv", "longer than"],
     );
     check(

@@ -165,7 +165,9 @@ fn files_that_are_not_there_and_wrong_usage_exit_with_2() {
     assert_eq!(run(&["fly"]).status.code(), Some(2));
     let robot = run(&["base-parameters", "--robot", "iiwa7"]);
     assert_eq!(robot.status.code(), Some(2));
-    assert!(stderr(&robot).contains("iiwa14, ur10, scara, planar_two_link"));
+    for shipped in ["iiwa14", "ur10", "ur5e", "fr3", "scara", "planar_two_link"] {
+        assert!(stderr(&robot).contains(shipped), "{}", stderr(&robot));
+    }
     let folder = Folder::new("unwritable");
     let request = folder.write("request.json", &quick().to_string());
     let unwritable = run(&["excite", "--request", &request, "--out", "/nowhere/out.json"]);

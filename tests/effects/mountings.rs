@@ -16,7 +16,10 @@ fn prop_gravity_is_found_wherever_it_points() {
     let directions = directions();
     for (i, robot) in robots().iter().enumerate() {
         let askew = Vector3::new(0.3, -0.8, 0.35).normalize();
-        for (k, direction) in [directions[[0, 2, 5][i]], directions[6 + 2 * i], askew].into_iter().enumerate() {
+        for (k, direction) in [directions[[0, 2, 5][i]], directions[6 + 2 * i], askew]
+            .into_iter()
+            .enumerate()
+        {
             let (gravity, outcome) = traced_mounted(robot, direction, &[], 50 + 10 * i as u64 + k as u64);
             let gravity = gravity.unwrap_or_else(|| panic!("{} {direction:?}: nothing found", robot.name()));
             let off = gravity.angle(&direction).to_degrees();
