@@ -183,7 +183,13 @@ fn prop_torques_of_any_scale_have_a_verdict() {
         let factor = 10f64.powi(exponent);
         let both = scaled(factor, factor);
         match exponent.abs() <= 6 {
-            true => assert_eq!(both.document["quality"]["verdict"], plain_verdict, "1e{exponent}"),
+            // Prior parameters can show that the torques are too small for the arm.
+            true => {
+                let verdict = &both.document["quality"]["verdict"];
+                let fault = &both.document["residual"]["data_faults"][0]["code"];
+                let too_small = exponent < 0 && verdict == "data_fault" && fault == "gravity_compensated_torque";
+                assert!(too_small || *verdict == plain_verdict, "1e{exponent}: {verdict}, {fault}");
+            }
             false => assert!(
                 both.code == Some(2) && both.error.contains("no torque of a joint"),
                 "1e{exponent}: {}",

@@ -62,7 +62,7 @@ const TURNING: usize = 3;
 /// Whether most of the samples at a level are in runs that begin where the joint turns round, or in which it does not move.
 fn turns_at(column: &[f64], q: &[f64], level: f64) -> bool {
     let direction = |s: usize| {
-        let step = (s + 1 < q.len()).then(|| q[s + 1] - q[s]).unwrap_or(0.0);
+        let step = if s + 1 < q.len() { q[s + 1] - q[s] } else { 0.0 };
         if step == 0.0 { 0.0 } else { step.signum() }
     };
     let (mut natural, mut all, mut s) = (0, 0, 0);

@@ -210,7 +210,7 @@ impl Form {
         let right = self.right_side(direction);
         let n = self.joints;
         let sum = (0..n).fold(DVector::zeros(right.nrows()), |v, j| v + right.column(j * n + j) * signs[j]);
-        let x = self.solved(direction, &DMatrix::from_columns(&[sum.clone()]));
+        let x = self.solved(direction, &DMatrix::from_columns(std::slice::from_ref(&sum)));
         (self.total() - sum.dot(&x.column(0))).max(NOTHING * self.total())
     }
 
