@@ -204,16 +204,16 @@ impl Projection {
         (0..self.joints).map(|a| a * self.joints + order[a]).collect()
     }
 
-    /// Sum of squares left with these columns and signs.
+    /// Sum of squares left with these columns and signs. Rounding can make that of an exact fit negative, and comparing ratios of negative numbers would
+    /// exchange two columns back and forth for ever.
     pub fn rest(&self, order: &[usize], signs: &[f64]) -> f64 {
         let at = self.places(order);
-        (0..self.joints)
-            .map(|a| {
-                (0..self.joints)
-                    .map(|b| signs[a] * signs[b] * self.products[(at[a], at[b])])
-                    .sum::<f64>()
-            })
-            .sum()
+        let left = (0..self.joints).map(|a| {
+            (0..self.joints)
+                .map(|b| signs[a] * signs[b] * self.products[(at[a], at[b])])
+                .sum::<f64>()
+        });
+        left.sum::<f64>().max(0.0)
     }
 
     /// The order and signs that leave clearly less than the columns as they are: one exchange after the other, each with its best signs, until
