@@ -59,7 +59,8 @@ pub(super) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> 
 /// Rows between a turn and the sample in which its friction is there: filters and the sampling of a reversal.
 const TURNING: usize = 3;
 
-/// Whether most of the samples at a level are in runs that begin where the joint turns round, or in which it does not move.
+/// Whether most of the samples at a level are in runs that last from one turn of the joint to the next, or in which it does not move. Where a torque is cut
+/// off, a run may begin at a turn as well: there the acceleration is at its largest. But then it ends before the next one.
 fn turns_at(column: &[f64], q: &[f64], level: f64) -> bool {
     let direction = |s: usize| {
         let step = if s + 1 < q.len() { q[s + 1] - q[s] } else { 0.0 };
@@ -72,10 +73,14 @@ fn turns_at(column: &[f64], q: &[f64], level: f64) -> bool {
             continue;
         }
         let end = (s..column.len()).find(|&e| column[e] != level).unwrap_or(column.len());
-        let before = (0..s.saturating_sub(TURNING)).rev().map(direction).find(|d| *d != 0.0);
-        let within = (s..end.min(q.len())).map(direction).find(|d| *d != 0.0);
-        // At rest all along, or another way than before it began.
-        if within.is_none() || before.is_some() && before != within {
+        let moves = |d: &f64| *d != 0.0;
+        let before = (0..s.saturating_sub(TURNING)).rev().map(direction).find(moves);
+        let first = (s..end).map(direction).find(moves);
+        let last = (s..end).rev().skip(TURNING).map(direction).find(moves).or(first);
+        let after = (end + TURNING..column.len()).map(direction).find(moves);
+        // What was before the log began, or is after its end, is not known.
+        let turns = |a: Option<f64>, b: Option<f64>| a.is_none() || b.is_none() || a != b;
+        if first.is_none() || (before.is_some() || after.is_some()) && turns(before, first) && turns(last, after) {
             natural += end - s;
         }
         all += end - s;

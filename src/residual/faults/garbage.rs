@@ -93,7 +93,22 @@ impl<'a> Friction<'a> {
         let step = |s: usize| Some(self.q.get(s + 1)? - self.q[s]).filter(|d| *d != 0.0);
         let before = (row.saturating_sub(LONGEST_REST)..row).rev().find_map(step);
         let after = (row..row + LONGEST_REST).find_map(step);
-        matches!((before, after), (Some(a), Some(b)) if a * b < 0.0)
+        matches!((before, after), (Some(a), Some(b)) if a * b < 0.0) || self.starts_or_ends(row)
+    }
+
+    /// Whether the joint leaves rest or comes to it at an end of the log: it stands there, or, evenly accelerated as over the first two stretches of some rows,
+    /// it went the other way in the one before, so that its speed was zero within half a stretch of the first row; likewise at the last row.
+    fn starts_or_ends(&self, row: usize) -> bool {
+        let last = self.q.len().saturating_sub(1);
+        let at = |k: usize| match row {
+            0 => self.q.get(k),
+            _ => last.checked_sub(k).map(|s| &self.q[s]),
+        };
+        let [Some(q0), Some(q1), Some(q2)] = [0, LONGEST_REST, 2 * LONGEST_REST].map(at) else {
+            return false;
+        };
+        let (near, far) = (q1 - q0, q2 - q1);
+        (row == 0 || row == last) && (near == 0.0 || (2.0 * near - far) * far < 0.0)
     }
 }
 
