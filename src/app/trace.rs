@@ -3,6 +3,7 @@
 use super::identify::{ModelFiles, UsedLog};
 use super::tell::tell;
 use crate::dynamics::Motion;
+use crate::identification::preprocess::Exclusion;
 use crate::io::log::{FindingKind, LogReport};
 use crate::io::{significant, traced_value};
 use crate::model::Robot;
@@ -21,8 +22,12 @@ pub(super) fn beyond_repair(faults: &[DataFault]) -> bool {
 /// Where the logs say that gravity points, if that is another mounting than the declared one.
 pub(super) fn mounted(robot: &Robot, logs: &[UsedLog]) -> Option<Mounting> {
     let read: Vec<(&Motion, &[Vec<f64>])> = logs.iter().map(|l| (&*l.prepared.motion, &l.prepared.torque[..])).collect();
-    // Positions in degrees, and torques without gravity or in other units, say nothing of its direction.
+    // Positions in degrees, and torques without gravity or in other units, say nothing of its direction; a missing torque column leaves too little of an arm
+    // to accuse its mounting.
     let misread = logs.iter().any(|l| {
+        if l.prepared.excluded.iter().flatten().any(|e| *e != Exclusion::Still) {
+            return true;
+        }
         let faults = column_faults(robot, &l.prepared.motion, &l.prepared.torque);
         let other_torques = [
             FaultKind::UnitMismatch,

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Several faults at once: each must leave so many times less than without it.
-const PART: f64 = 1.5;
+pub(super) const PART: f64 = 1.5;
 
 /// A joint with parameters mostly its own leaves hardly less when turned rightly: that must show in the thousand rows or so, and friction has a say
 /// afterwards.

@@ -1,7 +1,7 @@
 //! Which sign of a fit is physical: friction takes energy out of a motion, kinetic energy is positive, and priors know their sign.
 
 use super::evidence::Evidence;
-use super::order::{Projection, Sampled, TURN, root_mean_square};
+use super::order::{PART, Projection, Sampled, TURN, root_mean_square};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks, inverse_dynamics_batch};
 use crate::parameters::{Layout, ParameterKind};
 use nalgebra::DVector;
@@ -56,26 +56,40 @@ impl<'a> Physics<'a> {
 
     /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such a joint is turned
     /// where friction says so against the other joints' and the fit hardly gets worse. What would call the joint's own sign wrong is not believed against
-    /// friction, however well it fits.
+    /// friction, however well it fits. Where the turned column leaves clearly less, the misfit of the column as recorded hides the sign of its friction, and
+    /// the turned fit decides: what the model lacks passes for friction only where both fit alike, so that friction need not be large then.
     pub fn dissipating(&self, order: &[usize], signs: &[f64]) -> Vec<f64> {
         let mut signs = signs.to_vec();
-        let powers = |signs: &[f64]| -> Vec<f64> {
-            let evidence = Evidence::of(self.projection, order, signs);
-            (0..signs.len()).map(|j| self.dissipates(&evidence, j)).collect()
-        };
-        let mut power = powers(&signs);
+        let joints = signs.len();
+        let powers = |evidence: &Evidence| -> Vec<f64> { (0..joints).map(|j| self.dissipates(evidence, j)).collect() };
+        let mut evidence = Evidence::of(self.projection, order, &signs);
+        let mut power = powers(&evidence);
         let majority = if power.iter().sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
-        for j in 0..signs.len() {
+        for j in 0..joints {
             let mut turned = signs.clone();
             turned[j] = -turned[j];
-            if power[j] * majority >= 0.0 {
+            let [rest, rest_turned] = [&signs, &turned].map(|s| self.projection.rest(order, s));
+            let clearly = rest > PART * rest_turned;
+            let drives = if clearly {
+                evidence.ratio(&self.friction[j])
+            } else {
+                power[j]
+            } * majority
+                < 0.0;
+            if !drives {
                 continue;
             }
-            let then = powers(&turned);
+            let then = Evidence::of(self.projection, order, &turned);
+            let power_then = powers(&then);
+            let brakes = if clearly {
+                then.sign(&self.friction[j])
+            } else {
+                power_then[j]
+            } * majority
+                > 0.0;
             let claimed = signs[j] * majority < 0.0;
-            let alike = || self.projection.rest(order, &turned) < TURN * self.projection.rest(order, &signs);
-            if then[j] * majority > 0.0 && (claimed || alike()) {
-                (signs, power) = (turned, then);
+            if brakes && (claimed || rest_turned < TURN * rest) {
+                (signs, power, evidence) = (turned, power_then, then);
             }
         }
         signs
