@@ -111,7 +111,12 @@ fn prop_one_estimate_stands_in_every_part_of_an_outcome() {
     let robot = seven_axes();
     let [identify, validate] = logs(&robot, &effects(1.0)[..1], &sensor_noise(7), 5);
     let (identify, validate) = (stretch(&identify, "identify"), stretch(&validate, "validate"));
-    let outcome = trace(&robot, &[identify.clone()], &[validate.clone()], &TraceOptions::default());
+    let outcome = trace(
+        &robot,
+        std::slice::from_ref(&identify),
+        std::slice::from_ref(&validate),
+        &TraceOptions::default(),
+    );
     let Estimates { found, declared } = found(&outcome);
     let report = &outcome.report;
     for (log, before, after) in [
