@@ -30,7 +30,7 @@ pub struct Stretch {
     pub samples: Vec<usize>,
     /// Rows that count; n × M. None of a joint whose torque takes no part.
     pub usable: Vec<Vec<bool>>,
-    /// Rows that would count, but that a joint [rests](at_rest) at; n × M.
+    /// Rows that would count, but that a joint rests at; n × M.
     pub resting: Vec<Vec<bool>>,
     /// Per joint: why it has no rows that count, where it has none.
     pub excluded: Vec<Option<Exclusion>>,

@@ -1,5 +1,8 @@
 //! Robot files as people have them: read with a note, or refused with link and remedy.
 
+// Quarter turns rounded as vendors publish them are what is tested.
+#![allow(clippy::approx_constant)]
+
 use dynident::dynamics::{forward_kinematics, inverse_dynamics};
 use dynident::excitation::{Criterion, Form, Knowledge, Problem, ProblemSpec, Start};
 use dynident::io::{RobotDocument, parse, read_excitation_request, robot_document, robot_file, robot_value, urdf};
@@ -37,10 +40,18 @@ fn names(document: &RobotDocument) -> Vec<&str> {
     document.robot.joints().iter().map(|j| j.name.as_str()).collect()
 }
 
+/// File, ends of the chain, number of joints, and words of the notes.
+type Case = (
+    &'static str,
+    &'static [(&'static str, &'static str)],
+    usize,
+    &'static [&'static str],
+);
+
 /// Files of one kind of difficulty each: the joints of the robot and what the notes say.
 #[test]
 fn files_that_are_not_quite_right_are_read_and_the_notes_say_what_was_made_of_them() {
-    let cases: [(&str, &[(&str, &str)], usize, &[&str]); 11] = [
+    let cases: [Case; 11] = [
         (
             "two_joint_31416.urdf",
             &[],

@@ -1,10 +1,10 @@
 //! Numerical work in processes of their own: one that aborts, runs out of memory or never ends costs the work that it did, and nothing else.
 //!
-//! A child is this program again (`dynident child`), connected by one socket: a [`Task`] goes in, news and the answer come out, as
+//! A child is this program again (`dynident child`), connected by one socket: a `Task` goes in, news and the answer come out, as
 //! MessagePack. It ends when the other end of the socket is closed, however the server ended. Children are used again, so that a short task
 //! does not wait for a start; one that has grown is replaced. What they have in common with the server is files: logs go in by their paths.
 //!
-//! Routes use [`Service::compute`], which ends the child when the client has gone; jobs use [`Service::child`] and follow its [`Event`]s.
+//! Routes use `Service::compute`, which ends the child when the client has gone; jobs use `Service::child` and follow its `Event`s.
 
 mod confine;
 mod fault;
