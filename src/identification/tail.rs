@@ -4,13 +4,15 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 /// Degrees of freedom beyond which a mean square is known exactly: its standard deviation is 5e-5 of it.
 const MOST_FREEDOM: f64 = 1e9;
+/// Fewer degrees of freedom than this are none: the distribution is not computed below it.
+const LEAST_FREEDOM: f64 = 1e-6;
 /// Statistics beyond this have a chance of zero in doubles, whatever the degrees of freedom: `x^(-1/2)` is below the least positive number.
 const BEYOND_CHANCE: f64 = 1e100;
 
 /// Chance of a mean square `statistic` times that of noise, F with `freedom` degrees of freedom above and below. Without degrees of freedom, or
 /// where the statistic is no number, nothing was tested: 1.
 pub(crate) fn f_tail(statistic: f64, freedom: [f64; 2]) -> f64 {
-    if statistic.is_nan() || freedom.iter().any(|d| d.is_nan() || *d <= 0.0) {
+    if statistic.is_nan() || freedom.iter().any(|d| d.is_nan() || *d < LEAST_FREEDOM) {
         return 1.0;
     }
     if statistic > BEYOND_CHANCE {

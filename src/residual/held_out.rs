@@ -364,7 +364,7 @@ mod tests {
         let mut blocks: Vec<[f64; 2]> = (0..16).map(|i| [1.5 + 0.05 * i as f64, 1.0]).collect();
         blocks[3] = [100.0, 1.0];
         let (sum, p_value) = paired_test(&blocks);
-        assert!(sum > 0.0 && p_value < 1e-3, "{p_value}");
+        assert!(sum > 0.0 && p_value < BEYOND_CHANCE, "{p_value}");
         let one: Vec<[f64; 2]> = (0..16)
             .map(|i| {
                 if i == 3 {

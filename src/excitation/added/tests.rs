@@ -44,7 +44,9 @@ fn arm() -> Robot {
 /// Every effect that has columns, in every form; on the middle one of its places, with the middle one of the shapes that a search tries.
 fn terms(robot: &Robot) -> Vec<Term> {
     let mut list = Vec::new();
-    for effect in all().iter().filter(|e| e.kind() != Kind::BetweenPeriods) {
+    // Not every effect has a place on every arm: couplings are between neighbours of a kind.
+    let here = |e: &&&'static dyn Effect| e.kind() != Kind::BetweenPeriods && !e.places(robot).is_empty();
+    for effect in all().iter().filter(here) {
         list.extend((0..effect.forms()).map(|form| term(robot, *effect, form)));
     }
     list
