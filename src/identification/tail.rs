@@ -18,6 +18,9 @@ pub(crate) fn f_tail(statistic: f64, freedom: [f64; 2]) -> f64 {
     if statistic > BEYOND_CHANCE {
         return 0.0;
     }
+    if statistic < f64::MIN_POSITIVE {
+        return 1.0;
+    }
     let [above, below] = freedom.map(|d| d.min(MOST_FREEDOM));
     let tail = FisherSnedecor::new(above, below).map_or(1.0, |f| f.sf(statistic.max(0.0)));
     if tail.is_finite() { tail.clamp(0.0, 1.0) } else { 1.0 }
@@ -30,6 +33,10 @@ pub(crate) fn chi_square_tail(statistic: f64, freedom: usize) -> f64 {
     }
     if statistic > BEYOND_CHANCE {
         return 0.0;
+    }
+    // Half of less than the least normal number is zero, which the gamma function refuses.
+    if statistic < f64::MIN_POSITIVE {
+        return 1.0;
     }
     let tail = ChiSquared::new(freedom as f64).map_or(1.0, |c| c.sf(statistic.max(0.0)));
     if tail.is_finite() { tail.clamp(0.0, 1.0) } else { 1.0 }
