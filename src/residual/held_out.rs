@@ -125,7 +125,7 @@ fn squares(stretch: &Stretch, joint: usize, predicted: &[f64], keep: &[bool]) ->
 
 /// What the second of two models leaves less than the first, summed over the blocks, and the chance of such a change to either side. A change that most blocks
 /// do not share counts as chance.
-fn paired_test(blocks: &[[f64; 2]]) -> (f64, f64) {
+pub(super) fn paired_test(blocks: &[[f64; 2]]) -> (f64, f64) {
     let sum: f64 = blocks.iter().map(|[before, after]| before - after).sum();
     let ratio = |[before, after]: &[f64; 2]| (*before > 0.0 && *after > 0.0).then(|| (before / after).ln());
     let (ranks, p_value) = signed_rank_test(&blocks.iter().filter_map(ratio).collect::<Vec<_>>());

@@ -18,10 +18,10 @@ const OWN: usize = 5;
 
 /// On a normal matrix of unit diagonal: columns that combine to nothing (friction that the robot declares too) cost nothing, and a part in 1e9 of the
 /// torque is below any noise.
-const RIDGE: f64 = 1e-9;
+pub(super) const RIDGE: f64 = 1e-9;
 
 /// Share of the torque's squares below which nothing is told apart: a thousandth of the torque, where the ridge and the rounding of recorded digits have a say.
-const NOTHING: f64 = 1e-6;
+pub(super) const NOTHING: f64 = 1e-6;
 
 /// A joint turned round must leave so much less, as for signs under a known gravity.
 const TURN: f64 = 1.1;
@@ -37,11 +37,15 @@ pub(super) struct Form {
     /// Numbers of the rigid body's columns in the standard layout.
     pub kept: Vec<usize>,
     /// `Σ Yₐᵀ Y_b`.
-    normal: Vec<Vec<DMatrix<f64>>>,
+    pub(super) normal: Vec<Vec<DMatrix<f64>>>,
     /// `Yₐᵀ e_row(j) tau(k)` as columns j n + k.
-    right: [DMatrix<f64>; 4],
+    pub(super) right: [DMatrix<f64>; 4],
     /// `tauᵀ tau`, unweighed.
     square: DMatrix<f64>,
+    /// Per joint: rows of weightless motion, then of gravity of the declared size along x, y, z; weighed.
+    pub(super) rows: Vec<[DMatrix<f64>; 4]>,
+    /// Torques, samples × joints.
+    pub(super) torque: DMatrix<f64>,
     /// Inverse root mean square of every torque: strong joints do not drown weak ones.
     pub weight: Vec<f64>,
 }
@@ -101,7 +105,6 @@ impl Form {
             }
             parts.map(|m| m * weight[j])
         };
-        // Per joint: rows of weightless motion, then of gravity of the declared size along x, y, z; weighed.
         let rows: Vec<[DMatrix<f64>; 4]> = (0..n).map(block).collect();
         let sum = |a: usize, b: usize| rows.iter().fold(DMatrix::zeros(p, p), |m, r| m + r[a].tr_mul(&r[b]));
         let normal = (0..4).map(|a| (0..4).map(|b| sum(a, b)).collect()).collect();
@@ -121,12 +124,19 @@ impl Form {
             normal,
             right,
             square: tau.tr_mul(&tau),
+            rows,
+            torque: tau,
             weight,
         })
     }
 
     /// The normal matrix scaled to a unit diagonal, factorised, and the scales.
     fn factorised(&self, direction: Vector3<f64>) -> (Cholesky<f64, Dyn>, DVector<f64>) {
+        factorised(&self.normal_along(direction))
+    }
+
+    /// Normal matrix under this direction.
+    pub(super) fn normal_along(&self, direction: Vector3<f64>) -> DMatrix<f64> {
         let c = powers(direction);
         let p = self.normal[0][0].nrows();
         let mut g = DMatrix::zeros(p, p);
@@ -137,22 +147,7 @@ impl Form {
                 }
             }
         }
-        let scale = g.diagonal().map(|v| if v > 0.0 { v.sqrt().recip() } else { 0.0 });
-        let scaled = DMatrix::from_fn(p, p, |r, k| {
-            let ridge = if r == k {
-                RIDGE + if scale[r] == 0.0 { 1.0 } else { 0.0 }
-            } else {
-                0.0
-            };
-            0.5 * (g[(r, k)] + g[(k, r)]) * scale[r] * scale[k] + ridge
-        });
-        let factor = scaled.clone().cholesky();
-        // Rounding can make the matrix indefinite by a part in 1e9 at most: a thousand ridges are enough.
-        let factor = factor.unwrap_or_else(|| {
-            let lifted = scaled + DMatrix::identity(p, p) * (1e3 * RIDGE);
-            lifted.cholesky().expect("a Gram matrix with a ridge is positive definite")
-        });
-        (factor, scale)
+        g
     }
 
     /// Least squares for this direction: what it makes of every torque column in every joint's row, p × n².
@@ -165,7 +160,7 @@ impl Form {
         x
     }
 
-    fn right_side(&self, direction: Vector3<f64>) -> DMatrix<f64> {
+    pub(super) fn right_side(&self, direction: Vector3<f64>) -> DMatrix<f64> {
         let c = powers(direction);
         (1..4).fold(self.right[0].clone(), |m, a| m + &self.right[a] * c[a])
     }
@@ -214,7 +209,7 @@ impl Form {
         (self.total() - sum.dot(&x.column(0))).max(NOTHING * self.total())
     }
 
-    fn total(&self) -> f64 {
+    pub(super) fn total(&self) -> f64 {
         (0..self.joints).map(|j| self.square[(j, j)] * self.weight[j].powi(2)).sum()
     }
 
@@ -288,7 +283,28 @@ impl Form {
 /// Each exchange of two columns must leave so many times less than without it.
 const EXCHANGE: f64 = 1.5;
 
-fn powers(direction: Vector3<f64>) -> [f64; 4] {
+/// A normal matrix scaled to a unit diagonal with a ridge, factorised, and the scales.
+pub(super) fn factorised(g: &DMatrix<f64>) -> (Cholesky<f64, Dyn>, DVector<f64>) {
+    let p = g.nrows();
+    let scale = g.diagonal().map(|v| if v > 0.0 { v.sqrt().recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(p, p, |r, k| {
+        let ridge = if r == k {
+            RIDGE + if scale[r] == 0.0 { 1.0 } else { 0.0 }
+        } else {
+            0.0
+        };
+        0.5 * (g[(r, k)] + g[(k, r)]) * scale[r] * scale[k] + ridge
+    });
+    let factor = scaled.clone().cholesky();
+    // Rounding can make the matrix indefinite by a part in 1e9 at most: a thousand ridges are enough.
+    let factor = factor.unwrap_or_else(|| {
+        let lifted = scaled + DMatrix::identity(p, p) * (1e3 * RIDGE);
+        lifted.cholesky().expect("a Gram matrix with a ridge is positive definite")
+    });
+    (factor, scale)
+}
+
+pub(super) fn powers(direction: Vector3<f64>) -> [f64; 4] {
     [1.0, direction.x, direction.y, direction.z]
 }
 

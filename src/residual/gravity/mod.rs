@@ -4,12 +4,14 @@
 //! space diagonals) are starting points; those that leave least are refined. On slow motions the opposite direction fits nearly as well, with all first
 //! moments turned round: then it decides that masses are positive and lie along the arm ([`vote`]).
 
+mod evidence;
 mod form;
 mod refine;
 mod vote;
 
 pub use self::refine::{Gravity, trace_mounted};
 
+use self::evidence::Gain;
 use self::form::Form;
 use self::vote::Bodies;
 use crate::dynamics::Motion;
@@ -32,7 +34,8 @@ pub struct Mounting {
 pub const OTHER_MOUNTING: f64 = 0.1745;
 
 /// How many times less another direction must leave than any signs and any order of the torque columns under the declared one. Noise brings 1.2 about with
-/// a hundred independent rows once in 10 000 logs (two parameters: `rows · ln 1.2 > χ²₂`), and logs have more; below it two directions are alike.
+/// a hundred independent rows once in 10 000 logs (two parameters: `rows · ln 1.2 > χ²₂`), and logs have more; below it two directions are alike. What a misfit
+/// brings, whose rows go together, is weighed by [`Gain`].
 const CLEARLY: f64 = 1.2;
 
 /// Share of the torque's scatter that the best direction must explain at least, beyond what every joint's own columns do: where the model says nothing,
@@ -92,7 +95,11 @@ pub fn mounting(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])]) -> Option<Mounti
     }
     let ratio = level.rest.min(form.best_columns(declared)) / best.rest.max(f64::MIN_POSITIVE);
     // Where the declared direction fits alike it stands, whatever the masses say: with little inertia in a log their signs are those of its misfit.
-    (ratio > CLEARLY).then(|| Mounting {
+    if ratio <= CLEARLY {
+        return None;
+    }
+    let gain = Gain::of(&form, &best, &level);
+    gain.is_no_accident().then(|| Mounting {
         gravity: best.direction * size,
         angle,
         ratio,
