@@ -143,7 +143,6 @@ fn prop_noise_is_not_explained_and_clean_logs_are() {
 
 /// Friction that jumps at every reversal, torques in coarse steps, noise that goes together from row to row.
 #[test]
-#[ignore = "known limit: at 50 Hz a joint that touches rest at the border of two periods has one row called garbage"]
 fn prop_friction_steps_coarse_torques_and_coloured_noise_are_no_bad_samples() {
     let mut all = Vec::new();
     for (at, robot) in robots().iter().enumerate() {

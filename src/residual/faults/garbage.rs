@@ -68,6 +68,12 @@ struct Friction<'a> {
     q: &'a [f64],
     /// Beyond the usual torques by as much as they differ among themselves is more than any friction of this joint.
     range: [f64; 2],
+    /// Rows between the five positions that a speed is taken from.
+    stride: usize,
+    /// Step of the encoder.
+    step: f64,
+    /// Standard deviation of its noise.
+    noise: f64,
 }
 
 impl<'a> Friction<'a> {
@@ -77,43 +83,74 @@ impl<'a> Friction<'a> {
         // Spoiled rows are fewer than one in fifty at each end.
         let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(0.0);
         let (low, high) = (at(0.02), at(0.98));
+        let (step, noise, usual) = (least_step(q), position_noise(q), usual_step(q));
+        let stride = (COUNTS * step.max(noise) / usual.max(f64::MIN_POSITIVE)).ceil();
         Self {
             q,
             range: [low - (high - low), high + (high - low)],
+            stride: (stride as usize).clamp(1, WIDEST),
+            step,
+            noise,
         }
     }
 
     fn explains(&self, row: usize, torque: f64) -> bool {
-        (self.range[0]..=self.range[1]).contains(&torque) && (row.saturating_sub(1)..=row + 1).any(|s| self.turns(s))
+        (self.range[0]..=self.range[1]).contains(&torque) && self.may_stand(row)
     }
 
-    /// Whether the joint turns round at a row: the last step before it goes one way, the first one after it the other. Encoders count whole steps, so that
-    /// it may stand for some rows.
-    fn turns(&self, row: usize) -> bool {
-        let step = |s: usize| Some(self.q.get(s + 1)? - self.q[s]).filter(|d| *d != 0.0);
-        let before = (row.saturating_sub(LONGEST_REST)..row).rev().find_map(step);
-        let after = (row..row + LONGEST_REST).find_map(step);
-        matches!((before, after), (Some(a), Some(b)) if a * b < 0.0) || self.starts_or_ends(row)
-    }
-
-    /// Whether the joint leaves rest or comes to it at an end of the log: it stands there, or, evenly accelerated as over the first two stretches of some rows,
-    /// it went the other way in the one before, so that its speed was zero within half a stretch of the first row; likewise at the last row.
-    fn starts_or_ends(&self, row: usize) -> bool {
-        let last = self.q.len().saturating_sub(1);
-        let at = |k: usize| match row {
-            0 => self.q.get(k),
-            _ => last.checked_sub(k).map(|s| &self.q[s]),
-        };
-        let [Some(q0), Some(q1), Some(q2)] = [0, LONGEST_REST, 2 * LONGEST_REST].map(at) else {
+    /// Whether the speed of the joint can be zero within a row of this one: it turns round there, touches rest and goes on, or stands.
+    ///
+    /// The speed is the derivative of the cubic that fits five positions best; it is zero where it changes its sign or is less than rounding and noise of the
+    /// positions make of it.
+    fn may_stand(&self, row: usize) -> bool {
+        let reach = 2 * self.stride;
+        if self.q.len() <= 2 * reach {
             return false;
+        }
+        let centre = row.clamp(reach, self.q.len() - 1 - reach);
+        let stride = self.stride as f64;
+        let here = (row as f64 - centre as f64) / stride;
+        let positions: [f64; 5] = std::array::from_fn(|k| self.q[centre + k * self.stride - reach]);
+        let speed = |x: f64| {
+            let weights = speed_weights(x);
+            let value: f64 = weights.iter().zip(&positions).map(|(w, q)| w * q).sum();
+            let rounding = 0.5 * self.step * weights.iter().map(|w| w.abs()).sum::<f64>();
+            let noise = DEVIATIONS * self.noise * weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+            (value, rounding + noise)
         };
-        let (near, far) = (q1 - q0, q2 - q1);
-        (row == 0 || row == last) && (near == 0.0 || (2.0 * near - far) * far < 0.0)
+        // A parabola: where it is zero twice within two rows, it is next to nothing in between and at their ends.
+        let parts: Vec<(f64, f64)> = (-4..=4).map(|k| speed(here + 0.25 * f64::from(k) / stride)).collect();
+        parts.iter().any(|(v, uncertain)| v.abs() <= *uncertain) || parts.windows(2).any(|w| w[0].0 * w[1].0 < 0.0)
     }
 }
 
-/// Rows that a joint stands where it turns round.
-const LONGEST_REST: usize = 5;
+/// Steps of the encoder, or deviations of its noise, that a joint usually moves by from one position to the next where a speed is taken: a twentieth of the usual
+/// speed is seen then.
+const COUNTS: f64 = 20.0;
+/// Rows between two positions at most: a hundredth of a second at a thousand rows a second, over which motions are smooth.
+const WIDEST: usize = 10;
+/// Standard deviations of noise that a speed can be off by.
+const DEVIATIONS: f64 = 3.0;
+
+/// Weights of five evenly spaced positions in the derivative, `x` spaces from the middle one, of the cubic that fits them best (Savitzky & Golay 1964).
+fn speed_weights(x: f64) -> [f64; 5] {
+    let first = [1.0, -8.0, 0.0, 8.0, -1.0].map(|w| w / 12.0);
+    let second = [2.0, -1.0, -2.0, -1.0, 2.0].map(|w| w / 7.0);
+    let third = [-1.0, 2.0, 0.0, -2.0, 1.0].map(|w| w / 2.0);
+    std::array::from_fn(|k| first[k] + x * second[k] + 0.5 * x * x * third[k])
+}
+
+/// Standard deviation of white noise on a position, from its fourth differences, which hardly know the motion: the squares of their weights sum to 70.
+fn position_noise(q: &[f64]) -> f64 {
+    let of = |w: &[f64]| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs();
+    let mut differences: Vec<f64> = q.windows(5).map(of).filter(|d| d.is_finite()).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    let at = differences.len() / 2;
+    // The median of the sizes of normal values is 0.6745 of their deviation.
+    *differences.select_nth_unstable_by(at, f64::total_cmp).1 / (0.6745 * 70f64.sqrt())
+}
 
 /// Runs between a jump away and a jump back to where the column would have gone.
 fn packets(column: &[f64], limit: f64) -> Vec<Range<usize>> {
