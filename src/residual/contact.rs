@@ -6,71 +6,104 @@ use super::{NoiseModel, ReportedParameter, Stretch};
 use crate::effects::by_code;
 use crate::model::Robot;
 
+/// Running sums over all periods one after the other, per joint: of whitened deviations from the median period times the whitened unit level, and of the square of
+/// that.
+struct Sums {
+    deviations: Vec<Vec<f64>>,
+    levels: Vec<Vec<f64>>,
+}
+
+impl Sums {
+    /// Over the rows in `keep`, per joint.
+    fn over(stretch: &Stretch, noise: &[NoiseModel], keep: impl Fn(usize) -> Vec<bool>) -> Self {
+        let (rows, n) = (stretch.rows(), stretch.joints());
+        let length = stretch.periods.len() * rows;
+        let mut sums = Self {
+            deviations: vec![vec![0.0; length + 1]; n],
+            levels: vec![vec![0.0; length + 1]; n],
+        };
+        for j in 0..n {
+            let keep = noise[j].whitened_rows(&keep(j), stretch.periodic);
+            let unit = noise[j].whiten(&vec![1.0; rows], &keep, 1);
+            let median = median_period(stretch, j);
+            for (p, period) in stretch.periods.iter().enumerate() {
+                let deviation: Vec<f64> = period[j].iter().zip(&median).map(|(t, m)| t - m).collect();
+                let white = noise[j].whiten(&deviation, &keep, 1);
+                for s in 0..rows {
+                    let at = p * rows + s;
+                    sums.deviations[j][at + 1] = sums.deviations[j][at] + unit[s] * white[s];
+                    sums.levels[j][at + 1] = sums.levels[j][at] + unit[s] * unit[s];
+                }
+            }
+        }
+        sums
+    }
+
+    /// What a level of joint `j` in an interval explains.
+    fn of_joint(&self, j: usize, from: usize, to: usize) -> f64 {
+        let level = self.levels[j][to] - self.levels[j][from];
+        match level > 0.0 {
+            true => (self.deviations[j][to] - self.deviations[j][from]).powi(2) / level,
+            false => 0.0,
+        }
+    }
+
+    /// What levels of all joints explain.
+    fn statistic(&self, from: usize, to: usize) -> f64 {
+        (0..self.levels.len()).map(|j| self.of_joint(j, from, to)).sum()
+    }
+
+    /// Level of a joint in an interval with its standard deviation.
+    fn level(&self, j: usize, from: usize, to: usize) -> (f64, f64) {
+        let level = (self.levels[j][to] - self.levels[j][from]).max(f64::MIN_POSITIVE);
+        (
+            (self.deviations[j][to] - self.deviations[j][from]) / level,
+            level.sqrt().recip(),
+        )
+    }
+}
+
 /// The interval of time in which the deviations of all joints from the median period are least like noise.
+///
+/// It is found on rows that move, since the torque that friction locks in at rest differs from one period to the next; where it begins or ends at rest is seen on
+/// the rows at rest.
 pub(super) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
     let (count, rows, n) = (stretch.periods.len(), stretch.rows(), stretch.joints());
     let length = count * rows;
-    // Running sums of whitened deviations and of the whitened unit level, per joint, over all periods one after the other.
-    let mut sums = vec![vec![0.0; length + 1]; n];
-    let mut levels = vec![vec![0.0; length + 1]; n];
-    for j in 0..n {
-        // At a reversal a jump of friction that comes a sample later in one period is no touch.
-        let keep = noise[j].whitened_rows(&stretch.kept(&stretch.motion, j), stretch.periodic);
-        let unit = noise[j].whiten(&vec![1.0; rows], &keep, 1);
-        let median = median_period(stretch, j);
-        for (p, period) in stretch.periods.iter().enumerate() {
-            let deviation: Vec<f64> = period[j].iter().zip(&median).map(|(t, m)| t - m).collect();
-            let white = noise[j].whiten(&deviation, &keep, 1);
-            for s in 0..rows {
-                let at = p * rows + s;
-                sums[j][at + 1] = sums[j][at] + unit[s] * white[s];
-                levels[j][at + 1] = levels[j][at] + unit[s] * unit[s];
-            }
-        }
-    }
-    let statistic = |from: usize, to: usize| -> f64 {
-        (0..n)
-            .map(|j| {
-                let level = levels[j][to] - levels[j][from];
-                if level > 0.0 {
-                    (sums[j][to] - sums[j][from]).powi(2) / level
-                } else {
-                    0.0
-                }
-            })
-            .sum()
-    };
+    // At a reversal a jump of friction that comes a sample later in one period is no touch.
+    let moving = Sums::over(stretch, noise, |j| stretch.kept(&stretch.motion, j));
     let (mut best, mut windows) = ((0.0, 0, 0), 0.0);
     let shortest = shortest(stretch);
     let mut width = shortest;
     while width <= rows {
         for from in (start_rows(stretch)..length.saturating_sub(width)).step_by((width / 4).max(1)) {
             windows += 1.0;
-            let gain = statistic(from, from + width);
+            let gain = moving.statistic(from, from + width);
             if gain > best.0 {
                 best = (gain, from, from + width);
             }
         }
         width = width * 3 / 2;
     }
-    let (gain, from, to) = sharpened(best, length, shortest, &statistic);
+    let (gain, from, to) = sharpened(best, length, shortest, &|from, to| moving.statistic(from, to));
     // The median over P periods has π/2 of the variance of their mean.
     let fair = gain / (1.0 + 0.5 * std::f64::consts::PI / count as f64);
     let p_value = chance(fair, n) * windows;
-    let level = |j: usize| {
-        let l = levels[j][to] - levels[j][from];
-        (
-            (sums[j][to] - sums[j][from]) / l.max(f64::MIN_POSITIVE),
-            l.max(f64::MIN_POSITIVE).sqrt().recip(),
-        )
-    };
+    let all = Sums::over(stretch, noise, |j| stretch.kept_or_resting(&stretch.motion, j));
+    let (_, from, to) = sharpened((all.statistic(from, to), from, to), length, shortest, &|from, to| {
+        all.statistic(from, to)
+    });
     // A touch that stays below the noise of every joint is slow drift of something else.
-    let felt = (0..n).any(|j| level(j).0.abs() > noise[j].std_dev);
+    let felt = (0..n).any(|j| all.level(j, from, to).0.abs() > noise[j].std_dev);
     if !felt || to - from > rows {
         return None;
     }
     // Joints that feel it: four standard deviations, one joint in 16 000 by chance.
-    let joints: Vec<usize> = (0..n).filter(|&j| level(j).0.abs() > 4.0 * level(j).1).collect();
+    let feels = |j: &usize| {
+        let (level, deviation) = all.level(*j, from, to);
+        level.abs() > 4.0 * deviation
+    };
+    let joints: Vec<usize> = (0..n).filter(feels).collect();
     let told = |j: usize| level_beside(stretch, &noise[j], j, [from, to]);
     let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &told);
     Some((finding, without_interval(stretch, from, to)))
@@ -80,7 +113,7 @@ pub(super) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel
 /// was found by has the touched period among it, and leans towards it.
 fn level_beside(stretch: &Stretch, noise: &NoiseModel, joint: usize, [from, to]: [usize; 2]) -> (f64, f64) {
     let rows = stretch.rows();
-    let keep = noise.whitened_rows(&stretch.kept(&stretch.motion, joint), stretch.periodic);
+    let keep = noise.whitened_rows(&stretch.kept_or_resting(&stretch.motion, joint), stretch.periodic);
     let unit = noise.whiten(&vec![1.0; rows], &keep, 1);
     let (mut sum, mut level, mut fewest) = (0.0, f64::MIN_POSITIVE, stretch.periods.len());
     for p in from / rows..=(to - 1) / rows {

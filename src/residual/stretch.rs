@@ -113,6 +113,13 @@ impl Stretch {
         keep
     }
 
+    /// The same with the rows at which the joint rests: what touches the arm shows there as well.
+    pub(crate) fn kept_or_resting(&self, motion: &Motion, joint: usize) -> Vec<bool> {
+        let mut keep = self.kept(motion, joint);
+        keep.iter_mut().zip(&self.resting[joint]).for_each(|(k, r)| *k |= r);
+        keep
+    }
+
     /// Means over the periods in `which`, n × M.
     pub(crate) fn mean_over(&self, which: &[usize]) -> Vec<Vec<f64>> {
         let scale = 1.0 / which.len() as f64;
