@@ -113,7 +113,8 @@ fn place<'t>(cursor: &Cursor, robot: &Robot, terms: impl Iterator<Item = &'t Ter
     if terms.is_empty() {
         cursor.complain_with(
             "is asked for, and the model holds none",
-            "rivals are kept with the findings of an identification that the data do not decide; this one has nothing to decide",
+            "a model has the effects that held-out data do not reject, and of each the rivals that the data do not exclude: there is nothing to decide \
+             between here",
         );
         return None;
     }

@@ -5,7 +5,7 @@ use dynident::excitation::{Control, Halt, Progress, SearchOptions, search};
 use dynident::io::shipped::Shipped;
 use dynident::io::{DesignDocument, parse, read_excitation_request, robot_value, traced_value};
 use dynident::model::{Limits, Robot};
-use dynident::residual::{Outcome, TraceOptions, trace};
+use dynident::residual::{Change, Outcome, TraceOptions, trace};
 use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
 use dynident::trajectory::{FourierSeries, Trajectory};
 use serde_json::{Value, json};
@@ -60,8 +60,8 @@ impl Arm<'_> {
     }
 }
 
-fn identified(arm: &Arm, logs: &[&RecordedLog], seed: u64) -> Outcome {
-    let held_out = arm.log(&validation(arm.robot.joint_count(), seed), 3.0, seed + 1_000_000);
+fn identified(arm: &Arm, logs: &[&RecordedLog], validation: &dyn Trajectory, seed: u64) -> Outcome {
+    let held_out = arm.log(validation, 3.0, seed + 1_000_000);
     let names = ["first", "second"];
     let stretches: Vec<_> = logs.iter().zip(names).map(|(l, n)| stretch(l, n)).collect();
     trace(
@@ -99,11 +99,12 @@ fn design(document: &Value) -> (FourierSeries, DesignDocument) {
 
 /// Finding, rivals, design, second log: the truth alone is left.
 ///
-/// `found_first` is what the first log, in which the joint moves by a tenth to a half only, takes for the truth, and `rival` what it does not exclude.
+/// `found_first` is what the first log, in which the joint moves by a tenth to a half only (`shares`, of it and of its validation log), takes for the truth, and
+/// `rival` what it does not exclude.
 fn decide(
     hidden: HiddenEffect,
     truth: (&str, &str),
-    share: f64,
+    shares: [f64; 2],
     seed: u64,
     [found_first, rival]: [(&str, &str); 2],
 ) -> Option<&'static str> {
@@ -115,8 +116,8 @@ fn decide(
         effects: &[hidden],
         noise: sensor_noise(4),
     };
-    let first = arm.log(&cautious(4, joint, share, seed), 6.0, seed);
-    let before = identified(&arm, &[&first], seed);
+    let first = arm.log(&cautious(4, joint, shares[0], seed), 6.0, seed);
+    let before = identified(&arm, &[&first], &cautious_validation(4, joint, shares[1], seed), seed);
     let is = |(effect, place): (&str, &str), e: &str, joints: &[String]| e == effect && joints == [place];
     let finding = before.report.findings.first().expect("something is found");
     assert!(is(found_first, &finding.effect, &finding.joints), "{finding:?}");
@@ -139,7 +140,7 @@ fn decide(
     let either = evidence.designed.least.max(recorded.least);
     assert!(evidence.together.least >= either * (1.0 - 1e-6), "{evidence:?}");
     let second = arm.log(&series, 6.0, seed + 77);
-    let after = identified(&arm, &[&first, &second], seed);
+    let after = identified(&arm, &[&first, &second], &validation(4, seed), seed);
     let findings = &after.report.findings;
     assert!(
         findings.len() == 1 && is(truth, &findings[0].effect, &findings[0].joints),
@@ -156,14 +157,14 @@ fn prop_a_designed_motion_decides_between_an_offset_and_a_spring() {
     let hidden = effect("torque_offset", 3, 1.2, &four_axes());
     let pair = [("torque_offset", "J4"), ("joint_spring", "J4")];
     // A spring with any rest angle holds the offset: only its own direction is to be decided by what is left over.
-    assert_eq!(decide(hidden, pair[0], 0.1, 2, pair), Some("finding"));
+    assert_eq!(decide(hidden, pair[0], [0.1, 1.0], 2, pair), Some("finding"));
 }
 
 #[test]
 fn prop_a_designed_motion_decides_between_a_spring_and_an_offset() {
     let hidden = effect("joint_spring", 1, 3.0, &four_axes());
     let pair = [("joint_spring", "J2"), ("torque_offset", "J2")];
-    assert_eq!(decide(hidden, pair[0], 0.5, 3, pair), Some("rival"));
+    assert_eq!(decide(hidden, pair[0], [0.5, 1.0], 3, pair), Some("rival"));
 }
 
 /// The first log takes the wrong joint for the truth.
@@ -171,16 +172,41 @@ fn prop_a_designed_motion_decides_between_a_spring_and_an_offset() {
 fn prop_a_designed_motion_corrects_a_finding() {
     let hidden = effect("encoder_offset", 2, 1.2, &four_axes());
     let pair = [("encoder_offset", "J2"), ("encoder_offset", "J3")];
-    assert_eq!(decide(hidden, pair[1], 0.1, 2, pair), None);
+    assert_eq!(decide(hidden, pair[1], [0.1, 1.0], 2, pair), None);
 }
 
-/// The first log takes a wrong shape of friction for the truth.
+/// The first log takes a wrong shape of friction for the truth, and so does a validation log that is as cautious.
 #[test]
-#[ignore = "open: the model keeps no rival of this friction finding, so that there is nothing to design for"]
 fn prop_a_designed_motion_decides_between_frictions() {
     let hidden = effect("stribeck_friction", 1, 1.2, &four_axes());
     let pair = [("nonlinear_viscous_friction", "J2"), ("stribeck_friction", "J2")];
-    assert_eq!(decide(hidden, pair[1], 0.1, 2, pair), None);
+    assert_eq!(decide(hidden, pair[1], [0.1, 0.1], 2, pair), None);
+}
+
+/// A validation log in which the joint moves as far as it can decides at once: the wrong law makes it worse, is reported with the rival that the first log leaves
+/// open, and is not in the model, so that there is nothing to design for, and the answer to a request for a design says why.
+#[test]
+fn prop_a_wide_validation_log_rejects_a_wrong_law() {
+    let robot = limited(&four_axes());
+    let hidden = effect("stribeck_friction", 1, 1.2, &four_axes());
+    let arm = Arm {
+        robot: &robot,
+        phi: bodies(&robot, 2),
+        effects: &[hidden],
+        noise: sensor_noise(4),
+    };
+    let first = arm.log(&cautious(4, 1, 0.1, 2), 6.0, 2);
+    let found = identified(&arm, &[&first], &validation(4, 2), 2);
+    let finding = &found.report.findings[0];
+    println!("{finding:?}");
+    assert!(!finding.in_model && finding.held_out.change == Change::Worse);
+    let rival = finding.rivals.first().expect("the first log leaves one open");
+    let parsed = parse(request(&robot, &found, rival).to_string().as_bytes()).unwrap();
+    let refused = read_excitation_request(&parsed, &Shipped)
+        .err()
+        .expect("nothing to design for");
+    let hint = refused[0].hint.as_deref().unwrap_or_default();
+    assert!(hint.contains("held-out"), "{refused:?}");
 }
 
 /// Rivals of the one finding on a joint whose motion is a share of the others'.
@@ -192,7 +218,8 @@ fn rivals_of(hidden: HiddenEffect, share: f64, seed: u64) -> (String, Vec<String
         effects: &[hidden],
         noise: sensor_noise(4),
     };
-    let found = identified(&arm, &[&arm.log(&cautious(4, 3, share, seed), 6.0, seed)], seed);
+    let first = arm.log(&cautious(4, 3, share, seed), 6.0, seed);
+    let found = identified(&arm, &[&first], &validation(4, seed), seed);
     let finding = &found.report.findings[0];
     let there = finding.rivals.iter().filter(|r| r.joints == ["J4"]);
     (finding.effect.clone(), there.map(|r| r.effect.clone()).collect())

@@ -47,10 +47,16 @@ fn scaled_excitation(limits: &[[f64; 2]], seed: u64) -> FourierSeries {
 
 /// Random way-points, 10 s.
 pub fn validation(joints: usize, seed: u64) -> QuinticWayPoints {
+    cautious_validation(joints, 0, 1.0, seed)
+}
+
+/// The same way-points, with a share of them on one joint.
+pub fn cautious_validation(joints: usize, joint: usize, share: f64, seed: u64) -> QuinticWayPoints {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x9a11d);
     let mut points: Vec<Vec<f64>> = (0..6)
         .map(|_| (0..joints).map(|_| rng.random_range(-1.0..1.0)).collect())
         .collect();
+    points.iter_mut().for_each(|p| p[joint] *= share);
     points[0] = vec![0.0; joints];
     points[5] = vec![0.0; joints];
     QuinticWayPoints::new(points, &[2.0; 5])
