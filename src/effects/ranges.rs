@@ -25,6 +25,9 @@ pub const SMOOTHING_RAD: [f64; 2] = [1e-5, 0.5];
 /// The same of a slide (m/s).
 pub const SMOOTHING_M: [f64; 2] = [1e-6, 0.1];
 
+/// Time by which the friction of a soft constraint is ahead of the speed (s): half its time constant, 0.02 s in MuJoCo unless set, and never less than two time steps.
+pub const FRICTION_LEAD: [f64; 2] = [1e-3, 0.1];
+
 /// Exponent of speed in viscous friction: 0 and 1 are columns of the declared model; turbulent churning has 2, and nothing published is above 3.
 pub const VISCOUS_EXPONENT: [f64; 2] = [0.15, 5.0];
 

@@ -1,12 +1,16 @@
 //! Coulomb friction without a jump.
 
-use super::ranges::{SMOOTHING_M, SMOOTHING_RAD, by_kind};
+use super::ranges::{FRICTION_LEAD, SMOOTHING_M, SMOOTHING_RAD, by_kind};
 use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint};
 use crate::model::Robot;
 
 /// `tau_j += F (s(qd/v) − sign qd)`: with the declared Coulomb friction at the same level F the sum is `F s(qd/v)`, which goes through zero with the speed. Forms:
-/// `s = tanh`, and `s` a straight line up to the level (`qd/v` within ±1), as of friction that a simulator computes as a soft constraint.
+/// `s = tanh`; `s` a straight line up to the level (`qd/v` within ±1); and the line as a function of `(qd + T qdd)/v`. The last is friction that a simulator
+/// computes as a soft constraint: it acts on the speed that the joint is about to have, T = `dmax timeconst / 2` of MuJoCo's `solimp` and `solref`.
 pub struct SmoothCoulombFriction;
+
+/// The form with a lead.
+const LEADS: usize = 2;
 
 fn smooth(form: usize, x: f64) -> f64 {
     if form == 0 { x.tanh() } else { x.clamp(-1.0, 1.0) }
@@ -21,28 +25,41 @@ impl Effect for SmoothCoulombFriction {
         About {
             meaning: "Coulomb friction that grows from zero over a small speed instead of jumping: simulators' friction, creep, speeds that were \
                       filtered",
-            identifiable: "when samples lie within the speed over which it grows; which of the two shapes it has is hard to tell",
+            identifiable: "when samples lie within the speed over which it grows; which of its shapes it has is hard to tell",
             rivals: &["presliding_hysteresis", "stribeck_friction", "torque_delay"],
             source: "Andersson, Söderberg & Björklund 2007 (smoothed friction laws); Todorov 2014 (friction loss as a soft constraint)",
         }
     }
 
     fn forms(&self) -> usize {
-        2
+        3
     }
 
-    fn shapes(&self, _form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
+    fn shapes(&self, form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
         // Below a thousandth of the top speed no row is left that shows it; above a third it is viscous friction.
         let speed = spans[joints[0]].speed.max(f64::MIN_POSITIVE);
-        vec![Shape::geometric(1e-3 * speed, 0.3 * speed, 12)]
+        let mut shapes = vec![Shape::geometric(1e-3 * speed, 0.3 * speed, 12)];
+        if form == LEADS {
+            shapes.push(Shape {
+                low: FRICTION_LEAD[0],
+                high: FRICTION_LEAD[1],
+                grid: vec![0.005, 0.02],
+            });
+        }
+        shapes
     }
 
-    fn ranges(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {
-        vec![by_kind(robot, joints[0], SMOOTHING_RAD, SMOOTHING_M)]
+    fn ranges(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {
+        let velocity = by_kind(robot, joints[0], SMOOTHING_RAD, SMOOTHING_M);
+        match form {
+            LEADS => vec![velocity, FRICTION_LEAD],
+            _ => vec![velocity],
+        }
     }
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
-        let missing = |[_, v, _]: [f64; 3]| smooth(form, v / shape[0]) - scene.sign(v);
+        let lead = if form == LEADS { shape[1] } else { 0.0 };
+        let missing = |[_, v, a]: [f64; 3]| smooth(form, (v + lead * a) / shape[0]) - scene.sign(v);
         vec![own_joint(scene, joints[0], missing)]
     }
 
@@ -50,11 +67,15 @@ impl Effect for SmoothCoulombFriction {
         &[0]
     }
 
-    fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+    fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
-        vec![
+        let mut list = vec![
             ParameterInfo::new("amplitude", joint.effort_unit()),
             ParameterInfo::new("velocity", format!("{}/s", joint.position_unit())),
-        ]
+        ];
+        if form == LEADS {
+            list.push(ParameterInfo::new("lead", "s"));
+        }
+        list
     }
 }
