@@ -214,3 +214,41 @@ fn rotor_inertias_of_several_joints_are_found_together() {
         assert_eq!(result["residual"]["verdict"], "explained");
     }
 }
+
+/// MuJoCo's own friction is named on the joints that show it, and nothing else is: level and lead (half of `dmax timeconst`) within four standard deviations of what the
+/// simulator was given.
+#[test]
+fn val_friction_of_mujoco_is_named() {
+    let folder = Folder::new("mujoco-friction");
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mujoco");
+    let arms: [(&str, f64, &[(&str, f64)]); 3] = [
+        ("three_soft", 0.018, &[("J1", 1.2), ("J2", 1.0), ("J3", 0.5)]),
+        ("four_plain", 0.0095, &[("J1", 2.0), ("J3", 0.8), ("J4", 0.4)]),
+        ("six_plain", 0.0095, &[("J4", 0.6), ("J5", 0.5), ("J6", 0.3)]),
+    ];
+    for (name, lead, levels) in arms {
+        let out = folder.file(&format!("{name}.json"));
+        let [robot, log] = ["xml", "csv.gz"].map(|end| format!("{data}/{name}.{end}"));
+        let output = run(&["identify", "--robot", &robot, "--log", &log, "--out", &out]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let result: Value = serde_json::from_str(&folder.read(&format!("{name}.json"))).unwrap();
+        let residual = &result["residual"];
+        assert_eq!(residual["verdict"], "explained", "{name}");
+        let findings = residual["findings"].as_array().unwrap();
+        assert_eq!(findings.len(), levels.len(), "{name}: {findings:?}");
+        for (joint, level) in levels {
+            let found = findings.iter().find(|f| f["joints"] == json!([joint]));
+            let found = found.unwrap_or_else(|| panic!("{name}: nothing on {joint}"));
+            assert_eq!(found["effect"], "smooth_coulomb_friction");
+            for (parameter, truth) in [("amplitude", *level), ("lead", lead)] {
+                let all = found["parameters"].as_array().unwrap();
+                let told = all.iter().find(|p| p["name"] == parameter).expect("has it");
+                let [value, deviation] = ["value", "std_dev"].map(|k| told[k].as_f64().unwrap());
+                assert!(
+                    (value - truth).abs() < 4.0 * deviation,
+                    "{name} {joint}: {parameter} {value} ± {deviation} for {truth}"
+                );
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
-"""Logs of arms whose friction MuJoCo regularises (`frictionloss`): `python mujoco_friction.py ARM SHARPNESS SEED > log.csv`.
+"""Logs of arms whose friction MuJoCo regularises (`frictionloss`): `python friction.py ARM SHARPNESS SEED > log.csv`.
 
-The torque is that of inverse dynamics along a periodic motion, with white noise on it and on the positions. MuJoCo's friction is a soft constraint: with
+The torque is that of inverse dynamics along a periodic motion, with white noise on it and on the positions. `xml` has the robot. MuJoCo's friction is a soft constraint: with
 b = 2 / (dmax timeconst) and R = (1 - d) / d / M it is F clamp((qd + qdd / b) b / (R F), -1, 1) (Todorov 2014).
 """
 import sys
@@ -67,7 +67,7 @@ def excitation(rng, joints, travel=1.2, speed=1.2, fundamental=0.1, order=5):
     return lambda t: state(t, a * scale[:, None], b * scale[:, None])
 
 
-def log(arm, sharpness, seed, periods=3, rate=200.0, torque_noise=0.02, position_noise=2.5e-5):
+def log(arm, sharpness, seed, periods=3, rate=100.0, torque_noise=0.02, position_noise=2.5e-5):
     model = mujoco.MjModel.from_xml_string(xml(arm, sharpness))
     data = mujoco.MjData(model)
     rng = np.random.default_rng(seed)
