@@ -5,12 +5,13 @@ use super::{Ending, files, render};
 use crate::app::{CancelFlag, Code, Error, Excited, excite};
 use crate::excitation::Progress;
 use crate::io::shipped::Shipped;
-use crate::io::{ExcitationRequest, Parsed, read_excitation_request, trajectory_csv};
+use crate::io::{ExcitationRequest, Parsed, TrajectoryFile, TrajectoryFormat, read_excitation_request};
 use crate::model::FieldProblem;
+use crate::trajectory::FourierSeries;
 use crate::web::figures::design_figure;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -33,13 +34,17 @@ pub struct Arguments {
     /// What there is already and the new trajectory complements: JSON models or results of designs; adds to `given` of the request.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     given: Vec<PathBuf>,
-    /// Also write one sampled period as CSV (time, q1…, qd1…, qdd1…).
+    /// Also write the sampled motion, in the format of the name's ending: .csv (time, q1…, qd1…, qdd1…), .json (JointTrajectory of ROS 2), .yaml
+    /// (FollowJointTrajectory goal), .script (URScript servoj), .mcap (JointState messages), .npz (NumPy).
     #[arg(long, value_name = "FILE")]
     trajectory: Option<PathBuf>,
     /// Samples per second of that file; the rate of the request if left out.
     #[arg(long, value_name = "HZ", requires = "trajectory", value_parser = positive)]
     rate_hz: Option<f64>,
-    /// Also write a first run as CSV: smaller amplitudes around where the motion starts.
+    /// Periods of that file.
+    #[arg(long, value_name = "NUMBER", requires = "trajectory", default_value_t = 1)]
+    periods: usize,
+    /// Also write a first run, in the format of the name's ending: smaller amplitudes around where the motion starts.
     #[arg(long, value_name = "FILE", requires = "backoff")]
     first_run: Option<PathBuf>,
     /// Factor on the amplitudes of the first run, above 0 to 1; replaces the one in the request.
@@ -166,6 +171,25 @@ fn show(bar: &ProgressBar, p: &Progress) {
     ));
 }
 
+/// Writes `periods` of a motion in the format of the file's ending.
+fn write_motion(
+    arguments: &Arguments,
+    excited: &Excited,
+    series: &FourierSeries,
+    path: &Path,
+    periods: usize,
+) -> Result<(), Error> {
+    let file = TrajectoryFile {
+        joints: &excited.document.joints,
+        series,
+        rate_hz: arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz),
+        periods: periods.max(1),
+    };
+    let parts = file.parts(TrajectoryFormat::of_file(path));
+    let parts = parts.map_err(|why| Error::new(Code::FileUnwritable, format!("{}: the format {why}", path.display())))?;
+    files::write(path, parts.flatten().collect::<Vec<u8>>())
+}
+
 fn write_results(arguments: &Arguments, json: bool, excited: &Excited) -> Result<(), Error> {
     let document = files::pretty(&excited.document);
     match &arguments.out {
@@ -173,12 +197,10 @@ fn write_results(arguments: &Arguments, json: bool, excited: &Excited) -> Result
         None => files::print(&document)?,
     }
     if let (Some(path), Some(series)) = (&arguments.trajectory, &excited.series) {
-        let rate = arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz);
-        files::write(path, trajectory_csv(series, rate, 1))?;
+        write_motion(arguments, excited, series, path, arguments.periods)?;
     }
     if let (Some(path), Some(series)) = (&arguments.first_run, &excited.first_run) {
-        let rate = arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz);
-        files::write(path, trajectory_csv(series, rate, 1))?;
+        write_motion(arguments, excited, series, path, 1)?;
     }
     if arguments.out.is_none() {
         return Ok(());

@@ -19,7 +19,7 @@ pub struct Arguments {
     robot: Option<String>,
     #[command(flatten)]
     chain: files::ChainArguments,
-    /// Log to identify from (CSV, plain or gzip); may be given several times.
+    /// Log to identify from (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
     /// Log to validate with, which the fit does not see; may be given several times.

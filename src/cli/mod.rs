@@ -9,6 +9,7 @@ mod child;
 mod excite;
 mod files;
 mod identify;
+mod log;
 #[cfg(feature = "service")]
 mod openapi;
 mod plots;
@@ -18,6 +19,7 @@ mod robot;
 mod serve;
 #[cfg(feature = "service")]
 mod settings;
+mod shell;
 mod simulate;
 #[cfg(feature = "service")]
 mod store;
@@ -73,6 +75,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Print what is understood of a robot's file: chain, limits, masses, notes.
     Robot(robot::Arguments),
+    /// Print the columns of a log, and which of them are taken for what.
+    Log(log::Arguments),
     /// Print the base parameters of a robot.
     BaseParameters(base_parameters::Arguments),
     /// Serve the HTTP interface.
@@ -103,6 +107,10 @@ enum Command {
     /// Print the OpenAPI document of the HTTP interface.
     #[cfg(feature = "service")]
     Openapi,
+    /// Print the completion of a shell: `source <(dynident completions bash)`.
+    Completions(shell::CompletionArguments),
+    /// Write the manual pages of all commands.
+    Man(shell::ManArguments),
 }
 
 /// Runs the program with the arguments of the process.
@@ -145,6 +153,7 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
         Command::Validate(arguments) => validate::run(&arguments, json),
         Command::Simulate(arguments) => simulate::run(&arguments, json),
         Command::Robot(arguments) => robot::run(&arguments, json),
+        Command::Log(arguments) => log::run(&arguments, json),
         Command::BaseParameters(arguments) => base_parameters::run(&arguments, json),
         #[cfg(feature = "service")]
         Command::Serve(arguments) => serve::run(&arguments),
@@ -164,5 +173,7 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
         Command::Restore(arguments) => store::run_restore(&arguments),
         #[cfg(feature = "service")]
         Command::Openapi => openapi::run(),
+        Command::Completions(arguments) => shell::run_completions(&arguments),
+        Command::Man(arguments) => shell::run_man(&arguments),
     }
 }

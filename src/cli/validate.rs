@@ -16,7 +16,7 @@ pub struct Arguments {
     model: PathBuf,
     #[command(flatten)]
     chain: files::ChainArguments,
-    /// Log to predict (CSV, plain or gzip); may be given several times.
+    /// Log to predict (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
     /// Request: a JSON file with `columns`, `preprocess`, `period_s`; all defaults if left out.

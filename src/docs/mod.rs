@@ -12,5 +12,8 @@ pub mod closing_the_loop {}
 #[doc = include_str!("validation.md")]
 pub mod validation {}
 
+#[doc = include_str!("formats.md")]
+pub mod formats {}
+
 #[doc = include_str!("service.md")]
 pub mod service {}

@@ -108,9 +108,13 @@ fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<u
         .max()
         .unwrap_or(0);
     let at = |list: &Option<Vec<f64>>, j: usize| list.as_ref().and_then(|l| l.get(j)).copied().unwrap_or(1.0);
+    let currents = part.nullable("unit").is_some_and(|c| names_current(&c));
     JointColumns {
         headers: headers.unwrap_or_default(),
         file,
+        unit_stated: unit.is_some(),
+        scale_stated: scale.is_some(),
+        currents,
         transformation: Transformation {
             factor: (0..length).map(|j| at(&unit, j) * at(&scale, j) * at(&sign, j)).collect(),
             coupling: part.nullable("matrix").and_then(|c| matrix(&c, joints)),
@@ -121,14 +125,18 @@ fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<u
 
 /// Amperes are no torques without the constants of the motors.
 fn refuse_bare_currents(unit: &Cursor) {
-    let is_current = |v: &serde_json::Value| v.as_str() == Some("A");
-    let listed = unit.value().as_array().is_some_and(|items| items.iter().any(is_current));
-    if listed || is_current(unit.value()) {
+    if names_current(unit) {
         unit.complain_with(
             "is A, and there is no `scale` beside it: currents are no torques",
             "give `scale` in N m/A, torque constant times gear ratio, one number or one per joint",
         );
     }
+}
+
+fn names_current(unit: &Cursor) -> bool {
+    let is_current = |v: &serde_json::Value| v.as_str() == Some("A");
+    let listed = unit.value().as_array().is_some_and(|items| items.iter().any(is_current));
+    listed || is_current(unit.value())
 }
 
 /// One value for all joints, or a list with one for each.

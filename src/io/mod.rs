@@ -1,4 +1,4 @@
-//! Documents and files at the edge: JSON, URDF and CSV to and from the types of the core.
+//! Documents and files at the edge: JSON, URDF, logs and trajectories to and from the types of the core.
 //!
 //! Reading collects everything that is wrong with a document ([`Findings`]) before it gives up, so that one round of corrections is
 //! enough: the reader's own findings (unknown fields, wrong types) and the core's (limits the wrong way round, too many harmonics)
@@ -23,7 +23,7 @@ mod path_limits;
 mod robot;
 mod robot_report;
 pub mod shipped;
-mod trajectory_table;
+mod trajectory_file;
 mod validate_request;
 mod warm_start;
 mod words;
@@ -45,7 +45,9 @@ pub use model_document::{robot_value, urdf, urdf_gravity};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_file};
 pub use robot_report::{ReportedJoint, RobotReport};
-pub use trajectory_table::{MOST_ROWS, TableFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts};
+pub use trajectory_file::{
+    MOST_ROWS, Parts, TrajectoryFile, TrajectoryFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts,
+};
 pub use validate_request::{ModelEffect, ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
 pub use words::{listed, measured, shortest, significant, unit};
 

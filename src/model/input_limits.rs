@@ -57,6 +57,12 @@ pub struct InputLimits {
     pub log_expansion: u64,
     /// Bytes that a compressed log may unpack to whatever its size.
     pub log_unpacked_free: u64,
+    /// Bytes of a log in a format that is read in memory (NPZ, MATLAB, Parquet): at 1 kHz some hours.
+    pub log_in_memory: u64,
+    /// Bytes of a log that is unpacked to the disk (rosbag2).
+    pub log_on_disk: u64,
+    /// Numbers of all columns of a log in such a format.
+    pub log_numbers: usize,
     /// Rows of a simulated log.
     pub simulated_rows: usize,
 }
@@ -89,5 +95,8 @@ pub const INPUT_LIMITS: InputLimits = InputLimits {
     log_header: 200_000,
     log_expansion: 100,
     log_unpacked_free: 32 << 20,
+    log_in_memory: 1 << 30,
+    log_on_disk: 16 << 30,
+    log_numbers: 128 << 20,
     simulated_rows: 8_000_000,
 };

@@ -11,6 +11,9 @@ pub struct Motion {
     offset: Option<Vec<f64>>,
     fundamental_hz: f64,
     pub sample_rate_hz: f64,
+    /// Names of the joints.
+    #[serde(default)]
+    pub joints: Vec<String>,
     /// Trajectories that complement the first.
     #[serde(default)]
     further: Vec<Further>,

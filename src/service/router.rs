@@ -49,6 +49,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
         .routes(routes!(api::identify::post))
         .routes(routes!(api::identify::post_validation))
         .routes(routes!(api::inspect::post))
+        .routes(routes!(api::inspect::columns))
         // Logs are streamed to disk: their bound is not that of documents, which are held in memory.
         .layer(DefaultBodyLimit::max(largest_upload));
     let open = OpenApiRouter::new()

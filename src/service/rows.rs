@@ -1,9 +1,8 @@
 //! How many rows a log may have, found out before it is read into memory.
 
 use crate::app::{CancelFlag, Code, Error, LogFile};
-use flate2::read::MultiGzDecoder;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use crate::io::log::{LogError, Rows, rows_of};
+use std::io::Read;
 
 /// Bytes a row may have on average: sixty columns of twenty-five characters, and some more. A file that is compressed a thousandfold
 /// has no more of them either.
@@ -14,13 +13,11 @@ const BYTES_OF_ROW: usize = 2000;
 /// # Errors
 /// The log has more than `most` rows.
 pub fn check(log: &LogFile, most: usize, cancel: &CancelFlag) -> Result<(), Error> {
-    let unreadable = |e: std::io::Error| Error::new(Code::InvalidLog, format!("{}: cannot be read: {e}", log.name));
-    let mut file = BufReader::new(File::open(&log.path).map_err(unreadable)?);
-    let compressed = file.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
-    // What is wrong with the compression itself is told by the reader, with more words.
-    let within = match compressed {
-        true => within(&mut MultiGzDecoder::new(file), most, cancel).unwrap_or(true),
-        false => within(&mut file, most, cancel).map_err(unreadable)?,
+    let refused = |e: LogError| Error::new(Code::InvalidLog, e.named(&log.name).to_string());
+    let within = match rows_of(&log.path).map_err(refused)? {
+        // What is wrong with the compression itself is told by the reader, with more words.
+        Rows::Lines(mut text) => within(&mut text, most, cancel).unwrap_or(true),
+        Rows::Counted(rows) => rows <= most,
     };
     let detail = || {
         format!(

@@ -69,6 +69,31 @@ impl Upload {
     }
 }
 
+/// Reads the one part `log` of a body that has nothing else.
+pub async fn read_log(mut body: Multipart, files: &Files) -> Result<StoredLog, Failure> {
+    let read = only_log(&mut body, files).await;
+    if read.is_err() {
+        let _ = timeout(DRAINING, drain(&mut body)).await;
+    }
+    read
+}
+
+async fn only_log(body: &mut Multipart, files: &Files) -> Result<StoredLog, Failure> {
+    let mut found = None;
+    while let Some(field) = body.next_field().await.map_err(broken)? {
+        if field.name() != Some("log") || found.is_some() {
+            let detail = "the body has another part than one called `log`";
+            return Err(Failure(
+                Error::new(Code::MalformedDocument, detail).with_hint("send one file in a part called `log`"),
+            ));
+        }
+        found = Some(file_part(field, files, 0, &mut Sha256::new()).await?);
+    }
+    found.ok_or_else(|| {
+        Failure(Error::new(Code::InvalidLog, "there is no log in the upload").with_hint("send one file in a part called `log`"))
+    })
+}
+
 /// Takes in what is still coming, and keeps nothing of it.
 async fn drain(body: &mut Multipart) {
     while let Ok(Some(mut field)) = body.next_field().await {

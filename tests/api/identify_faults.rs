@@ -60,7 +60,11 @@ fn files_that_are_no_logs_are_refused_and_the_server_goes_on() {
     };
     refused("nothing.csv", b"", "is empty");
     refused("header.csv", &vec![b'x'; 3 << 20], "header is longer");
-    refused("picture.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no column for");
+    refused(
+        "picture.png",
+        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR",
+        "is a picture; export it as CSV",
+    );
     refused(
         "bad.csv.gz",
         &[&[0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 3][..], &[0xff; 200]].concat(),

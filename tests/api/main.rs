@@ -10,6 +10,7 @@ mod identify;
 mod identify_faults;
 mod identify_logs;
 mod jobs;
+mod log_formats;
 mod openapi;
 mod pages;
 mod queue;

@@ -134,7 +134,8 @@ fn a_foreign_form_begins_no_job() {
     );
     for (path, kind, body) in [
         ("/identify", "multipart/form-data; boundary=b", part.clone()),
-        ("/identify/preview", "multipart/form-data; boundary=b", part),
+        ("/identify/preview", "multipart/form-data; boundary=b", part.clone()),
+        ("/logs/columns", "multipart/form-data; boundary=b", part),
         ("/excitation", "text/plain", quick_request().to_string()),
         ("/excitation", "application/x-www-form-urlencoded", "robot=iiwa14".into()),
         ("/robots", "text/plain", "{\"name\": \"evil\"}".into()),

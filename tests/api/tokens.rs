@@ -124,6 +124,11 @@ fn body(path: &str, robot: &str) -> (&'static str, String) {
     excitation["robot"] = json!(robot);
     match path {
         "/identify" | "/identify/preview" => ("multipart/form-data; boundary=b", multipart(&json!({"robot": robot}))),
+        // Of no robot: what is said depends on the file alone, which is empty.
+        "/logs/columns" => {
+            let part = "--b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\n\r\n--b--\r\n";
+            ("multipart/form-data; boundary=b", part.to_string())
+        }
         "/validate" => ("multipart/form-data; boundary=b", multipart(&json!({"model": robot}))),
         "/excitation" => ("application/json", excitation.to_string()),
         "/robots" | "/robots/{id}" => ("application/json", arm(robot).to_string()),

@@ -7,6 +7,7 @@ import math
 import random
 import time
 import urllib.request
+from pathlib import Path
 
 from browser import arguments, browser_page, check, picture, settle, simulate
 
@@ -178,16 +179,23 @@ def compared(page, options, log, other, first):
 
 
 def refusals(page, options, log):
-    """Files that are no logs are named by what they are."""
+    """Files that are no logs are named by what they are, and recordings that are show their columns."""
     binary = page.folder / "run.mcap"
     binary.write_bytes(b"\x89MCAP0\r\n" + bytes(200))
     plain = page.folder / "bare.csv"
     plain.write_text("0,1,2,3\n0.1,1,2,3\n")
     page.goto(f"{options.server}/identification?robot=bench-arm")
     page.locator("#robot option").first.wait_for(state="attached")
-    for path, words in [(binary, "is an MCAP recording, not a table"), (plain, "has no header")]:
+    page.set_input_files("#log", binary)
+    page.locator("#trouble [role=alert]").get_by_text("no MCAP recording that can be read").wait_for()
+    # What the console says of the refused request is what was asked for here.
+    page.trouble.clear()
+    recordings = Path(__file__).parent.parent / "data" / "logs" / "formats"
+    for path, column in [(plain, "column4"), (recordings / "pandas.parquet", "tau2"), (recordings / "joint_states.mcap", "/joint_states/elbow/effort")]:
         page.set_input_files("#log", path)
-        page.locator("#trouble [role=alert]").get_by_text(words).wait_for()
+        page.locator("#columns th", has_text=column).first.wait_for()
+        # They are of another arm.
+        page.locator("#columns .notice").first.wait_for()
     # The next log with the same columns is read as the last one was.
     page.set_input_files("#log", log)
     page.locator("#result h2", has_text=log.name).wait_for()

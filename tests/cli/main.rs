@@ -3,6 +3,7 @@
 mod degenerate;
 mod effects;
 mod identify;
+mod log_files;
 mod operate;
 mod robot_files;
 

@@ -121,21 +121,21 @@ fn prop_columns_map_headers_units_signs_offsets_and_rate() {
         time_unit: Some(TimeUnit::Milliseconds),
         position: JointColumns {
             headers: vec!["motor".to_string()],
-            file: None,
             transformation: Transformation {
                 factor: vec![std::f64::consts::PI / 180.0],
                 coupling: None,
                 offset: vec![-1.0],
             },
+            ..JointColumns::default()
         },
         torque: JointColumns {
             headers: vec!["current".to_string()],
-            file: None,
             transformation: Transformation {
                 factor: vec![-0.5],
                 coupling: None,
                 offset: vec![],
             },
+            ..JointColumns::default()
         },
         ..Columns::default()
     };

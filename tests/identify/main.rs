@@ -5,6 +5,7 @@ mod support;
 
 mod estimates;
 mod filter;
+mod formats;
 mod logs;
 mod paper;
 mod paper_chain;

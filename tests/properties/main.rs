@@ -9,3 +9,4 @@ mod robot_files;
 mod robots;
 mod space;
 mod trajectory;
+mod trajectory_files;

@@ -47,7 +47,7 @@ pub(super) fn for_each_part<E: Send>(
             batch
                 .blocks
                 .par_iter_mut()
-                .for_each(|block| shape.parse(&block.text, &mut block.part))
+                .for_each(|block| shape.parse(&mut block.text, &mut block.part))
         };
         let beside = || {
             hand_over(&mut parsed)?;

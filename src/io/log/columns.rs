@@ -24,6 +24,12 @@ pub struct JointColumns {
     /// Name of the file that has them, row for row beside the log; `None` for the log itself.
     pub file: Option<String>,
     pub transformation: Transformation,
+    /// Whether the unit is stated: one in a header is then not used.
+    pub unit_stated: bool,
+    /// Whether a scale is stated, as counts and currents need one.
+    pub scale_stated: bool,
+    /// Whether the columns are currents, which the scale makes torques.
+    pub currents: bool,
 }
 
 impl Columns {
@@ -145,6 +151,14 @@ pub(super) enum Quantity {
 }
 
 impl Quantity {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Position => "positions",
+            Self::Velocity => "velocities",
+            Self::Torque => "torques",
+        }
+    }
+
     pub fn of(self, columns: &Columns) -> &JointColumns {
         match self {
             Self::Position => &columns.position,

@@ -14,21 +14,51 @@ pub enum LogError {
         "{file}: the compressed data end in the middle, after line {line}: the upload or copy was cut off; send the file again"
     )]
     CutOff { file: String, line: u64 },
-    #[error("{file}, line 1: has no header but numbers; put a header line first, such as {example}")]
-    NoHeader { file: String, example: String },
+    #[error("{file} is {what}; {remedy}")]
+    Foreign {
+        file: String,
+        what: &'static str,
+        remedy: &'static str,
+    },
     #[error(
-        "{file}, line 1: no column for {}; found {}; name the columns in `columns`, or use {example}",
-        .missing.join(", "), .found.join(", ")
+        "{file}, line 1: has no header but numbers; put a header line first, such as {example}, or name its columns in `columns`: they are called \
+         column1 to column{columns}"
+    )]
+    NoHeader { file: String, example: String, columns: usize },
+    #[error(
+        "{}: no column for {}; found {}; {remedy}",
+        place(.file, .line), .missing.join(", "), .found.join(", ")
     )]
     MissingColumns {
         file: String,
+        /// Of the header; `None` where it is no text.
+        line: Option<u64>,
         missing: Vec<String>,
         found: Vec<String>,
-        example: String,
+        remedy: String,
     },
+    #[error("{file}: the column `{column}` is in {unit:?}, which is no unit of {quantity}; {remedy}")]
+    ForeignUnit {
+        file: String,
+        column: String,
+        unit: String,
+        quantity: &'static str,
+        remedy: &'static str,
+    },
+    #[error("{file}: is damaged, or no {format} that can be read: {detail}; {remedy}")]
+    Damaged {
+        file: String,
+        format: &'static str,
+        detail: String,
+        remedy: &'static str,
+    },
+    #[error("{file}: holds no columns of numbers: {detail}")]
+    NoSeries { file: String, detail: String },
+    #[error("{file}: has more than {limit} numbers of {what}; leave out what is not needed, or split the log")]
+    TooLarge { file: String, what: &'static str, limit: u64 },
     #[error("{file}, line 1: the header is longer than {limit} bytes; a log is text with one line per sample")]
     LongHeader { file: String, limit: usize },
-    #[error("{file}, line 1: has {columns} columns, the most accepted is {limit}; leave out what is not needed")]
+    #[error("{file}: has {columns} columns, the most accepted is {limit}; leave out what is not needed")]
     TooManyColumns { file: String, columns: usize, limit: usize },
     #[error("{file}, line {line}: is longer than any row of numbers; a log is text with one line per sample")]
     LongLine { file: String, line: u64 },
@@ -43,30 +73,32 @@ pub enum LogError {
         other: String,
         other_rows: usize,
     },
-    #[error("{file}, line 1: the column `{column}` appears {times} times; rename all but one")]
+    #[error("{file}: the column `{column}` appears {times} times; rename all but one")]
     RepeatedColumn { file: String, column: String, times: usize },
     #[error("{file}: has no time column and `columns` gives no sample_rate_hz; give one of them")]
     NoTimeBase { file: String },
     #[error("{file}: has {rows} usable rows, fewer than the {least} that a motion needs")]
     TooShort { file: String, rows: usize, least: usize },
     #[error(
-        "{file}: {garbage} of {rows} rows are not rows of numbers, first at line {line} ({what}); more than one in {limit} is refused: \
+        "{file}: {garbage} of {rows} rows are not rows of numbers, first at {counted} {line} ({what}); more than one in {limit} is refused: \
          check delimiter, decimal sign and export"
     )]
     TooMuchGarbage {
         file: String,
         garbage: usize,
         rows: usize,
+        counted: &'static str,
         line: u64,
         what: String,
         limit: usize,
     },
     #[error(
-        "{file}, line {line}: time goes back from {from:?} s to {to:?} s, and {count} of {rows} rows come out of order; one log holds one \
+        "{file}, {counted} {line}: time goes back from {from:?} s to {to:?} s, and {count} of {rows} rows come out of order; one log holds one \
          recording: split the file there, or sort it"
     )]
     TimeGoesBack {
         file: String,
+        counted: &'static str,
         line: u64,
         from: f64,
         to: f64,
@@ -74,14 +106,15 @@ pub enum LogError {
         rows: usize,
     },
     #[error(
-        "{file}: {} s of {} s are missing between time stamps, the longest gap after line {line}, from {} s to {} s: \
-         correct the stamp in the line after it, or record again without losing samples",
+        "{file}: {} s of {} s are missing between time stamps, the longest gap after {counted} {line}, from {} s to {} s: \
+         correct the stamp in the {counted} after it, or record again without losing samples",
         thousandths(.missing_s), thousandths(.total_s), thousandths(.from), thousandths(.to)
     )]
     TooManyGaps {
         file: String,
         missing_s: f64,
         total_s: f64,
+        counted: &'static str,
         line: u64,
         /// Ends of the longest gap.
         from: f64,
@@ -107,6 +140,10 @@ fn thousandths(value: &f64) -> String {
     shortest(if rounded.is_finite() { rounded } else { *value })
 }
 
+fn place(file: &str, line: &Option<u64>) -> String {
+    line.map_or_else(|| file.to_string(), |line| format!("{file}, line {line}"))
+}
+
 impl LogError {
     pub fn file(&self) -> &str {
         match self {
@@ -117,6 +154,11 @@ impl LogError {
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }
+            | Self::Foreign { file, .. }
+            | Self::ForeignUnit { file, .. }
+            | Self::Damaged { file, .. }
+            | Self::NoSeries { file, .. }
+            | Self::TooLarge { file, .. }
             | Self::TooManyColumns { file, .. }
             | Self::RateDiffers { file, .. }
             | Self::LongLine { file, .. }
@@ -147,6 +189,11 @@ impl LogError {
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }
+            | Self::Foreign { file, .. }
+            | Self::ForeignUnit { file, .. }
+            | Self::Damaged { file, .. }
+            | Self::NoSeries { file, .. }
+            | Self::TooLarge { file, .. }
             | Self::TooManyColumns { file, .. }
             | Self::RateDiffers { file, .. }
             | Self::LongLine { file, .. }

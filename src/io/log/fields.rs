@@ -26,6 +26,8 @@ impl Row {
     /// spoils its own line and no other.
     pub fn split_quoted(&mut self, line: &[u8], delimiter: u8) {
         self.is_quoted = true;
+        let tight = without_blanks_before_quotes(line, delimiter);
+        let line = tight.as_slice();
         let mut reader = ReaderBuilder::new()
             .delimiter(delimiter)
             .has_headers(false)
@@ -49,9 +51,39 @@ impl Row {
     }
 }
 
+/// The line with every quotation mark right behind its separator, where alone it is one for the parser.
+fn without_blanks_before_quotes(line: &[u8], delimiter: u8) -> Vec<u8> {
+    let mut tight: Vec<u8> = Vec::with_capacity(line.len());
+    for &byte in line {
+        if byte == b'"' && delimiter != b' ' {
+            let end = tight.trim_ascii_end().len();
+            if end == 0 || tight[end - 1] == delimiter {
+                tight.truncate(end);
+            }
+        }
+        tight.push(byte);
+    }
+    tight
+}
+
 /// A finite number, or nothing.
 pub(super) fn number(field: &[u8]) -> Option<f64> {
     fast_float2::parse(field.trim_ascii()).ok().filter(|v: &f64| v.is_finite())
+}
+
+/// A finite number whose decimals may follow a comma.
+pub(super) fn number_of(field: &[u8], decimal_comma: bool) -> Option<f64> {
+    let field = field.trim_ascii();
+    let commas = memchr_iter(b',', field).count();
+    if !decimal_comma || commas == 0 {
+        return number(field);
+    }
+    // `1,` is the end of a list, `1.000,5` no number that a recorder writes.
+    if commas > 1 || field.ends_with(b",") || field.contains(&b'.') {
+        return None;
+    }
+    let pointed: Vec<u8> = field.iter().map(|&b| if b == b',' { b'.' } else { b }).collect();
+    number(&pointed)
 }
 
 #[cfg(test)]

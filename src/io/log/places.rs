@@ -1,125 +1,225 @@
-//! Which field of a row is which quantity.
+//! Which column of a file is which quantity.
 
-use super::columns::{Columns, Quantity, candidates};
+use super::columns::{Columns, Quantity, TimeUnit, candidates};
 use super::error::LogError;
+use super::names::{self, Named};
+use super::report::{Finding, FindingKind};
 
 /// Whether a quantity is looked for in this file.
 pub(super) type Wanted<'a> = dyn Fn(Quantity) -> bool + 'a;
 
-/// The delimiter that the first line of `start` that is no comment has most of.
-pub(super) fn delimiter(start: &[u8]) -> u8 {
-    let is_names = |l: &&[u8]| !l.starts_with(b"#") && !l.trim_ascii().is_empty();
-    let line = start.split(|&b| b == b'\n').find(is_names).unwrap_or(start);
-    let count = |d: u8| line.iter().filter(|&&b| b == d).count();
-    [b',', b';', b'\t', b' ']
-        .into_iter()
-        .rev()
-        .max_by_key(|&d| count(d))
-        .unwrap_or(b',')
+/// The names of a file's columns, and where they stand.
+pub(super) struct Heading<'a> {
+    pub file: &'a str,
+    pub names: &'a [Named],
+    /// Line of the names; `None` where they stand in none.
+    pub line: Option<u64>,
+    /// Whether the columns have only been numbered.
+    pub is_numbered: bool,
 }
 
-/// Field numbers of everything that is read.
+/// Column numbers of everything that is read.
 pub(super) struct Places {
     pub time: Option<usize>,
+    /// Nanoseconds beside whole seconds.
+    pub nanos: Option<usize>,
+    /// As the name of the time column has it.
+    pub time_unit: Option<TimeUnit>,
     pub q: Vec<usize>,
     /// Empty when the file has no velocities.
     pub qd: Vec<usize>,
     pub tau: Vec<usize>,
+    /// What the units in the names are times SI, for every column of [`Places::all`].
+    pub factors: Vec<f64>,
+    pub findings: Vec<Finding>,
 }
 
 impl Places {
-    pub fn find(
-        file: &str,
-        header: &[String],
-        columns: &Columns,
-        joints: &[String],
-        is_wanted: &Wanted,
-    ) -> Result<Self, LogError> {
-        let n = joints.len();
-        let example = format!("`time,q1,…,q{n},tau1,…,tau{n}`");
-        if header.is_empty() || header.iter().all(String::is_empty) {
-            return Err(LogError::Empty { file: file.to_string() });
-        }
-        if header.iter().all(|h| h.parse::<f64>().is_ok()) {
-            return Err(LogError::NoHeader {
-                file: file.to_string(),
-                example,
-            });
+    pub fn find(heading: &Heading, columns: &Columns, joints: &[String], is_wanted: &Wanted) -> Result<Self, LogError> {
+        let file = || heading.file.to_string();
+        let all = heading.names;
+        if all.is_empty() || all.iter().all(|n| n.name.is_empty()) {
+            return Err(LogError::Empty { file: file() });
         }
         let mut missing = Vec::new();
-        let mut find = |quantity: Quantity, optional: bool| {
-            if !is_wanted(quantity) {
-                return Vec::new();
+        let [q, qd, tau] = [Quantity::Position, Quantity::Velocity, Quantity::Torque].map(|quantity| {
+            if is_wanted(quantity) {
+                columns_of(quantity, all, columns, joints).unwrap_or_else(|absent| {
+                    missing.extend(absent);
+                    Vec::new()
+                })
+            } else {
+                Vec::new()
             }
-            let wanted = &quantity.of(columns).headers;
-            let mut found = Vec::new();
-            let mut absent = Vec::new();
-            for (j, joint) in joints.iter().enumerate() {
-                let names = match wanted.get(j) {
-                    Some(header) => vec![header.clone()],
-                    None => candidates(quantity, j + 1, joint),
-                };
-                match names.iter().find_map(|name| header.iter().position(|h| h == name)) {
-                    Some(at) => found.push(at),
-                    None => absent.push(format!("`{}` (joint {joint})", names[0])),
-                }
-            }
-            if absent.is_empty() {
-                return found;
-            }
-            if !(optional && wanted.is_empty()) {
-                missing.extend(absent);
-            }
-            Vec::new()
-        };
-        let q = find(Quantity::Position, false);
-        let qd = find(Quantity::Velocity, true);
-        let tau = find(Quantity::Torque, false);
+        });
         // Time goes with the positions.
-        let time = match &columns.time {
-            _ if !is_wanted(Quantity::Position) => None,
-            Some(name) => header.iter().position(|h| h == name).or_else(|| {
-                missing.push(format!("`{name}` (time)"));
-                None
-            }),
-            None => ["time", "t", "timestamp", "time_s"]
-                .iter()
-                .find_map(|name| header.iter().position(|h| h.eq_ignore_ascii_case(name))),
+        let stream = q.first().map_or(0, |&at| all[at].stream);
+        let (time, nanos) = match &columns.time {
+            _ if !is_wanted(Quantity::Position) => (None, None),
+            Some(name) => match all.iter().position(|n| n.is_called(name)) {
+                Some(at) => (Some(at), None),
+                None => {
+                    missing.push(format!("`{name}` (time)"));
+                    (None, None)
+                }
+            },
+            None => names::known_time(all, stream).map_or((None, None), |(at, nanos)| (Some(at), nanos)),
         };
         if !missing.is_empty() {
-            const SHOWN: usize = 60;
-            let name = |h: &String| match h.char_indices().nth(SHOWN) {
-                Some((end, _)) => format!("`{}…`", &h[..end]),
-                None => format!("`{h}`"),
-            };
-            let mut found: Vec<String> = header.iter().take(SHOWN).map(name).collect();
-            if header.len() > SHOWN {
-                found.push(format!("and {} more", header.len() - SHOWN));
-            }
-            return Err(LogError::MissingColumns {
-                file: file.to_string(),
-                missing,
-                found,
-                example,
-            });
+            return Err(absent(heading, missing, tau.is_empty(), joints));
         }
         for &at in time.iter().chain(&q).chain(&qd).chain(&tau) {
-            let times = header.iter().filter(|h| **h == header[at]).count();
+            let times = all.iter().filter(|n| n.name == all[at].name).count();
             if times > 1 {
                 return Err(LogError::RepeatedColumn {
-                    file: file.to_string(),
-                    column: header[at].clone(),
+                    file: file(),
+                    column: all[at].name.clone(),
                     times,
                 });
             }
         }
         if time.is_none() && columns.sample_rate_hz.is_none() && is_wanted(Quantity::Position) {
-            return Err(LogError::NoTimeBase { file: file.to_string() });
+            return Err(LogError::NoTimeBase { file: file() });
         }
-        Ok(Self { time, q, qd, tau })
+        let mut found = Self {
+            time_unit: time.and_then(|at| names::time_unit(all[at].unit.as_deref()?)),
+            time,
+            nanos,
+            q,
+            qd,
+            tau,
+            factors: Vec::new(),
+            findings: Vec::new(),
+        };
+        found.convert(heading, columns)?;
+        Ok(found)
     }
 
+    /// Every column beside time, in the order of the table.
     pub fn all(&self) -> impl Iterator<Item = usize> {
-        self.q.iter().chain(&self.qd).chain(&self.tau).copied()
+        let motion = self.q.iter().chain(&self.qd).chain(&self.tau);
+        motion.chain(self.nanos.iter()).copied()
+    }
+
+    /// Takes the units of the names, where the request states none.
+    fn convert(&mut self, heading: &Heading, columns: &Columns) -> Result<(), LogError> {
+        let (mut factors, mut said) = (Vec::new(), Vec::new());
+        for (quantity, places) in [
+            (Quantity::Position, &self.q),
+            (Quantity::Velocity, &self.qd),
+            (Quantity::Torque, &self.tau),
+        ] {
+            for &at in places {
+                let factor = header_factor(heading, at, quantity, columns)?;
+                if factor != 1.0 && said.len() < SAID {
+                    said.push(format!("`{}`", heading.names[at].name));
+                }
+                factors.push(factor);
+            }
+        }
+        factors.resize(self.all().count(), 1.0);
+        if !said.is_empty() {
+            self.findings.push(Finding {
+                kind: FindingKind::HeaderUnit,
+                count: factors.iter().filter(|f| **f != 1.0).count(),
+                lines: Vec::new(),
+                detail: format!(
+                    "columns are converted from the units in their names ({}); state `unit` in `columns` to overrule them",
+                    said.join(", ")
+                ),
+            });
+        }
+        self.factors = factors;
+        Ok(())
+    }
+}
+
+/// Columns that are named as examples.
+const SAID: usize = 3;
+
+/// The column of every joint, or the names that were not found. Velocities that nobody asked for may be absent.
+fn columns_of(quantity: Quantity, names: &[Named], columns: &Columns, joints: &[String]) -> Result<Vec<usize>, Vec<String>> {
+    let wanted = &quantity.of(columns).headers;
+    let currents = quantity == Quantity::Torque && columns.torque.currents;
+    let mut found = Vec::new();
+    let mut absent = Vec::new();
+    for (j, joint) in joints.iter().enumerate() {
+        let accepted = match wanted.get(j) {
+            Some(header) => vec![header.clone()],
+            None => candidates(quantity, j + 1, joint),
+        };
+        let place = |name: &String| names.iter().position(|n| &n.name == name);
+        let by_stem = |name: &String| names.iter().position(|n| &n.stem == name);
+        match accepted.iter().find_map(place).or_else(|| accepted.iter().find_map(by_stem)) {
+            Some(at) => found.push(at),
+            None => absent.push(format!("`{}` (joint {joint})", accepted[0])),
+        }
+    }
+    if absent.is_empty() {
+        return Ok(found);
+    }
+    if wanted.is_empty()
+        && let Some(known) = names::known(names, quantity, joints, currents)
+    {
+        return Ok(known);
+    }
+    if quantity == Quantity::Velocity && wanted.is_empty() {
+        return Ok(Vec::new());
+    }
+    Err(absent)
+}
+
+fn absent(heading: &Heading, missing: Vec<String>, no_torque: bool, joints: &[String]) -> LogError {
+    const SHOWN: usize = 60;
+    let (file, n) = (heading.file.to_string(), joints.len());
+    let example = format!("`time,q1,…,q{n},tau1,…,tau{n}`");
+    if heading.is_numbered {
+        let columns = heading.names.len();
+        return LogError::NoHeader { file, example, columns };
+    }
+    let name = |h: &Named| match h.name.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("`{}…`", &h.name[..end]),
+        None => format!("`{}`", h.name),
+    };
+    let mut found: Vec<String> = heading.names.iter().take(SHOWN).map(name).collect();
+    if heading.names.len() > SHOWN {
+        found.push(format!("and {} more", heading.names.len() - SHOWN));
+    }
+    let remedy = match names::has_currents(heading.names, joints) {
+        Some(places) if no_torque => format!(
+            "`{}` and its like are currents: give `columns.torque` with `unit`: \"A\" and `scale`: N m per A of every joint",
+            heading.names[places[0]].name
+        ),
+        _ => format!("name the columns in `columns`, or use {example}"),
+    };
+    LogError::MissingColumns {
+        file,
+        line: heading.line,
+        missing,
+        found,
+        remedy,
+    }
+}
+
+/// What a column is to be multiplied by to be in SI, or in what the request states.
+fn header_factor(heading: &Heading, at: usize, quantity: Quantity, columns: &Columns) -> Result<f64, LogError> {
+    let (column, stated) = (&heading.names[at], quantity.of(columns));
+    let Some(unit) = column.unit.as_deref().filter(|_| !stated.unit_stated) else {
+        return Ok(1.0);
+    };
+    let refused = |remedy: &'static str| LogError::ForeignUnit {
+        file: heading.file.to_string(),
+        column: column.name.clone(),
+        unit: unit.to_string(),
+        quantity: quantity.word(),
+        remedy,
+    };
+    match names::factor(unit) {
+        Some((Quantity::Torque, _)) if names::is_current(unit) && quantity == Quantity::Torque && !stated.scale_stated => {
+            Err(refused("currents are no torques: give `columns.torque.scale` in N m/A"))
+        }
+        Some((found, factor)) if found == quantity => Ok(factor),
+        _ if stated.scale_stated => Ok(1.0),
+        _ => Err(refused("state `unit`, or a `scale` to SI, in `columns`")),
     }
 }

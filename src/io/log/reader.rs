@@ -1,11 +1,17 @@
-//! One pass over a CSV file, plain or gzip.
+//! One pass over a log, whatever its format.
 
 use super::blocks::{Broken, for_each_part};
 use super::columns::Columns;
-use super::header::Header;
-use super::places::{Places, Wanted};
+#[cfg(feature = "formats")]
+use super::formats;
+#[cfg(not(feature = "formats"))]
+use super::kind::Foreign;
+use super::kind::Kind;
+use super::places::{Heading, Places, Wanted};
 use super::rows::{Part, RowShape};
+use super::sheet::{self, Sheet};
 use super::table::Table;
+use super::text::TextLog;
 use super::unpack::unpacked;
 use super::{LogError, LogReport, time_base};
 use crate::identification::Log;
@@ -74,12 +80,98 @@ pub(super) fn open(path: &Path) -> Result<Source<File>, LogError> {
 
 /// Reads the log of the robot whose joints are called `joints`, all of it in one file.
 ///
-/// Rows are streamed: nothing is held but the columns that are used. gzip is recognised by its first two bytes.
+/// Rows of text are streamed: nothing is held but the columns that are used. What the file is, and whether it is packed, its first bytes say.
 ///
 /// # Errors
 /// [`LogError`]: unreadable, empty or cut off, columns missing, too much garbage, time running backwards, too many gaps.
 pub fn read_log<R: Read + Send>(source: Source<R>, columns: &Columns, joints: &[String]) -> Result<(Log, LogReport), LogError> {
     time_base::uniform(table_of(source, 0, columns, joints, &|_| true)?, columns)
+}
+
+/// How many rows a file has, as far as it says so by itself.
+pub enum Rows {
+    /// A line each, of this text.
+    Lines(Box<dyn Read + Send>),
+    Counted(usize),
+}
+
+/// The rows of the file at `path`, before any is made a number.
+///
+/// # Errors
+/// [`LogError`]: unreadable, empty, or no log at all.
+pub fn rows_of(path: &Path) -> Result<Rows, LogError> {
+    let Source { name, bytes } = open(path)?;
+    let (kind, bytes) = unpacked(&name, bytes)?;
+    match kind {
+        Kind::Text => Ok(Rows::Lines(bytes)),
+        #[cfg(feature = "formats")]
+        kind => Ok(Rows::Counted(formats::open(&name, kind, bytes)?.rows())),
+        #[cfg(not(feature = "formats"))]
+        kind => Err(not_built(&name, kind)),
+    }
+}
+
+#[cfg(not(feature = "formats"))]
+fn not_built(file: &str, kind: Kind) -> LogError {
+    let Foreign { what, remedy } = kind.as_not_built();
+    let file = file.to_string();
+    LogError::Foreign { file, what, remedy }
+}
+
+/// A file, opened as what it is.
+pub(super) enum Opened<'a> {
+    Text(TextLog<'a>),
+    Sheet(Box<dyn Sheet + 'a>),
+}
+
+impl<'a> Opened<'a> {
+    pub fn new<R: Read + Send + 'a>(file: &str, bytes: R) -> Result<Self, LogError> {
+        let (kind, bytes) = unpacked(file, bytes)?;
+        match kind {
+            #[cfg(feature = "formats")]
+            kind if kind != Kind::Text => Ok(Self::Sheet(formats::open(file, kind, bytes)?)),
+            #[cfg(not(feature = "formats"))]
+            kind if kind != Kind::Text => Err(not_built(file, kind)),
+            _ => Ok(Self::Text(TextLog::open(file, bytes)?)),
+        }
+    }
+
+    pub fn heading<'b>(&'b self, file: &'b str) -> Heading<'b> {
+        match self {
+            Self::Text(text) => text.heading(file),
+            Self::Sheet(sheet) => sheet::heading(sheet.as_ref(), file),
+        }
+    }
+
+    /// The columns that `places` has; `size` are the bytes of the file, as a hint.
+    fn table(self, file: &str, size: u64, places: &Places) -> Result<Table, LogError> {
+        let mut table = match self {
+            Self::Text(text) => text_table(file, text, size, places)?,
+            Self::Sheet(mut sheet) => sheet::table_of(file, sheet.as_mut(), places)?,
+        };
+        for (column, factor) in table.columns_mut().zip(&places.factors).filter(|(_, f)| **f != 1.0) {
+            column.iter_mut().for_each(|v| *v *= factor);
+        }
+        Ok(table)
+    }
+}
+
+fn text_table(file: &str, mut text: TextLog, size: u64, places: &Places) -> Result<Table, LogError> {
+    let shape = RowShape::new(&text.dialect, places);
+    let skipped = text.dialect.skipped as u64;
+    let mut table = Table::new(file.to_string(), places, size);
+    let take = |part: &mut Part, before: u64| table.append(part, skipped + before);
+    for_each_part(&mut text.rows, &shape, take, |end| {
+        let at = skipped + end.lines;
+        match end.reason {
+            Broken::Io(e) => broken(file, at, &e),
+            Broken::LongLine => LogError::LongLine {
+                file: file.to_string(),
+                line: at + 1,
+            },
+        }
+    })?;
+    Ok(table)
 }
 
 /// The columns of the quantities that are wanted of one file of so many bytes; zero where nobody knows.
@@ -91,22 +183,10 @@ fn table_of<R: Read + Send>(
     wanted: &Wanted,
 ) -> Result<Table, LogError> {
     let Source { name: file, bytes } = source;
-    let mut bytes = unpacked(&file, bytes)?;
-    let header = Header::read(&file, &mut bytes)?;
-    let places = Places::find(&file, &header.names, columns, joints, wanted)?;
-    let shape = RowShape::new(header.delimiter, header.names.len(), &places);
-    let mut table = Table::new(file.clone(), &places, size);
-    let take = |part: &mut Part, before: u64| table.append(part, header.lines + before);
-    for_each_part(&mut bytes, &shape, take, |end| {
-        let at = header.lines + end.lines;
-        match end.reason {
-            Broken::Io(e) => broken(&file, at, &e),
-            Broken::LongLine => LogError::LongLine {
-                file: file.clone(),
-                line: at + 1,
-            },
-        }
-    })?;
+    let opened = Opened::new(&file, bytes)?;
+    let places = Places::find(&opened.heading(&file), columns, joints, wanted)?;
+    let mut table = opened.table(&file, size, &places)?;
+    table.findings.extend(places.findings);
     table.check()?;
     Ok(table)
 }

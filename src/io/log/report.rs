@@ -39,6 +39,10 @@ pub enum FindingKind {
     Gap,
     Jitter,
     TimeUnit,
+    /// Units that the header names, converted.
+    HeaderUnit,
+    /// Columns of another topic, interpolated.
+    Aligned,
 }
 
 impl FindingKind {
@@ -53,6 +57,8 @@ impl FindingKind {
             Self::Gap => "gap",
             Self::Jitter => "jitter",
             Self::TimeUnit => "time_unit",
+            Self::HeaderUnit => "header_unit",
+            Self::Aligned => "aligned",
         }
     }
 }

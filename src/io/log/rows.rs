@@ -1,6 +1,7 @@
 //! Rows of numbers: the lines of a block become columns.
 
-use super::fields::{Row, number};
+use super::dialect::{Dialect, is_comment};
+use super::fields::{Row, number_of};
 use super::places::Places;
 use super::report::Tally;
 use memchr::{memchr, memchr2};
@@ -8,6 +9,7 @@ use memchr::{memchr, memchr2};
 /// What a row has to look like.
 pub(super) struct RowShape {
     delimiter: u8,
+    decimal_comma: bool,
     fields: usize,
     time: Option<usize>,
     /// Field of every value that is kept.
@@ -17,14 +19,18 @@ pub(super) struct RowShape {
 }
 
 impl RowShape {
-    pub fn new(delimiter: u8, fields: usize, places: &Places) -> Self {
-        Self::of_fields(delimiter, fields, places.time, places.all().collect())
+    pub fn new(dialect: &Dialect, places: &Places) -> Self {
+        Self {
+            decimal_comma: dialect.decimal_comma,
+            ..Self::of_fields(dialect.delimiter, dialect.fields, places.time, places.all().collect())
+        }
     }
 
     pub(super) fn of_fields(delimiter: u8, fields: usize, time: Option<usize>, values: Vec<usize>) -> Self {
         let is_read = (0..fields).map(|f| time == Some(f) || values.contains(&f)).collect();
         Self {
             delimiter,
+            decimal_comma: false,
             fields,
             time,
             values,
@@ -72,10 +78,18 @@ impl Part {
 }
 
 impl RowShape {
-    /// Overwrites `part` with the rows of `text`.
-    pub fn parse(&self, text: &[u8], part: &mut Part) {
+    /// Overwrites `part` with the rows of `text`, which is brought into the form that is read fastest.
+    pub fn parse(&self, text: &mut Vec<u8>, part: &mut Part) {
         part.clear(self.values.len());
         part.bytes = text.len();
+        if self.delimiter == b' ' {
+            blanks_to_one(text);
+        }
+        // Where commas separate nothing, they are all of decimals.
+        if self.decimal_comma && self.delimiter != b',' {
+            text.iter_mut().filter(|b| **b == b',').for_each(|b| *b = b'.');
+        }
+        let text: &[u8] = text;
         let quoted = memchr(b'"', text).is_some();
         let (mut row, mut values) = (Row::default(), vec![0.0; self.values.len()]);
         let mut fields = vec![0.0; self.fields];
@@ -92,7 +106,7 @@ impl RowShape {
             let end = memchr(b'\n', &text[start..]).map_or(text.len(), |at| start + at);
             let line = text[start..end].strip_suffix(b"\r").unwrap_or(&text[start..end]);
             start = end + 1;
-            if line.is_empty() || line[0] == b'#' {
+            if line.is_empty() || is_comment(line) {
                 continue;
             }
             if quoted && memchr(b'"', line).is_some() {
@@ -150,7 +164,7 @@ impl RowShape {
             return;
         }
         for (value, &at) in values.iter_mut().zip(&self.values) {
-            match number(row.field(at)) {
+            match number_of(row.field(at), self.decimal_comma) {
                 Some(v) => *value = v,
                 None => {
                     part.garbage
@@ -160,7 +174,7 @@ impl RowShape {
             }
         }
         if let Some(at) = self.time {
-            match number(row.field(at)) {
+            match number_of(row.field(at), self.decimal_comma) {
                 Some(t) => part.time.push(t),
                 None => {
                     part.missing_time.add(line, || format!("`{}`", shown(row.field(at))));
@@ -170,6 +184,29 @@ impl RowShape {
         }
         part.push(values.iter().copied());
     }
+}
+
+/// Every run of blanks and tabs becomes one space, those at the ends of lines none.
+fn blanks_to_one(text: &mut Vec<u8>) {
+    let (mut to, mut pending, mut at_start) = (0, false, true);
+    for from in 0..text.len() {
+        match text[from] {
+            b' ' | b'\t' => pending = !at_start,
+            b'\n' | b'\r' => {
+                text[to] = text[from];
+                (to, pending, at_start) = (to + 1, false, text[from] == b'\n');
+            }
+            other => {
+                if pending {
+                    text[to] = b' ';
+                    to += 1;
+                }
+                text[to] = other;
+                (to, pending, at_start) = (to + 1, false, false);
+            }
+        }
+    }
+    text.truncate(to);
 }
 
 /// A field as messages show it, which may be megabytes long.
@@ -193,7 +230,7 @@ mod tests {
             format!("{text}\n# ")
         };
         let mut part = Part::default();
-        shape.parse(text.as_bytes(), &mut part);
+        shape.parse(&mut text.into_bytes(), &mut part);
         part
     }
 

@@ -1,13 +1,14 @@
 //! The columns of a file as they are read.
 
-use super::LogError;
+use super::columns::TimeUnit;
 use super::places::Places;
 use super::report::Tally;
 use super::rows::Part;
+use super::{Finding, LogError};
 use crate::model::INPUT_LIMITS;
 
 /// Most rows of one log: a bound on memory.
-const MOST_ROWS: usize = INPUT_LIMITS.log_rows;
+pub(super) const MOST_ROWS: usize = INPUT_LIMITS.log_rows;
 /// One bad row in twenty is a broken export, not a glitch.
 const GARBAGE_LIMIT: usize = 20;
 
@@ -23,7 +24,15 @@ pub(super) struct Table {
     pub q: Vec<Vec<f64>>,
     pub qd: Vec<Vec<f64>>,
     pub tau: Vec<Vec<f64>>,
+    /// Nanoseconds beside whole seconds: one column, or none.
+    pub nanos: Vec<Vec<f64>>,
     pub rows: usize,
+    /// What the rows are counted by: lines of text, or rows.
+    pub counted: &'static str,
+    /// What the file itself says of its stamps.
+    pub time_unit: Option<TimeUnit>,
+    /// What was found while the columns were made.
+    pub findings: Vec<Finding>,
     /// Whether the file has a time column.
     pub has_time: bool,
     /// Of the file, as far as is known: an estimate of the rows to come.
@@ -44,7 +53,11 @@ impl Table {
             q: empty(&places.q),
             qd: empty(&places.qd),
             tau: empty(&places.tau),
+            nanos: vec![Vec::new(); places.nanos.iter().count()],
             rows: 0,
+            counted: "line",
+            time_unit: places.time_unit,
+            findings: Vec::new(),
             has_time: places.time.is_some(),
             bytes_left: bytes,
             garbage: Tally::default(),
@@ -65,8 +78,7 @@ impl Table {
         self.lines.extend(part.lines.iter().map(|&l| after(line, l)));
         self.numbers.extend(part.numbers.iter().map(|&n| after(self.rows as u64, n)));
         self.time.extend_from_slice(&part.time);
-        let columns = self.q.iter_mut().chain(&mut self.qd).chain(&mut self.tau);
-        columns
+        self.columns_mut()
             .zip(&part.columns)
             .for_each(|(column, more)| column.extend_from_slice(more));
         self.garbage.append(std::mem::take(&mut part.garbage), line);
@@ -87,8 +99,7 @@ impl Table {
         self.lines.reserve(more);
         self.numbers.reserve(more);
         self.time.reserve(if part.time.is_empty() { 0 } else { more });
-        let columns = self.q.iter_mut().chain(&mut self.qd).chain(&mut self.tau);
-        columns.for_each(|column| column.reserve(more));
+        self.columns_mut().for_each(|column| column.reserve(more));
     }
 
     /// Takes over the columns of a file beside this one: row by row, those rows left out that are no numbers in either.
@@ -130,6 +141,7 @@ impl Table {
                 file: self.file.clone(),
                 garbage,
                 rows: self.rows,
+                counted: self.counted,
                 line: tally.lines[0],
                 what: tally.first.clone().unwrap_or_default(),
                 limit: GARBAGE_LIMIT,

@@ -23,6 +23,8 @@ const ON_GRID: f64 = 0.01;
 /// Lays a table onto a uniform grid, converts to SI, and reports.
 pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogReport), LogError> {
     let mut findings = garbage_findings(&table);
+    findings.append(&mut table.findings);
+    whole_stamps(&mut table);
     if table.has_time {
         to_seconds(&mut table, columns, &mut findings);
     } else {
@@ -76,6 +78,15 @@ pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogRe
     Ok((log, report))
 }
 
+/// Seconds and nanoseconds become one time, from the first stamp on: doubles do not resolve nanoseconds since 1970.
+fn whole_stamps(table: &mut Table) {
+    let Some(nanos) = table.nanos.pop() else { return };
+    let first = table.time.first().copied().unwrap_or(0.0);
+    for (time, nano) in table.time.iter_mut().zip(nanos) {
+        *time = (*time - first) + 1e-9 * nano;
+    }
+}
+
 fn garbage_findings(table: &Table) -> Vec<Finding> {
     let garbage = table.garbage.finding(FindingKind::GarbageRow, |first| {
         format!("rows that are not a row of numbers (first: {first}); dropped")
@@ -122,6 +133,7 @@ fn drop_rows(table: &mut Table, findings: &mut Vec<Finding>) -> Result<(), LogEr
     {
         return Err(LogError::TimeGoesBack {
             file: table.file.clone(),
+            counted: table.counted,
             line,
             from,
             to,
@@ -163,8 +175,9 @@ fn drop_polled_again(table: &Table, keep: &mut [bool], tally: &mut Tally) {
 }
 
 impl Table {
-    fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        self.q.iter_mut().chain(&mut self.qd).chain(&mut self.tau)
+    pub(super) fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let motion = self.q.iter_mut().chain(&mut self.qd);
+        motion.chain(&mut self.tau).chain(&mut self.nanos)
     }
 
     fn same(&self, a: usize, b: usize) -> bool {
@@ -243,7 +256,7 @@ impl Grid {
             });
         }
         gaps.mark(&mut grid, time);
-        gaps.report(findings);
+        gaps.report(findings, table.counted);
         Ok(grid)
     }
 
@@ -327,6 +340,7 @@ impl Gaps {
                 file: table.file.clone(),
                 missing_s: found.missing_s,
                 total_s: total,
+                counted: table.counted,
                 line: u64::from(table.lines[longest - 1]),
                 from: time[longest - 1],
                 to: time[longest],
@@ -343,13 +357,13 @@ impl Gaps {
         }
     }
 
-    fn report(&self, findings: &mut Vec<Finding>) {
+    fn report(&self, findings: &mut Vec<Finding>, counted: &str) {
         findings.extend(self.bridged.finding(FindingKind::MissingSample, |_| {
-            "after these lines one to three samples are missing; interpolated".to_string()
+            format!("after these {counted}s one to three samples are missing; interpolated")
         }));
         findings.extend(self.gaps.finding(FindingKind::Gap, |_| {
             format!(
-                "after these lines samples are missing, {:.3} s in all, longest {:.3} s; those times are left out of the fit",
+                "after these {counted}s samples are missing, {:.3} s in all, longest {:.3} s; those times are left out of the fit",
                 self.missing_s, self.longest_s
             )
         }));

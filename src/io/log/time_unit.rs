@@ -21,13 +21,14 @@ const SINCE_1970: f64 = 1e11;
 
 /// Brings the stamps to seconds, in the unit that is stated or that they are in.
 pub(super) fn to_seconds(table: &mut Table, columns: &Columns, findings: &mut Vec<Finding>) {
-    let unit = columns.time_unit.unwrap_or_else(|| recognised(table, columns.sample_rate_hz));
+    let stated = columns.time_unit.or(table.time_unit);
+    let unit = stated.unwrap_or_else(|| recognised(table, columns.sample_rate_hz));
     if unit == TimeUnit::Seconds {
         return;
     }
     let seconds = unit.seconds();
     table.time.iter_mut().for_each(|t| *t *= seconds);
-    if columns.time_unit.is_none() {
+    if stated.is_none() {
         let (words, name) = unit.names();
         findings.push(Finding {
             kind: FindingKind::TimeUnit,

@@ -4,10 +4,10 @@ use super::common::{Begun, WaitHeader, WorkHeaders};
 use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
-use super::schemas::{ExcitationRequestSchema, TrajectoryFormat};
+use super::schemas::{ExcitationRequestSchema, TrajectoryFormatSchema};
 use crate::app::{Code, Error, Problem};
 use crate::excitation::Backoff;
-use crate::io::{DesignDocument, TableFormat, trajectory_csv_parts, trajectory_json_parts};
+use crate::io::{DesignDocument, Parts, TrajectoryFile, TrajectoryFormat};
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
 use crate::service::child::{REQUEST, Series, Task};
@@ -98,13 +98,15 @@ pub async fn get(
 
 /// The trajectory, sampled.
 ///
-/// Columns `time, q1 … qn, qd1 … qdn, qdd1 … qddn` (s; rad or m and per second); `periods` periods and the sample after them, with which
+/// CSV has the columns `time, q1 … qn, qd1 … qdn, qdd1 … qddn` (s; rad or m and per second), numbers with ten decimals at most; `periods` periods and the sample after them, with which
 /// the motion is back where it began.
 #[utoipa::path(
     get, path = "/excitation/{id}/trajectory", tag = "excitation", operation_id = "get_trajectory",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = inline(Option<TrajectoryFormat>), Query, description = "`csv` (default) or `json`"),
+        ("format" = inline(Option<TrajectoryFormatSchema>), Query, description = "`csv` (default), `json` (the same table), `joint_trajectory` \
+            (trajectory_msgs/msg/JointTrajectory as JSON), `yaml` (goal of control_msgs/action/FollowJointTrajectory), `urscript` (servoj, six joints), \
+            `mcap` (sensor_msgs/msg/JointState) or `npz` (time, q, qd, qdd)"),
         ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out", maximum = 1000000),
         ("periods" = Option<usize>, Query, description = "Periods, 1 if left out", minimum = 1),
         ("index" = Option<usize>, Query, description = "Which of several trajectories that complement each other, from 0"),
@@ -113,7 +115,8 @@ pub async fn get(
         ("slow" = Option<f64>, Query, description = "For a first run: factor on the time that the motion takes, at least 1", minimum = 1, maximum = 100),
     ),
     responses(
-        (status = 200, description = "The samples", content((String = "text/csv"), (Object = "application/json"))),
+        (status = 200, description = "The samples", content((String = "text/csv"), (Object = "application/json"),
+            (String = "application/yaml"), (String = "text/plain"), (String = "application/octet-stream"))),
         (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "No trajectory: not finished, cancelled early, or infeasible", body = Problem,
@@ -128,6 +131,7 @@ pub async fn trajectory(
 ) -> Result<Response, Failure> {
     let job = find(&service, &access, &id, Kind::Excitation).await?;
     let (motion, rate_hz) = motion_of(&service, &job).await?;
+    let joints = motion.joints.clone();
     let most = motion.count();
     let index = query.take(
         "index",
@@ -145,16 +149,18 @@ pub async fn trajectory(
     };
     let series = motion.series_at(index).ok_or_else(no_trajectory)?;
     let series = first_run_of(&service, &job, series, backoff).await?;
-    let formats = [("csv", TableFormat::Csv), ("json", TableFormat::Json)];
-    let format = query.take("format", TableFormat::Csv, "csv or json", |text| {
-        formats.iter().find(|(name, _)| *name == text).map(|(_, f)| *f)
-    });
+    let format = query.take(
+        "format",
+        TrajectoryFormat::Csv,
+        "csv, json, joint_trajectory, yaml, urscript, mcap or npz",
+        |text| TrajectoryFormat::ALL.iter().find(|(name, _)| *name == text).map(|(_, f)| *f),
+    );
     // A rate below two samples a period or above a megahertz is a mistake in the unit.
     let rates = 2.0 * series.fundamental_hz..=1e6;
     let rate_hz = query.take("rate_hz", rate_hz, "a number of samples per second", |t| {
         t.parse().ok().filter(|r: &f64| rates.contains(r))
     });
-    let most = crate::io::MOST_ROWS as f64;
+    let most = format.most_rows() as f64;
     let periods = query.take(
         "periods",
         1,
@@ -166,25 +172,30 @@ pub async fn trajectory(
         },
     );
     query.finish()?;
-    let name = format!("attachment; filename=\"excitation-{id}.csv\"");
-    Ok(match format {
-        TableFormat::Csv => {
-            let headers = [
-                (header::CONTENT_TYPE, "text/csv; charset=utf-8".to_string()),
-                (header::CONTENT_DISPOSITION, name),
-            ];
-            (headers, streamed(trajectory_csv_parts(series, rate_hz, periods))).into_response()
-        }
-        TableFormat::Json => {
-            let headers = [(header::CONTENT_TYPE, "application/json")];
-            (headers, streamed(trajectory_json_parts(series, rate_hz, periods))).into_response()
-        }
-    })
+    let (content_type, ending) = format.kind();
+    // Some formats are made as a whole.
+    let write = move || {
+        let file = TrajectoryFile {
+            joints: &joints,
+            series: &series,
+            rate_hz,
+            periods,
+        };
+        file.parts(format)
+    };
+    let parts = tokio::task::spawn_blocking(write).await.map_err(|_| internal_error())?;
+    let parts = parts.map_err(|why| Failure(Error::new(Code::InvalidQuery, format!("the format {why}"))))?;
+    let headers = [
+        (header::CONTENT_TYPE, content_type.to_string()),
+        (
+            header::CONTENT_DISPOSITION,
+            format!("attachment; filename=\"excitation-{id}.{ending}\""),
+        ),
+    ];
+    Ok((headers, streamed(parts)).into_response())
 }
 
-/// A body that is written as fast as the client takes it, each part off the threads that serve; no thread waits for the client, and none goes on
-/// when it has left.
-fn streamed(parts: impl Iterator<Item = String> + Send + 'static) -> Body {
+fn streamed(parts: Parts) -> Body {
     let parts = unfold(Some(parts), |rest| async {
         let mut rest = rest?;
         let next = tokio::task::spawn_blocking(move || (rest.next(), rest)).await;

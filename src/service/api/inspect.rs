@@ -1,16 +1,17 @@
-//! `/identify/preview`: what is understood of logs, before anything is estimated.
+//! `/identify/preview` and `/logs/columns`: what is understood of logs, before anything is estimated.
 
 use super::common::UploadRefused;
 use super::results::{computed, not_multipart};
-use super::schemas::IdentifyUpload;
+use super::schemas::{IdentifyUpload, LogUpload};
 use crate::io::InspectDocument;
+use crate::io::log::LogOverview;
 use crate::service::access::Access;
 use crate::service::child::Task;
 use crate::service::known::Known;
 use crate::service::problem::Failure;
 use crate::service::state::Service;
 use crate::service::store::Role;
-use crate::service::upload::Upload;
+use crate::service::upload::{Upload, read_log};
 use crate::service::worker::local;
 use axum::extract::multipart::MultipartRejection;
 use axum::extract::{Multipart, State};
@@ -50,4 +51,30 @@ pub async fn post(
     };
     // It reads the same logs as an identification.
     Ok(computed(service.compute(task, service.config().job_time).await?))
+}
+
+/// The columns of a log.
+///
+/// The body has one part, `log`: a file of any format that is read. Names, units, first values and a thinned series of every column; nothing is taken
+/// for anything, and nothing is kept.
+#[utoipa::path(
+    post, path = "/logs/columns", tag = "identification", operation_id = "log_columns",
+    request_body(content = LogUpload, content_type = "multipart/form-data"),
+    responses(
+        (status = 200, body = LogOverview),
+        UploadRefused,
+    )
+)]
+pub async fn columns(
+    State(service): State<Service>,
+    access: Access,
+    body: Result<Multipart, MultipartRejection>,
+) -> Result<Response, Failure> {
+    access.require(Role::Run)?;
+    let log = read_log(body.map_err(not_multipart)?, service.files()).await?;
+    let mut logs = local(&service, std::slice::from_ref(&log)).await?;
+    let log = logs.pop().expect("one for one").into();
+    Ok(computed(
+        service.compute(Task::Columns { log }, service.config().job_time).await?,
+    ))
 }

@@ -7,6 +7,7 @@ use super::message::{
 };
 use crate::app::{CancelFlag, Code, Error, Exchange, LogFile, inspect, motion};
 use crate::excitation::{Backoff, Found, Point, first_run};
+use crate::io::log::log_overview;
 use crate::io::{BaseParametersDocument, Parsed, RobotDocument, read_identify_request, read_motion_request, robot_document};
 use crate::service::blocking::ended;
 use crate::service::known::Known;
@@ -135,6 +136,11 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             validation,
             most_rows,
         } => preview(document, known, (files(logs), files(validation)), most_rows, cancel),
+        Task::Columns { log } => {
+            let log = LogFile::from(log);
+            let overview = log_overview(&log.path, &log.name).map_err(|e| Error::new(Code::InvalidLog, e.to_string()))?;
+            answer(&overview)
+        }
         Task::Robot { document } => answer(&RobotRead::from(robot(document)?)),
         Task::BaseParameters { document } => answer(&BaseParametersDocument::of(&robot(document)?.robot)),
         Task::Report {

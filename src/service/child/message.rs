@@ -102,6 +102,10 @@ pub enum Task {
         validation: Vec<Log>,
         most_rows: usize,
     },
+    /// `POST /logs/columns`. Answers with a [`crate::io::log::LogOverview`].
+    Columns {
+        log: Log,
+    },
     /// A robot that is to be kept. Answers with a [`RobotRead`].
     Robot {
         document: Document,

@@ -12,13 +12,14 @@ const RANKS = [[/actual|meas|msr|state/, 3], [/target|desired|des([^a-z]|$)|comm
 /** Programs whose logs are known by their column names. */
 export const PRESETS = [
   ['Universal Robots RTDE', (names) => names.includes('actual_q_0')], ['Franka (libfranka)', (names) => names.some((n) => /tau_j(\[|_)?0/i.test(n))],
-  ['KUKA FRI', (names) => names.some((n) => /axisqmsr|measuredjointposition|msrjntpos/i.test(n))], ['ROS joint_states', (names) => names.some((n) => /joint_states/.test(n))],
+  ['KUKA FRI', (names) => names.some((n) => /axisqmsr|measuredjointposition|msrjntpos/i.test(n))], ['ROS joint_states', (names) => names.some((n) => /joint_states|\/log_time$/.test(n))],
 ];
 
 /** {time, position: [names], velocity, torque, preset}: lists of one name per joint, or null where they were not found. */
 export function guess(columns, joints) {
   const names = columns.filter((c) => c.numeric).map((c) => c.name);
-  const time = names.find((n) => TIME.test(n.toLowerCase())) ?? null;
+  // Of a recording of messages the stamps of the senders come before the times of receipt.
+  const time = names.find((n) => TIME.test(n.toLowerCase()) && !n.includes('/')) ?? names.find((n) => /\/stamp$/.test(n)) ?? names.find((n) => TIME.test(n.toLowerCase())) ?? null;
   const groups = new Map();
   for (const name of names.filter((n) => n !== time)) {
     const found = part(name, joints);
@@ -56,7 +57,7 @@ function complete(members, count) {
 
 const rank = (stem) => RANKS.reduce((sum, [words, by]) => sum + (words.test(stem) ? by : 0), 0);
 
-const largest = (columns) => columns.reduce((most, c) => c.values.reduce((m, v) => (Math.abs(v) > m ? Math.abs(v) : m), most), 0);
+const largest = (columns) => columns.reduce((most, c) => Math.max(most, c.largest ?? 0), 0);
 
 /** Units that names and sizes suggest; `kinds` of the joints. */
 export function units(columns, found, kinds) {
@@ -64,12 +65,14 @@ export function units(columns, found, kinds) {
   const says = (list, words) => (list ?? []).some((n) => words.test(n.toLowerCase()));
   const turning = of(found.position?.filter((_, j) => kinds?.[j] !== 'prismatic'));
   // Two turns: no joint of an arm goes farther in radians, and hardly a log stays within in degrees.
-  const degrees = says(found.position, /deg/) || largest(turning) > 4 * Math.PI;
-  return { position: degrees ? 'deg' : 'rad', velocity: degrees || says(found.velocity, /deg/) ? 'deg/s' : 'rad/s', torque: says(found.torque, /current|(^|[^a-z])i([^a-z]|$)|\[a\]/) ? 'A' : 'N m', time: timeUnit(columns.find((c) => c.name === found.time)) };
+  const unitOf = (list, words) => of(list).some((c) => words.test(c.unit ?? ''));
+  const degrees = says(found.position, /deg/) || unitOf(found.position, /deg|°/i) || largest(turning) > 4 * Math.PI;
+  return { position: degrees ? 'deg' : 'rad', velocity: degrees || says(found.velocity, /deg/) ? 'deg/s' : 'rad/s', torque: says(found.torque, /current(?!_?as_?torque)|(^|[^a-z])i([^a-z]|$)|\[a\]/) || unitOf(found.torque, /^A$/) ? 'A' : unitOf(found.torque, /^m\s*N/) ? 'mN m' : 'N m', time: timeUnit(columns.find((c) => c.name === found.time)) };
 }
 
 function timeUnit(column) {
   if (!column) return 's';
+  if (['s', 'ms', 'us', 'ns'].includes(column.unit)) return column.unit;
   const named = /(^|[^a-z])(ms|us|ns)([^a-z]|$)|milli|micro|nano/.exec(column.name.toLowerCase());
   if (named) return named[2] ?? { milli: 'ms', micro: 'us', nano: 'ns' }[named[0]];
   const steps = column.values.slice(1, 200).map((v, i) => v - column.values[i]).filter((d) => d > 0).sort((a, b) => a - b);

@@ -210,8 +210,13 @@ pub struct SearchSchema {
 
 /// How a trajectory is handed out.
 #[derive(Serialize, ToSchema)]
-#[schema(rename_all = "lowercase")]
-pub enum TrajectoryFormat {
+#[schema(as = TrajectoryFormat, rename_all = "snake_case")]
+pub enum TrajectoryFormatSchema {
     Csv,
     Json,
+    JointTrajectory,
+    Yaml,
+    Urscript,
+    Mcap,
+    Npz,
 }

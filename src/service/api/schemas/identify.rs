@@ -11,7 +11,7 @@ use utoipa::ToSchema;
 #[serde(deny_unknown_fields)]
 pub struct IdentifyUpload {
     request: IdentifyRequestSchema,
-    /// Logs to identify from: CSV, plain or gzip.
+    /// Logs to identify from: CSV, NPZ, MATLAB, Parquet, MCAP or rosbag2, plain, gzip or Zstandard.
     #[schema(format = Binary)]
     log: Vec<String>,
     /// Logs that the fit does not see.
@@ -19,17 +19,26 @@ pub struct IdentifyUpload {
     validation: Vec<String>,
 }
 
+/// A log to look at.
+#[derive(Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogUpload {
+    /// CSV, NPZ, MATLAB, Parquet, MCAP or rosbag2, plain, gzip or Zstandard.
+    #[schema(format = Binary)]
+    log: String,
+}
+
 /// A model, and logs to hold against it.
 #[derive(Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ValidateUpload {
     request: ValidateRequestSchema,
-    /// Logs to predict: CSV, plain or gzip.
+    /// Logs to predict: CSV, NPZ, MATLAB, Parquet, MCAP or rosbag2, plain, gzip or Zstandard.
     #[schema(format = Binary)]
     log: Vec<String>,
 }
 
-/// What to make of the logs. A log is a table with a header: `time, q1 … qn, tau1 … taun` (optional `qd1 …`), or as `columns` says.
+/// What to make of the logs. A log has columns: `time, q1 … qn, tau1 … taun` (optional `qd1 …`), those of a well-known program, or what `columns` says.
 #[derive(Serialize, ToSchema)]
 #[schema(as = IdentifyRequest, example = json!({"robot": "iiwa14", "period_s": 10, "estimator": "wls"}))]
 #[serde(deny_unknown_fields)]
