@@ -131,7 +131,7 @@ fn a_trajectory_is_handed_out_in_the_formats_of_controllers() {
     let (last, first) = (points.last().unwrap(), &points[0]);
     assert_eq!(last["positions"], first["positions"], "it ends where it began");
     assert_eq!(points[25]["time_from_start"], json!({"sec": 0, "nanosec": 250_000_000}));
-    assert_eq!(answer.header("content-type").as_deref(), Some("application/json"));
+    assert_eq!(answer.header("content-type"), Some("application/json"));
     for (format, begins, ending) in [("yaml", "# Goal of control_msgs", ".yaml\""), ("csv", "time,q1,", ".csv\"")] {
         let answer = get(&format!("format={format}"));
         assert!(answer.status == 200 && answer.text.starts_with(begins), "{}", answer.text);

@@ -20,6 +20,7 @@ mod http;
 mod json;
 #[path = "../support/process.rs"]
 mod process;
+mod recordings;
 mod runner;
 mod table;
 mod tally;

@@ -3,6 +3,7 @@
 use super::campaign::{Campaign, shrunk};
 use super::case::Recipe;
 use super::http;
+use super::recordings;
 use super::runner::{Order, Runner};
 use super::target::Target;
 use libtest_mimic::{Failed, Trial};
@@ -29,6 +30,7 @@ pub fn all() -> Vec<Trial> {
         Trial::test("a_failed_input_shrinks_to_what_it_needs", failures_shrink),
         Trial::test("http_bodies", http::bodies).with_ignored_flag(true),
     ];
+    trials.extend(recordings::trials());
     for (target, inputs) in INPUTS {
         let trial = |kind: &str, run: Box<dyn FnOnce() -> Result<(), Failed> + Send>| {
             // Known failures are being worked on.

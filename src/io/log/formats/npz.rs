@@ -114,6 +114,8 @@ impl Npz {
             .take((array.header + bytes) as u64)
             .read_to_end(&mut raw)
             .map_err(|e| damaged(e.to_string()))?;
+        // The checksum is looked at where the entry ends.
+        content.read(&mut [0]).map_err(|e| damaged(e.to_string()))?;
         if raw.len() < array.header + bytes {
             return Err(damaged(format!(
                 "ends after {} of {bytes} bytes",
