@@ -4,7 +4,7 @@
 //! `cargo bench --bench identify [-- repetitions]`. Every run is a process of its own, so that its peak memory is its own.
 //! `PYTHON` names the interpreter, `python3` if it is not set.
 
-use dynident::app::{CancelFlag, LogFile, identify, keep_freed_memory};
+use dynident::app::{CancelFlag, LogFile, identify};
 use dynident::io::{NamedRobots, NoExcitations, Parsed, read_identify_request, shipped::Shipped};
 use dynident::parameters::Layout;
 use dynident::simulate::{Experiment, Noise, simulate};
@@ -69,7 +69,6 @@ fn write_log(path: &Path) -> std::io::Result<()> {
 /// One identification in this process; prints what the parent reads.
 fn run_one(chain: &str, path: &Path) {
     // As the program does.
-    keep_freed_memory();
     let parsed = Parsed {
         value: request(chain),
         problems: Vec::new(),

@@ -1,7 +1,7 @@
 //! What can go wrong, under stable codes that the service and the command line share.
 
 use crate::io::Malformed;
-use crate::model::FieldProblem;
+use crate::model::{FieldProblem, readable};
 
 /// A stable name for one kind of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -47,9 +47,11 @@ pub enum Code {
     Internal,
 }
 
-/// Exit status of the command line by kind of error; outcomes of a search have their own: 3 infeasible, 4 cancelled with a result.
+/// Exit status of the command line by kind of error; outcomes of a search have their own: 3 infeasible, 4 cancelled with the best found.
 pub const EXIT_INTERNAL: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
+/// Cancelled without a result.
+pub const EXIT_CANCELLED: u8 = 4;
 
 impl Code {
     pub const ALL: [Code; 39] = {
@@ -135,7 +137,7 @@ impl Code {
                 "Robots that come with the program cannot be changed",
             ),
             Code::RobotUnreadable => ("robot_unreadable", 500, EXIT_INTERNAL, "A stored robot cannot be read"),
-            Code::NoResult => ("no_result", 409, EXIT_BAD_INPUT, "The job ended without a result"),
+            Code::NoResult => ("no_result", 409, EXIT_CANCELLED, "The job ended without a result"),
             Code::NoTrajectory => ("no_trajectory", 409, EXIT_BAD_INPUT, "There is no trajectory"),
             Code::IdempotencyKeyReused => (
                 "idempotency_key_reused",
@@ -242,7 +244,7 @@ impl Error {
     pub fn new(code: Code, detail: impl Into<String>) -> Self {
         Self {
             code,
-            detail: detail.into(),
+            detail: readable(detail),
             hint: None,
             errors: Vec::new(),
         }
@@ -250,7 +252,7 @@ impl Error {
 
     pub fn with_hint(self, hint: impl Into<String>) -> Self {
         Self {
-            hint: Some(hint.into()),
+            hint: Some(readable(hint)),
             ..self
         }
     }
@@ -288,7 +290,10 @@ mod tests {
         assert_eq!(Code::Internal as usize + 1, Code::ALL.len());
         for code in Code::ALL {
             assert!((400..600).contains(&code.http_status()), "{code:?}");
-            assert!([EXIT_INTERNAL, EXIT_BAD_INPUT].contains(&code.exit_status()), "{code:?}");
+            assert!(
+                [EXIT_INTERNAL, EXIT_BAD_INPUT, EXIT_CANCELLED].contains(&code.exit_status()),
+                "{code:?}"
+            );
         }
     }
 }

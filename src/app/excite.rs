@@ -3,25 +3,11 @@
 use crate::excitation::{
     Backoff, Control, Design, Found, Given, Halt, Point, Problem, ProblemSpec, Progress, first_run, search_from,
 };
+use crate::identification::CancelFlag;
 use crate::io::{DesignDocument, ExcitationRequest};
 use crate::trajectory::FourierSeries;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-
-/// A switch that ends a running job; clones are the same switch.
-#[derive(Debug, Clone, Default)]
-pub struct CancelFlag(Arc<AtomicBool>);
-
-impl CancelFlag {
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// A finished design.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,7 @@
 //! What is needed to do an identification again.
 
-use super::{Code, Error, LogFile};
+use super::identify::cancelled;
+use super::{CancelFlag, Code, Error, LogFile};
 use crate::io::{IdentifyRequest, LogOrigin, Provenance, robot_value};
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -9,9 +10,14 @@ use std::io::Read;
 /// Request, robot, version, and the logs by their content.
 ///
 /// # Errors
-/// A log file that has become unreadable.
-pub(super) fn provenance(request: &IdentifyRequest, logs: &[LogFile], validation: &[LogFile]) -> Result<Provenance, Error> {
-    let with_role = |role: &'static str| move |log| origin(log, role);
+/// A log file that has become unreadable; `no_result` where `cancel` was set meanwhile.
+pub(super) fn provenance(
+    request: &IdentifyRequest,
+    logs: &[LogFile],
+    validation: &[LogFile],
+    cancel: &CancelFlag,
+) -> Result<Provenance, Error> {
+    let with_role = |role: &'static str| move |log| origin(log, role, cancel);
     let origins = logs
         .iter()
         .map(with_role("identification"))
@@ -24,11 +30,14 @@ pub(super) fn provenance(request: &IdentifyRequest, logs: &[LogFile], validation
     })
 }
 
-fn origin(log: &LogFile, role: &'static str) -> Result<LogOrigin, Error> {
+fn origin(log: &LogFile, role: &'static str, cancel: &CancelFlag) -> Result<LogOrigin, Error> {
     let unreadable = |e: std::io::Error| Error::new(Code::FileUnreadable, format!("cannot read {}: {e}", log.name));
     let mut file = File::open(&log.path).map_err(unreadable)?;
     let (mut hash, mut bytes, mut part) = (Sha256::new(), 0, vec![0; 1 << 16]);
     loop {
+        if cancel.is_cancelled() {
+            return Err(cancelled("identification"));
+        }
         let count = file.read(&mut part).map_err(unreadable)?;
         if count == 0 {
             break;
@@ -53,7 +62,7 @@ mod tests {
     fn val_logs_are_told_apart_by_sha_256() {
         let path = std::env::temp_dir().join(format!("dynident-hash-{}", std::process::id()));
         std::fs::write(&path, "abc").unwrap();
-        let found = origin(&LogFile::at(&path), "validation").unwrap();
+        let found = origin(&LogFile::at(&path), "validation", &CancelFlag::default()).unwrap();
         std::fs::remove_file(&path).unwrap();
         assert_eq!(found.bytes, 3);
         assert_eq!(

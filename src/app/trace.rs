@@ -1,5 +1,6 @@
 //! What the declared model leaves over, as the `residual` part of an answer, and what was found in the model files.
 
+use super::CancelFlag;
 use super::identify::{ModelFiles, UsedLog};
 use super::tell::tell;
 use crate::dynamics::Motion;
@@ -8,7 +9,7 @@ use crate::io::log::{FindingKind, LogReport};
 use crate::io::{significant, traced_value};
 use crate::model::Robot;
 use crate::residual::{
-    AugmentedModel, DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Stretch, Traced,
+    AugmentedModel, DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Stretch, Traced, Verdict,
     column_faults, mounting,
 };
 use nalgebra::Vector3;
@@ -19,12 +20,21 @@ pub(super) fn beyond_repair(faults: &[DataFault]) -> bool {
     faults.iter().any(|f| f.remedy == Remedy::Nothing)
 }
 
+/// Puts the faults of the data into the report. Beyond repair the search was not made, and that it found nothing does not say that nothing is missing.
+pub(super) fn report_faults(report: &mut ResidualReport, faults: Vec<DataFault>) {
+    if beyond_repair(&faults) {
+        report.verdict = Verdict::Unexplained;
+    }
+    report.data_faults = faults;
+}
+
 /// Where the logs say that gravity points, if that is another mounting than the declared one.
-pub(super) fn mounted(robot: &Robot, logs: &[UsedLog]) -> Option<Mounting> {
+pub(super) fn mounted(robot: &Robot, logs: &[UsedLog], cancel: &CancelFlag) -> Option<Mounting> {
     let read: Vec<(&Motion, &[Vec<f64>])> = logs.iter().map(|l| (&*l.prepared.motion, &l.prepared.torque[..])).collect();
     // Positions in degrees, and torques without gravity or in other units, say nothing of its direction; a missing torque column leaves too little of an arm
     // to accuse its mounting.
     let misread = logs.iter().any(|l| {
+        cancel.leave_if_set();
         if l.prepared.excluded.iter().flatten().any(|e| *e != Exclusion::Still) {
             return true;
         }
@@ -141,9 +151,10 @@ fn commented(text: &str) -> String {
 }
 
 /// Faults of all logs, each kind and joint once.
-pub(super) fn data_faults(robot: &Robot, logs: &[UsedLog]) -> Vec<DataFault> {
+pub(super) fn data_faults(robot: &Robot, logs: &[UsedLog], cancel: &CancelFlag) -> Vec<DataFault> {
     let mut all: Vec<DataFault> = Vec::new();
     for log in logs {
+        cancel.leave_if_set();
         let columns = column_faults(robot, &log.prepared.motion, &log.prepared.torque);
         // What concerns all of a joint's torque comes first.
         for fault in log

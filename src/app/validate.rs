@@ -1,9 +1,9 @@
 //! Hold a model against logs.
 
-use super::identify::{LogFile, ReadLogs, Reading, split_companions, use_log};
+use super::identify::{LogFile, ReadLogs, Reading, split_companions, stoppable, use_log};
 use super::report::errors;
 use super::series::{Predictors, drawn, predictions};
-use super::trace::{beyond_repair, data_faults, residual_value};
+use super::trace::{beyond_repair, data_faults, report_faults, residual_value};
 use super::{CancelFlag, Code, Error};
 use crate::io::{LogDocument, ModelEffect, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
 use crate::parameters::Layout;
@@ -40,14 +40,18 @@ impl Validated {
 /// Predicts every log with the model, its effects included. The document has no predictions yet: see [`Validated::predictions`].
 ///
 /// # Errors
-/// `invalid_log` with what is wrong with which file.
+/// `invalid_log` with what is wrong with which file; `no_result` where `cancel` was set meanwhile.
 pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -> Result<Validated, Error> {
+    stoppable("validation", || validated(request, logs, cancel))
+}
+
+fn validated(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -> Result<Validated, Error> {
     let robot = &request.robot;
     let bodies = bodies(request)?;
     let tracing = request.augmented.as_ref().filter(|_| request.trace);
     let mut read = read_logs(request, logs, tracing.is_some(), cancel)?;
     let faults = match tracing {
-        Some(_) => data_faults(robot, &read.used),
+        Some(_) => data_faults(robot, &read.used, cancel),
         None => Vec::new(),
     };
     read.turn(robot, &faults);
@@ -69,7 +73,7 @@ pub fn validate(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag
             .collect(),
         predictions: Vec::new(),
         predictions_error: None,
-        residual: tracing.map(|existing| changes(request, &read, existing, faults)),
+        residual: tracing.map(|existing| changes(request, &read, existing, faults, cancel)),
         notes: request.notes.clone(),
     };
     Ok(Validated { document, bodies, read })
@@ -113,16 +117,11 @@ fn read_logs(request: &ValidateRequest, logs: &[LogFile], trace: bool, cancel: &
         columns: &request.columns,
         preprocess: &expected,
         trace,
+        cancel,
     };
     let (logs, beside) = split_companions(&request.columns, logs)?;
     let mut read = ReadLogs::default();
     for file in logs {
-        if cancel.is_cancelled() {
-            return Err(Error::new(
-                Code::NoResult,
-                "the validation was cancelled before it had a result",
-            ));
-        }
         let (used, stretch) = use_log(&reading, file, &beside)?;
         read.used.push(used);
         read.stretches.push(stretch);
@@ -131,13 +130,20 @@ fn read_logs(request: &ValidateRequest, logs: &[LogFile], trace: bool, cancel: &
 }
 
 /// What has changed since the model was made.
-fn changes(request: &ValidateRequest, read: &ReadLogs, existing: &(AugmentedModel, Prior), faults: Vec<DataFault>) -> Value {
+fn changes(
+    request: &ValidateRequest,
+    read: &ReadLogs,
+    existing: &(AugmentedModel, Prior),
+    faults: Vec<DataFault>,
+    cancel: &CancelFlag,
+) -> Value {
     let options = TraceOptions {
         existing: Some(existing.clone()),
         search: !beyond_repair(&faults),
+        cancel: cancel.clone(),
         ..TraceOptions::default()
     };
     let mut report = trace(&request.robot, &read.stretches, &[], &options).report;
-    report.data_faults = faults;
+    report_faults(&mut report, faults);
     residual_value(&request.robot, &report)
 }

@@ -3,7 +3,7 @@
 use super::excite::{cancel_on_interrupt, put_robot};
 use super::plots::{PictureKind, pictures, write_picture};
 use super::{Ending, files, render};
-use crate::app::{Code, Error, Identified, LogFile, drawn, identify, keep_freed_memory};
+use crate::app::{Code, Error, Identified, LogFile, drawn, identify};
 use crate::io::shipped::Shipped;
 use crate::io::{IdentifyRequest, NoExcitations, Parsed, read_identify_request};
 use crate::web::figures::Figure;
@@ -52,7 +52,6 @@ pub struct Arguments {
 const DRAWN_POINTS: usize = 2000;
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    keep_freed_memory();
     let request = read_request(arguments)?;
     files::print_notes(&request.notes);
     let cancel = cancel_on_interrupt()?;

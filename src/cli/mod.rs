@@ -1,7 +1,7 @@
 //! The command line: the same documents as over HTTP, no server needed.
 //!
-//! Exit status: 0 done; 1 an error inside; 2 wrong usage or input; 3 the problem is infeasible; 4 cancelled, the best result found so
-//! far is written.
+//! Exit status: 0 done; 1 an error inside; 2 wrong usage or input; 3 the problem is infeasible; 4 cancelled, the best trajectory found so
+//! far is written, of an identification nothing.
 
 mod base_parameters;
 #[cfg(feature = "service")]
@@ -60,8 +60,7 @@ struct Arguments {
     command: Command,
 }
 
-const EXIT_STATUS: &str =
-    "Exit status: 0 done, 1 internal error, 2 wrong usage or input, 3 infeasible, 4 cancelled (the best found is written).";
+const EXIT_STATUS: &str = "Exit status: 0 done, 1 internal error, 2 wrong usage or input, 3 infeasible, 4 cancelled (the best trajectory found is written).";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -2,7 +2,7 @@
 
 use super::excite::cancel_on_interrupt;
 use super::{Ending, files, render};
-use crate::app::{Error, LogFile, keep_freed_memory, validate};
+use crate::app::{Error, LogFile, validate};
 use crate::io::shipped::Shipped;
 use crate::io::{NoExcitations, Parsed, read_validate_request, robot_file};
 use crate::model::FieldProblem;
@@ -28,7 +28,6 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    keep_freed_memory();
     let mut parsed = match &arguments.request {
         Some(path) => files::parse_json(path)?,
         None => Parsed {

@@ -8,6 +8,7 @@
 //! to which further columns may be added ([`Observation::push_column`]); [`estimate`] solves (9) and says how far the answer can be
 //! trusted.
 
+mod cancel;
 mod explained;
 pub mod filter;
 mod least_squares;
@@ -24,6 +25,7 @@ mod tail;
 mod thin;
 mod validation;
 
+pub use cancel::{CancelFlag, Cancelled};
 pub use explained::{Explained, explained};
 pub(crate) use explained::{folds_both_ways, folds_in_time, shares, with_constant};
 pub use least_squares::{Estimate, Estimator, JointFit, estimate};

@@ -118,6 +118,7 @@ impl Candidate {
 /// Columns of a candidate at a shape over all stretches, whitened; from the coarse forms of the stretches, whose torques are good enough to
 /// find what is worth fitting.
 pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, shapes: &[Vec<f64>]) -> Whitened {
+    data.cancel.leave_if_set();
     let coarse: Vec<&Stretch> = data.stretches.iter().map(Stretch::coarse_form).collect();
     let made: Vec<Shaped> = shapes
         .iter()
@@ -128,6 +129,7 @@ pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, sh
 
 /// The same of the grid's shapes, which every scan asks for again: what the measured motion alone decides is kept.
 pub(super) fn columns_on_grid(data: &Data, system: &System, candidate: &Candidate, shapes: &[Vec<f64>]) -> Whitened {
+    data.cancel.leave_if_set();
     let lasting = !candidate.is_distortion() && !candidate.effect.reads_torques();
     if !lasting || system.thinned(data).iter().any(|t| t.moved) {
         return columns_of(data, system, candidate, shapes);

@@ -6,6 +6,7 @@ use super::product::transposed_product;
 use super::projection::{RANK, Thinned, pseudo_inverse};
 use super::store::ColumnStore;
 use super::{AugmentedModel, NoiseModel, NoiseSource, Stretch, Term};
+use crate::identification::CancelFlag;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -36,6 +37,8 @@ pub(crate) struct Data<'a> {
     pub alone: Arc<OnceLock<Option<AugmentedModel>>>,
     /// Square roots of further weights of the rows, per stretch and joint; `None` where every row counts by its noise alone.
     pub(super) row_weights: Option<RowWeights>,
+    /// Ends fits and searches: they look at it with every linearisation and every set of columns.
+    pub(super) cancel: CancelFlag,
 }
 
 /// Per stretch and joint, one number for every row.
@@ -81,6 +84,7 @@ impl<'a> Data<'a> {
             columns: Arc::default(),
             alone: Arc::default(),
             row_weights: None,
+            cancel: CancelFlag::default(),
         }
     }
 
@@ -88,6 +92,14 @@ impl<'a> Data<'a> {
     pub fn for_comparison(self) -> Self {
         Self {
             settled: TO_COMPARE,
+            ..self
+        }
+    }
+
+    /// The same data, whose fits and searches end with `cancel`.
+    pub fn until(self, cancel: &CancelFlag) -> Self {
+        Self {
+            cancel: cancel.clone(),
             ..self
         }
     }
@@ -104,6 +116,7 @@ impl<'a> Data<'a> {
             columns: self.columns.clone(),
             alone: self.alone.clone(),
             row_weights: None,
+            cancel: self.cancel.clone(),
         }
     }
 
@@ -138,6 +151,7 @@ impl<'a> Data<'a> {
     }
 
     pub fn linearise(&self, model: AugmentedModel) -> System {
+        self.cancel.leave_if_set();
         let base = self.base_rows(&model);
         // As long as nothing bends the motion, only the columns of the effects are new.
         let bent = model.terms.iter().any(Term::is_distortion);

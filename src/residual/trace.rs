@@ -18,7 +18,7 @@ use super::trend::trends;
 use super::undetected::undetected;
 use super::unsteady::{joined, remainder_of};
 use super::{AugmentedModel, Finding, NoiseModel, NoiseSource, NotTested, ResidualReport, Rival, Stretch, Term, Verdict};
-use crate::identification::{Estimator, Explained, folds_both_ways, folds_in_time, shares, with_constant};
+use crate::identification::{CancelFlag, Estimator, Explained, folds_both_ways, folds_in_time, shares, with_constant};
 use crate::model::Robot;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -39,6 +39,8 @@ pub struct TraceOptions {
     pub search: bool,
     /// How rows weigh in the estimate that is handed out.
     pub estimator: Estimator,
+    /// Leaves the tracing when it is set, as [`CancelFlag::leave_if_set`] does: within [`CancelFlag::run`].
+    pub cancel: CancelFlag,
 }
 
 impl Default for TraceOptions {
@@ -50,6 +52,7 @@ impl Default for TraceOptions {
             most_effects_per_joint: 3,
             search: true,
             estimator: Estimator::Weighted,
+            cancel: CancelFlag::default(),
         }
     }
 }
@@ -88,9 +91,9 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let stretches = &steady[..];
     // What to add is found on the coarse forms, which have the same rows; values and errors are those of all samples.
     let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
-    let mut data = Data::new(&coarse, Vec::new(), prior).for_comparison();
+    let mut data = Data::new(&coarse, Vec::new(), prior).for_comparison().until(&options.cancel);
     data.noise = floor(robot, &data, &start);
-    let fine = Data::new(stretches, data.noise.clone(), prior);
+    let fine = Data::new(stretches, data.noise.clone(), prior).until(&options.cancel);
     let first = fine.fit(start.clone());
     let lack_of_fit = fits(&fine, &first);
     let threshold = Threshold {

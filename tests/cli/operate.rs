@@ -1,7 +1,9 @@
 //! What an operator does on the command line.
 
-use super::{Folder, run, stderr, stdout};
-use serde_json::Value;
+use super::{Folder, PROGRAM, ROOT, run, stderr, stdout};
+use serde_json::{Value, json};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 #[test]
 fn a_server_that_anyone_could_use_does_not_start_by_accident() {
@@ -124,4 +126,60 @@ fn the_example_of_a_settings_file_can_be_read() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/deploy/dynident.toml");
     let output = run(&["config", "--config", file]);
     assert!(output.status.success(), "{}", stderr(&output));
+}
+
+/// A log of two hidden laws that no effect has and some that one has, without periods: its diagnosis takes tens of seconds.
+fn long_diagnosis(folder: &Folder) -> Vec<String> {
+    let wave = |j: usize, k: usize| {
+        let frequency = 0.07 * k as f64 + 0.013 * ((j * 3 + k * 5) % 7) as f64;
+        json!([0.2 + 0.02 * ((j + 2 * k) % 5) as f64, frequency])
+    };
+    let terms: Vec<Vec<Value>> = (0..7).map(|j| (1..4).map(|k| wave(j, k)).collect()).collect();
+    let request = json!({
+        "trajectory": {"sines": {"terms": terms, "duration": 40}}, "sample_rate_hz": 200, "seed": 1,
+        "noise": {"torque": [0.3, 0.3, 0.2, 0.2, 0.1, 0.05, 0.05], "position": 1e-5},
+        "effects": [
+            {"effect": "unmodelled", "joints": ["A2", "A4"], "amplitude": 8},
+            {"effect": "unmodelled", "joints": ["A3", "A1"], "amplitude": 4},
+            {"effect": "stribeck_friction", "joint": "A4", "amplitude": 3, "velocity": 0.05, "exponent": 2},
+            {"effect": "position_ripple", "joint": "A1", "amplitude": 2, "cycles": 20, "phase": 0.3},
+            {"effect": "joint_spring", "joint": "A5", "stiffness": 2, "rest": 0.1},
+        ],
+    });
+    let request = folder.write("truth.json", &request.to_string());
+    let (robot, log) = ("examples/robots/iiwa14.json", folder.file("long.csv"));
+    let made = run(&["simulate", "--robot", robot, "--request", &request, "--out", &log]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    let out = folder.file("result.json");
+    ["identify", "--robot", robot, "--log", &log, "--out", &out]
+        .map(str::to_string)
+        .to_vec()
+}
+
+/// Reading takes a fraction of a second, so that these moments lie within the search. Its loops look at the switch every few hundredths of a second; a busy
+/// machine may take a second for that.
+#[test]
+fn a_long_diagnosis_ends_soon_after_it_is_cancelled() {
+    let folder = Folder::new("cancel");
+    let arguments = long_diagnosis(&folder);
+    for moment in [1.0, 2.5, 4.5] {
+        let mut child = Command::new(PROGRAM)
+            .args(&arguments)
+            .current_dir(ROOT)
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_secs_f64(moment));
+        assert_eq!(child.try_wait().unwrap(), None, "after {moment} s there is still work");
+        let pid = rustix::process::Pid::from_child(&child);
+        rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+        let cancelled = Instant::now();
+        let output = child.wait_with_output().unwrap();
+        let took = cancelled.elapsed().as_secs_f64();
+        eprintln!("cancelled after {moment} s: ended {took:.3} s later");
+        assert!(took < 1.0, "cancelled after {moment} s, it ended {took} s later");
+        assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+        assert!(stderr(&output).contains("error[no_result]"), "{}", stderr(&output));
+        assert!(!std::path::Path::new(&folder.file("result.json")).exists());
+    }
 }

@@ -4,6 +4,9 @@
 use crate::postgres::Postgres;
 use crate::process::{Folder, Place, Process, wait_until};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::net::TcpStream;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -235,4 +238,67 @@ fn a_job_whose_process_is_killed_twice_fails_and_says_so() {
     let problem = failure(&server, &begun(&server, "fault-killed", &log(&folder)));
     assert_eq!(problem["code"], "job_crashed");
     assert!(problem["detail"].as_str().unwrap().contains("it was killed"), "{problem}");
+}
+
+/// Processor time of every child of the server (hundredths of a second).
+fn work_of_children(server: &Process) -> BTreeMap<u32, u64> {
+    let ticks = |id: u32| {
+        let text = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+        let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
+        // User and system time are fields 14 and 15, and the state that comes after the name is field 3.
+        Some((id, fields[11].parse::<u64>().ok()? + fields[12].parse::<u64>().ok()?))
+    };
+    children_of(server.child.id()).into_iter().filter_map(ticks).collect()
+}
+
+/// Half a million rows of two joints, which take a second and more to read and prepare.
+fn long_log() -> String {
+    let mut log = String::from("time,q1,q2,tau1,tau2\n");
+    for s in 0..500_000 {
+        let t = 0.0025 * f64::from(s);
+        let (q1, q2) = ((1.9 * t).sin(), (2.7 * t).cos());
+        log += &format!("{t:.4},{q1:.6},{q2:.6},{:.4},{:.4}\n", 12.0 * q1 - q2, 3.0 * q2);
+    }
+    log
+}
+
+#[test]
+fn the_work_of_a_request_ends_when_its_client_leaves() {
+    let folder = Folder::new("left");
+    let server = server(&folder.place(), &[]);
+    let log = long_log();
+    let body = format!(
+        "--b\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{{\"robot\": \"planar_two_link\"}}\r\n\
+         --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"a.csv\"\r\n\r\n{log}\r\n--b--\r\n"
+    );
+    let address = server.url.trim_start_matches("http://");
+    let head = format!(
+        "POST /identify/preview HTTP/1.1\r\nHost: {address}\r\nContent-Type: multipart/form-data; boundary=b\r\nContent-Length: {}\r\n\r\n",
+        body.len()
+    );
+    let send = || {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all(head.as_bytes()).unwrap();
+        stream.write_all(body.as_bytes()).unwrap();
+        stream
+    };
+    let begun = Instant::now();
+    let mut answer = [0; 12];
+    send().read_exact(&mut answer).unwrap();
+    assert_eq!(&answer, b"HTTP/1.1 200");
+    let whole = begun.elapsed();
+    let before = work_of_children(&server);
+    // What a child has done since: one that has grown large is replaced by another.
+    let busy = |least: u64| {
+        let now = work_of_children(&server);
+        now.iter()
+            .any(|(id, done)| *done >= before.get(id).copied().unwrap_or(0) + least)
+    };
+    let client = send();
+    wait_until("the work has begun", || busy(5));
+    drop(client);
+    let left = Instant::now();
+    wait_until("the work has ended", || !busy(5));
+    println!("answered in {whole:?}; ended {:?} after its client had left", left.elapsed());
+    assert!(left.elapsed() < whole / 2, "{:?} of {whole:?}", left.elapsed());
 }

@@ -11,10 +11,10 @@ use self::model::model_files;
 use super::provenance::provenance;
 use super::report::{Answer, effects};
 use super::series::{Predictors, drawn, predictions};
-use super::trace::{add_effects, beyond_repair, data_faults, mounted, mounting_fault, residual_value};
+use super::trace::{add_effects, beyond_repair, data_faults, mounted, mounting_fault, report_faults, residual_value};
 use super::{CancelFlag, Code, Error};
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
-use crate::identification::{Estimate, PreparedLog, Quality, Verdict, quality};
+use crate::identification::{Cancelled, Estimate, PreparedLog, Quality, Verdict, quality};
 use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument, significant};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
@@ -82,7 +82,7 @@ impl Identified {
 /// Reads the logs, estimates, validates. The document has no predictions yet: see [`Identified::predictions`].
 ///
 /// # Errors
-/// `invalid_log` with what is wrong with which file; nothing else that the request could have caused.
+/// `invalid_log` with what is wrong with which file; `no_result` where `cancel` was set meanwhile; nothing else that the request could have caused.
 pub fn identify(
     request: &IdentifyRequest,
     logs: &[LogFile],
@@ -92,8 +92,8 @@ pub fn identify(
 ) -> Result<Identified, Error> {
     std::thread::scope(|scope| {
         // Hashing keeps one core busy; beside the rest it costs no time.
-        let hashed = scope.spawn(|| provenance(request, logs, validation));
-        let mut found = identified(request, logs, validation, cancel, observe)?;
+        let hashed = scope.spawn(|| provenance(request, logs, validation, cancel));
+        let mut found = stoppable("identification", || identified(request, logs, validation, cancel, observe))?;
         let origin = hashed.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         found.document.provenance = Some(origin?);
         Ok(found)
@@ -114,11 +114,19 @@ fn identified(
         of: logs.len() + validation.len() + 2,
     };
     let (mut read, beside) = read_logs(request, logs, validation, &progress)?;
-    let Declared { robot, moved, faults } = Declared::by_data(request, &read.used[..beside]);
+    let Declared { robot, moved, faults } = Declared::by_data(request, &read.used[..beside], cancel);
     read.turn(&robot, &faults);
     progress.at("estimating and diagnosing", logs.len() + validation.len())?;
     let (measured, held_out) = read.stretches.split_at(beside);
-    let traced = diagnose(request, &robot, moved, measured, held_out, &faults);
+    let options = TraceOptions {
+        search: request.trace && !beyond_repair(&faults),
+        offsets: request.offset,
+        estimator: request.estimator,
+        cancel: cancel.clone(),
+        ..TraceOptions::default()
+    };
+    let mounting = moved.then_some(&request.robot);
+    let traced = diagnose(&robot, mounting, [measured, held_out], &faults, &options);
     // Gravity is where the data have it.
     let robot = traced.model.robot.clone();
     let Estimates { found, declared } = traced.estimates.clone().expect("there is no existing model");
@@ -176,18 +184,18 @@ struct Declared {
 
 impl Declared {
     /// Without a diagnosis everything is as it was declared.
-    fn by_data(request: &IdentifyRequest, logs: &[UsedLog]) -> Self {
-        let mut mounted = request.trace.then(|| mounted(&request.robot, logs)).flatten();
+    fn by_data(request: &IdentifyRequest, logs: &[UsedLog], cancel: &CancelFlag) -> Self {
+        let mut mounted = request.trace.then(|| mounted(&request.robot, logs, cancel)).flatten();
         let mut robot = mounted.map_or_else(|| request.robot.clone(), |m| request.robot.with_gravity(m.gravity));
         let mut faults = match request.trace {
-            true => data_faults(&robot, logs),
+            true => data_faults(&robot, logs, cancel),
             false => Vec::new(),
         };
         // Gravity turned round with all torques turned round is what was declared: the data decide for neither.
         let all_turned = |f: &DataFault| f.fault == FaultKind::TorqueSign && f.joints.len() == robot.joint_count();
         if mounted.is_some() && faults.iter().any(all_turned) {
             (mounted, robot) = (None, request.robot.clone());
-            faults = data_faults(&robot, logs);
+            faults = data_faults(&robot, logs, cancel);
         }
         Self {
             moved: mounted.is_some(),
@@ -197,30 +205,25 @@ impl Declared {
     }
 }
 
-/// Searches for effects, unless the request says not to or the data are beyond repair; estimates in any case.
+/// Searches for effects, unless the options say not to; estimates in any case. `declared` is the robot as declared, where the data have gravity elsewhere.
 fn diagnose(
-    request: &IdentifyRequest,
     robot: &Robot,
-    moved: bool,
-    measured: &[Stretch],
-    held_out: &[Stretch],
+    declared: Option<&Robot>,
+    [measured, held_out]: [&[Stretch]; 2],
     faults: &[DataFault],
+    options: &TraceOptions,
 ) -> Traced {
-    let options = TraceOptions {
-        search: request.trace && !beyond_repair(faults),
-        offsets: request.offset,
-        estimator: request.estimator,
-        ..TraceOptions::default()
-    };
-    let (mut traced, gravity) = match moved {
-        false => (trace(robot, measured, held_out, &options), None),
-        true => {
-            let (traced, gravity) = trace_mounted(robot, measured, held_out, &options);
-            (traced, Some(gravity))
+    let (mut traced, mounting) = match declared {
+        None => (trace(robot, measured, held_out, options), None),
+        Some(declared) => {
+            let (traced, gravity) = trace_mounted(robot, measured, held_out, options);
+            (traced, Some(mounting_fault(declared, &gravity)))
         }
     };
-    let mounting = gravity.map(|g| mounting_fault(&request.robot, &g));
-    traced.report.data_faults = mounting.into_iter().chain(faults.iter().cloned()).collect();
+    report_faults(
+        &mut traced.report,
+        mounting.into_iter().chain(faults.iter().cloned()).collect(),
+    );
     traced
 }
 
@@ -248,13 +251,19 @@ impl Progress<'_> {
 
     fn stop_if_cancelled(&self) -> Result<(), Error> {
         match self.cancel.is_cancelled() {
-            true => Err(Error::new(
-                Code::NoResult,
-                "the identification was cancelled before it had a result",
-            )),
+            true => Err(cancelled("identification")),
             false => Ok(()),
         }
     }
+}
+
+/// The result of `work`, which its loops may leave when it is cancelled.
+pub(super) fn stoppable<T>(what: &str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    CancelFlag::run(work).unwrap_or_else(|Cancelled| Err(cancelled(what)))
+}
+
+pub(super) fn cancelled(what: &str) -> Error {
+    Error::new(Code::NoResult, format!("the {what} was cancelled before it had a result"))
 }
 
 /// Logs as they were read, and their rows.
@@ -295,6 +304,7 @@ fn read_logs(
         columns: &request.columns,
         preprocess: &request.preprocess,
         trace: request.trace,
+        cancel: progress.cancel,
     };
     // Validation logs may be of another trajectory: their period is their own.
     let expected = request.preprocess.for_other_log();

@@ -1,6 +1,6 @@
 //! Log files, and how they become rows.
 
-use crate::app::{Code, Error};
+use crate::app::{CancelFlag, Code, Error};
 use crate::identification::{Log, PreparedLog, PreprocessOptions, prepare};
 use crate::io::log::{Columns, LogError, LogReport, read_joined_log};
 use crate::model::Robot;
@@ -43,6 +43,8 @@ pub(in super::super) struct Reading<'a> {
     pub columns: &'a Columns,
     pub preprocess: &'a PreprocessOptions,
     pub trace: bool,
+    /// Leaves the reading when it is set.
+    pub cancel: &'a CancelFlag,
 }
 
 /// Files beside a log: name and path.
@@ -81,10 +83,12 @@ pub(in super::super) fn use_log(
     file: &LogFile,
     beside: &[(String, PathBuf)],
 ) -> Result<(UsedLog, Stretch), Error> {
+    reading.cancel.leave_if_set();
     let names: Vec<String> = reading.robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
     let (mut log, mut report) =
         read_joined_log(&file.path, beside, reading.columns, &names).map_err(|e| invalid(called(e, file, beside).to_string()))?;
+    reading.cancel.leave_if_set();
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);
     let sample_faults = if reading.trace {
@@ -92,6 +96,7 @@ pub(in super::super) fn use_log(
     } else {
         Vec::new()
     };
+    reading.cancel.leave_if_set();
     let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
     let stretch = Stretch::new(&prepared, &log);
     let used = UsedLog {

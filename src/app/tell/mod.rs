@@ -7,6 +7,7 @@ mod tests;
 mod words;
 
 use self::words::{known, phrase, sentence, variable_in_words};
+use super::trace::beyond_repair;
 use crate::io::{listed, significant, unit};
 use crate::model::Robot;
 use crate::residual::{Change, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, ResidualReport, Verdict};
@@ -39,7 +40,8 @@ struct Teller<'a> {
 
 impl Teller<'_> {
     fn summary(&self) -> String {
-        let held_out = self.held_out().filter(|_| !self.report.explains_nothing);
+        let searched = !self.report.explains_nothing && !beyond_repair(&self.report.data_faults);
+        let held_out = self.held_out().filter(|_| searched);
         let parts = [
             self.faults(),
             Some(self.physics()),
@@ -63,6 +65,9 @@ impl Teller<'_> {
             return "The model explains no more of the torques than a constant per joint: they have nothing to do with the motion as it was logged, and no effect \
                     was looked for."
                 .into();
+        }
+        if beyond_repair(&self.report.data_faults) {
+            return "No effect was looked for: what a model leaves over of wrong data says nothing of the robot.".into();
         }
         let count = self.report.findings.iter().filter(|f| !is_rejected(f)).count();
         let effects = if count == 1 {

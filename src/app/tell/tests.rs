@@ -4,7 +4,9 @@ use super::*;
 use crate::effects::all;
 use crate::io::shipped::Shipped;
 use crate::io::{NamedRobots, RobotDocument};
-use crate::residual::{Evaluated, Evidence, FindingHeldOut, HeldOut, JointFit, ReportedParameter, Rival, RmsPair};
+use crate::residual::{
+    DataFault, Evaluated, Evidence, FaultKind, FindingHeldOut, HeldOut, JointFit, Remedy, ReportedParameter, Rival, RmsPair,
+};
 
 fn robot() -> Robot {
     let RobotDocument { robot, .. } = Shipped.named("planar_two_link").expect("is shipped");
@@ -164,5 +166,29 @@ fn what_held_out_data_reject_is_said_to_be_rejected() {
     assert!(
         sentence.contains("it is not in the model") && !sentence.contains("Nothing structured"),
         "{sentence}"
+    );
+}
+
+#[test]
+fn of_wrong_data_nothing_is_said_of_the_robot() {
+    let robot = robot();
+    let mut report = report(&robot, true);
+    report.findings.clear();
+    report.verdict = Verdict::NothingMissing;
+    let fault = DataFault {
+        fault: FaultKind::JointOrder,
+        joints: Vec::new(),
+        detail: "the columns are exchanged".into(),
+        remedy: Remedy::Nothing,
+        parameters: Vec::new(),
+    };
+    super::super::trace::report_faults(&mut report, vec![fault]);
+    let mut document = serde_json::to_value(&report).unwrap();
+    tell(&robot, &report, &mut document);
+    assert_eq!(document["verdict"], "unexplained");
+    let summary = document["summary"].as_str().unwrap();
+    assert!(
+        summary.contains("No effect was looked for") && !summary.contains("Nothing is missing"),
+        "{summary}"
     );
 }

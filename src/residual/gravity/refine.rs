@@ -1,6 +1,7 @@
 //! The direction of gravity by all samples, weighed by their noise.
 
 use crate::effects::tilted;
+use crate::identification::CancelFlag;
 use crate::model::Robot;
 use crate::residual::candidate::candidates;
 use crate::residual::confirm::honest_covariance;
@@ -23,7 +24,7 @@ pub struct Gravity {
 /// The tracing with gravity where all samples have it, starting from where `robot` has it. Effects that were found may have turned it by a little: then
 /// that is a part of the direction, and not a base out of level.
 pub fn trace_mounted(robot: &Robot, measured: &[Stretch], held_out: &[Stretch], options: &TraceOptions) -> (Traced, Gravity) {
-    let mut gravity = refined(robot, measured);
+    let mut gravity = refined(robot, measured, &options.cancel);
     let first = trace(&robot.with_gravity(gravity.value), measured, held_out, options);
     let tilt = first.model.terms.iter().find(|t| t.effect.code() == "base_tilt");
     let Some(tilt) = tilt else { return (first, gravity) };
@@ -33,10 +34,10 @@ pub fn trace_mounted(robot: &Robot, measured: &[Stretch], held_out: &[Stretch], 
 }
 
 /// Gravity with a tilt of the base beside all base parameters, from the direction that `robot` has.
-fn refined(robot: &Robot, stretches: &[Stretch]) -> Gravity {
+fn refined(robot: &Robot, stretches: &[Stretch], cancel: &CancelFlag) -> Gravity {
     let start = AugmentedModel::declared(robot);
     let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
-    let mut data = Data::new(&coarse, Vec::new(), None);
+    let mut data = Data::new(&coarse, Vec::new(), None).until(cancel);
     data.noise = floor(robot, &data, &start);
     let list = candidates(&start, &spans(stretches), false);
     let mut model = start;
