@@ -5,6 +5,7 @@ use crate::io::shipped::Shipped;
 use crate::io::{NamedRobots, Parsed, RobotDocument, parse, robot_document, robot_file};
 use serde::Serialize;
 use serde_json::Value;
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -14,15 +15,24 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
 
 /// Writes to a file beside the target and renames it: whoever looks finds the old content or the new, never half of it.
 pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
+    write_parts(path, std::iter::once(content))
+}
+
+/// [`write()`], of content that comes part by part: all of it need not fit into memory.
+pub fn write_parts(path: &Path, mut parts: impl Iterator<Item = impl AsRef<[u8]>>) -> Result<(), Error> {
     let unwritable = |e: std::io::Error| Error::new(Code::FileUnwritable, format!("cannot write {}: {e}", path.display()));
+    let mut write_to = |path: &Path| {
+        let mut file = File::create(path)?;
+        parts.try_for_each(|part| file.write_all(part.as_ref()))
+    };
     // Pipes and devices (`/dev/stdout`) cannot be replaced.
     if path.exists() && !path.is_file() {
-        return std::fs::write(path, content.as_ref()).map_err(unwritable);
+        return write_to(path).map_err(unwritable);
     }
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
-    let written = std::fs::write(&part, content.as_ref()).and_then(|()| std::fs::rename(&part, path));
+    let written = write_to(&part).and_then(|()| std::fs::rename(&part, path));
     written.inspect_err(|_| drop(std::fs::remove_file(&part))).map_err(unwritable)
 }
 

@@ -28,6 +28,7 @@ mod validate_request;
 mod warm_start;
 mod words;
 
+pub use crate::model::shortest;
 pub use augmented_document::{ReadModel, augmented_value, read_augmented, traced_value};
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};
@@ -49,7 +50,7 @@ pub use trajectory_file::{
     MOST_ROWS, Parts, TrajectoryFile, TrajectoryFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts,
 };
 pub use validate_request::{ModelEffect, ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};
-pub use words::{listed, measured, shortest, significant, unit};
+pub use words::{listed, measured, significant, unit};
 
 /// Every object that requests may have, by its name in the OpenAPI document, with the fields that its reader knows.
 pub const KNOWN_FIELDS: &[(&str, &[&str])] = &[

@@ -1,9 +1,9 @@
 //! From a trajectory to a log.
 
 use super::elastic::ElasticArm;
-use super::friction::direction;
+use super::friction::{dahl, direction};
 use super::noise::{correlated, normal, quantised};
-use super::torque::{add_torque, disturb_reading};
+use super::torque::{Along, add_torque, disturb_reading};
 use super::{HiddenEffect, Noise};
 use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
 use crate::model::Robot;
@@ -107,31 +107,59 @@ fn encoder_motion(experiment: &Experiment, times: &[f64]) -> Motion {
     })
 }
 
+/// Samples that torques are computed for at a time: motion and torques on the way take many times the memory of what is recorded.
+const BLOCK: usize = 8192;
+
 /// Torque readings without noise, n × N.
 fn true_torque(experiment: &Experiment, times: &[f64]) -> Vec<Vec<f64>> {
     let robot = tilted(experiment);
     let layout = Layout::standard(&robot);
     let (rigid_phi, friction) = bodies(experiment, &layout);
-    let motor = encoder_motion(experiment, times);
-    let link = true_links(experiment, &robot, &layout, &rigid_phi, times, &motor);
-    let flat = inverse_dynamics_batch(&Chain::new(&robot), &layout, &rigid_phi, &link, Coulomb::Sign);
-    let rigid: Vec<Vec<f64>> = (0..robot.joint_count())
-        .map(|j| flat[j * link.stride()..j * link.stride() + link.samples()].to_vec())
-        .collect();
-    let mut tau = rigid.clone();
-    for (j, row) in tau.iter_mut().enumerate() {
-        let [viscous, coulomb] = friction[j];
-        row.iter_mut()
-            .zip(motor.velocities(j))
-            .for_each(|(t, &v)| *t += viscous * v + coulomb * direction(v));
-    }
-    for effect in experiment.effects {
-        add_torque(effect, experiment, times, &motor, &rigid, &mut tau);
-    }
-    for effect in experiment.effects {
-        disturb_reading(effect, &mut tau);
+    let links = Links::new(experiment, &robot, &layout, &rigid_phi, times);
+    let memories: Vec<Option<Vec<f64>>> = experiment.effects.iter().map(|e| hysteresis(e, experiment, times)).collect();
+    let chain = Chain::new(&robot);
+    let mut tau: Vec<Vec<f64>> = (0..robot.joint_count()).map(|_| Vec::with_capacity(times.len())).collect();
+    for first in (0..times.len()).step_by(BLOCK) {
+        let range = first..times.len().min(first + BLOCK);
+        let times = &times[range.clone()];
+        let motor = encoder_motion(experiment, times);
+        let link = links.motion(&motor, times);
+        let flat = inverse_dynamics_batch(&chain, &layout, &rigid_phi, &link, Coulomb::Sign);
+        let rigid: Vec<&[f64]> = (0..robot.joint_count())
+            .map(|j| &flat[j * link.stride()..j * link.stride() + link.samples()])
+            .collect();
+        let mut block: Vec<Vec<f64>> = rigid.iter().map(|row| row.to_vec()).collect();
+        for (j, row) in block.iter_mut().enumerate() {
+            let [viscous, coulomb] = friction[j];
+            row.iter_mut()
+                .zip(motor.velocities(j))
+                .for_each(|(t, &v)| *t += viscous * v + coulomb * direction(v));
+        }
+        for (effect, memory) in experiment.effects.iter().zip(&memories) {
+            let along = Along {
+                times,
+                motor: &motor,
+                rigid: &rigid,
+                memory: memory.as_ref().map_or(&[], |z| &z[range.clone()]),
+            };
+            add_torque(effect, &along, &mut block);
+        }
+        for effect in experiment.effects {
+            disturb_reading(effect, &mut block);
+        }
+        tau.iter_mut().zip(&block).for_each(|(whole, part)| whole.extend(part));
     }
     tau
+}
+
+/// State over all samples of an effect that remembers; `None` of all others.
+fn hysteresis(effect: &HiddenEffect, experiment: &Experiment, times: &[f64]) -> Option<Vec<f64>> {
+    let HiddenEffect::PreslidingHysteresis { joint, width, .. } = effect else {
+        return None;
+    };
+    let velocity = |&t: &f64| experiment.trajectory.state(*joint, phase(experiment, t))[1];
+    let velocities: Vec<f64> = times.iter().map(velocity).collect();
+    Some(dahl(&velocities, 1.0 / experiment.rate_hz, *width))
 }
 
 /// The robot as it really stands.
@@ -184,48 +212,70 @@ fn bodies(experiment: &Experiment, layout: &Layout) -> (Vec<f64>, Vec<[f64; 2]>)
 }
 
 /// Motion of the links: encoder offsets and elastic gears between.
-fn true_links(experiment: &Experiment, robot: &Robot, layout: &Layout, phi: &[f64], times: &[f64], motor: &Motion) -> Motion {
-    let n = robot.joint_count();
-    let (mut offsets, mut compliance) = (vec![0.0; n], vec![0.0; n]);
-    for effect in experiment.effects {
-        match effect {
-            HiddenEffect::EncoderOffset { joint, offset } => offsets[*joint] += offset,
-            HiddenEffect::JointElasticity { joint, stiffness } => compliance[*joint] += 1.0 / stiffness,
-            _ => {}
+struct Links {
+    offsets: Vec<f64>,
+    /// Time that `elastic` begins at (s).
+    from: f64,
+    /// Elastic joints with their states on the grid.
+    elastic: Vec<(usize, Vec<[f64; 3]>)>,
+}
+
+impl Links {
+    fn new(experiment: &Experiment, robot: &Robot, layout: &Layout, phi: &[f64], times: &[f64]) -> Self {
+        let n = robot.joint_count();
+        let (mut offsets, mut compliance) = (vec![0.0; n], vec![0.0; n]);
+        for effect in experiment.effects {
+            match effect {
+                HiddenEffect::EncoderOffset { joint, offset } => offsets[*joint] += offset,
+                HiddenEffect::JointElasticity { joint, stiffness } => compliance[*joint] += 1.0 / stiffness,
+                _ => {}
+            }
         }
+        // A millisecond grid over all the time needed.
+        let (first, last) = (
+            times.iter().copied().fold(f64::INFINITY, f64::min),
+            times.iter().copied().fold(0.0, f64::max),
+        );
+        let from = first - 0.01;
+        let mut elastic = Vec::new();
+        if compliance.iter().any(|c| *c != 0.0) {
+            let arm = ElasticArm {
+                robot,
+                layout,
+                phi,
+                compliance: &compliance,
+            };
+            let state = |j: usize, t: f64| {
+                let [q, qd, qdd] = experiment.trajectory.state(j, phase(experiment, t));
+                [q + offsets[j], qd, qdd]
+            };
+            // Motors at half steps too.
+            let motor = |k: usize| (0..n).map(|j| state(j, from + 0.5 * k as f64 * GRID)).collect();
+            elastic = arm.links(&motor, ((last - from) / GRID) as usize + 12, GRID);
+        }
+        Self { offsets, from, elastic }
     }
-    let shifted = |motion: &Motion| {
-        Motion::from_fn(n, motion.samples(), |j, s| {
-            let [q, qd, qdd] = motion.get(j, s);
-            [q + offsets[j], qd, qdd]
-        })
-    };
-    if compliance.iter().all(|c| *c == 0.0) {
-        return shifted(motor);
+
+    /// What the links do at these times, where the motors do `motor`.
+    fn motion(&self, motor: &Motion, times: &[f64]) -> Motion {
+        let mut links = Motion::from_fn(motor.joints(), motor.samples(), |j, s| {
+            let [q, qd, qdd] = motor.get(j, s);
+            [q + self.offsets[j], qd, qdd]
+        });
+        for (j, states) in &self.elastic {
+            for (s, t) in times.iter().enumerate() {
+                links.set(*j, s, between(states, (t - self.from) / GRID));
+            }
+        }
+        links
     }
-    // A millisecond grid over all the time needed, motors at half steps too.
-    let (first, last) = (
-        times.iter().copied().fold(f64::INFINITY, f64::min),
-        times.iter().copied().fold(0.0, f64::max),
-    );
-    let from = first - 0.01;
-    let steps = ((last - from) / GRID) as usize + 12;
-    let grid: Vec<f64> = (0..=2 * steps).map(|k| from + 0.5 * k as f64 * GRID).collect();
-    let arm = ElasticArm {
-        robot,
-        layout,
-        phi,
-        compliance: &compliance,
-    };
-    let links = arm.links(&shifted(&encoder_motion(experiment, &grid)), GRID);
-    Motion::from_fn(n, times.len(), |j, s| between(&links, j, (times[s] - from) / GRID))
 }
 
 const GRID: f64 = 1e-3;
 
 /// Linear between grid points a millisecond apart: second differences of joint motion over that are 1e-6 of its size.
-fn between(motion: &Motion, joint: usize, at: f64) -> [f64; 3] {
+fn between(states: &[[f64; 3]], at: f64) -> [f64; 3] {
     let (low, u) = (at.floor() as usize, at - at.floor());
-    let (a, b) = (motion.get(joint, low), motion.get(joint, low + 1));
+    let (a, b) = (states[low], states[low + 1]);
     std::array::from_fn(|i| a[i] + u * (b[i] - a[i]))
 }

@@ -1,19 +1,27 @@
 //! Torques that hidden effects add, and what the torque channel makes of them.
 
 use super::HiddenEffect;
-use super::experiment::Experiment;
-use super::friction::{dahl, direction};
+use super::friction::direction;
 use crate::dynamics::Motion;
 
-pub(super) fn add_torque(
-    effect: &HiddenEffect,
-    experiment: &Experiment,
-    times: &[f64],
-    motor: &Motion,
-    rigid: &[Vec<f64>],
-    tau: &mut [Vec<f64>],
-) {
+/// A part of an experiment.
+pub(super) struct Along<'a> {
+    pub times: &'a [f64],
+    pub motor: &'a Motion,
+    /// Torque of the bodies alone, per joint.
+    pub rigid: &'a [&'a [f64]],
+    /// State of an effect that remembers.
+    pub memory: &'a [f64],
+}
+
+pub(super) fn add_torque(effect: &HiddenEffect, along: &Along, tau: &mut [Vec<f64>]) {
     use HiddenEffect::*;
+    let Along {
+        times,
+        motor,
+        rigid,
+        memory,
+    } = along;
     let mut add = |joint: usize, value: &dyn Fn(usize, [f64; 3]) -> f64| {
         tau[joint]
             .iter_mut()
@@ -43,9 +51,8 @@ pub(super) fn add_torque(
         LoadDependentFriction { joint, coefficient } => {
             add(*joint, &|s, [_, v, _]| coefficient * rigid[*joint][s].abs() * direction(v));
         }
-        PreslidingHysteresis { joint, amplitude, width } => {
-            let z = dahl(motor.velocities(*joint), 1.0 / experiment.rate_hz, *width);
-            add(*joint, &|s, [_, v, _]| amplitude * (z[s] - direction(v)));
+        PreslidingHysteresis { joint, amplitude, .. } => {
+            add(*joint, &|s, [_, v, _]| amplitude * (memory[s] - direction(v)));
         }
         SmoothCoulombFriction {
             joint,

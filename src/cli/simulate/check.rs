@@ -1,8 +1,7 @@
 //! What a simulation may be asked for.
 
 use super::{Path, Request};
-use crate::io::MOST_ROWS;
-use crate::model::{FieldProblem, Robot};
+use crate::model::{FieldProblem, INPUT_LIMITS, Robot, decimals, shortest};
 use crate::parameters::Layout;
 use crate::simulate::{HiddenEffect, LogFault, RecordedLog};
 
@@ -71,19 +70,22 @@ pub(super) fn check(request: &Request, robot: &Robot, problems: &mut Vec<FieldPr
 
 /// Length in time and rows, and what must fit into it: an input of a line must not ask for work without end.
 fn check_size(request: &Request, joints: usize, problems: &mut Vec<FieldProblem>) {
-    let most = MOST_ROWS as f64;
     let seconds = request.periods * duration(&request.trajectory);
     let rows = (seconds * request.sample_rate_hz).round();
+    let most = (INPUT_LIMITS.simulated_values / (joints + 2)) as f64;
     if !(LEAST_ROWS..=most).contains(&rows) {
-        let detail =
-            format!("makes {rows:.0e} rows with this trajectory and `sample_rate_hz`; from 2 to {MOST_ROWS} can be made");
+        let detail = format!(
+            "makes {} rows with this trajectory and `sample_rate_hz`; from 2 to {most} can be made of {joints} joints",
+            decimals(rows, 0)
+        );
         problems.push(FieldProblem::new("/periods", detail));
     }
     let elastic = |e: &HiddenEffect| matches!(e, HiddenEffect::JointElasticity { .. });
-    if request.effects.iter().any(elastic) && seconds * STEPS_PER_SECOND > most {
+    let longest = (INPUT_LIMITS.simulated_steps / joints) as f64 / STEPS_PER_SECOND;
+    if request.effects.iter().any(elastic) && seconds > longest {
         let detail = format!(
-            "makes {seconds:.0e} s; with elastic joints up to {} s can be made",
-            most / STEPS_PER_SECOND
+            "makes {} s; with elastic joints up to {longest} s can be made of {joints} joints",
+            decimals(seconds, 0)
         );
         problems.push(FieldProblem::new("/periods", detail));
     }
@@ -106,13 +108,16 @@ fn check_size(request: &Request, joints: usize, problems: &mut Vec<FieldProblem>
         if !(0.0..=1.0 / request.sample_rate_hz).contains(&noise.jitter) {
             problems.push(FieldProblem::new(
                 "/noise/jitter",
-                format!("is {} s, expected a time from 0 to one sample", noise.jitter),
+                format!("is {} s, expected a time from 0 to one sample", shortest(noise.jitter)),
             ));
         }
         if !(-1.0..=1.0).contains(&noise.torque_correlation) {
             problems.push(FieldProblem::new(
                 "/noise/torque_correlation",
-                format!("is {}, expected a correlation from -1 to 1", noise.torque_correlation),
+                format!(
+                    "is {}, expected a correlation from -1 to 1",
+                    shortest(noise.torque_correlation)
+                ),
             ));
         }
     }
@@ -133,7 +138,9 @@ fn misfit(effect: &HiddenEffect, joints: usize, seconds: f64) -> Option<String> 
             Some(format!("has {} torques, the robot has {joints} joints", torque.len()))
         }
         HiddenEffect::TorqueDelay { seconds: late } if !(0.0..=seconds).contains(late) => Some(format!(
-            "is late by {late} s, expected a time from 0 to that of the log, {seconds} s"
+            "is late by {} s, expected a time from 0 to that of the log, {} s",
+            shortest(*late),
+            shortest(seconds)
         )),
         _ => None,
     }
@@ -150,7 +157,7 @@ pub(super) fn not_finite(log: &RecordedLog, robot: &Robot) -> Option<FieldProble
         let detail = format!(
             "makes a {what} of joint {} that is no finite number, from {} s on",
             robot.joints()[j].name,
-            log.time[at]
+            shortest(log.time[at])
         );
         Some(FieldProblem::new("", detail).with_hint("make motion, masses or effects smaller"))
     })

@@ -108,10 +108,9 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     if let Some(problem) = not_finite(&log, &robot) {
         return Err(invalid(vec![problem]));
     }
-    let table = csv(&log);
     match &arguments.out {
-        Some(out) => files::write(out, &table)?,
-        None => return files::print(&table).map(|()| Ending::Done),
+        Some(out) => files::write_parts(out, csv(&log))?,
+        None => return csv(&log).try_for_each(|part| files::print(&part)).map(|()| Ending::Done),
     }
     let done = serde_json::json!({"rows": log.time.len(), "joints": log.q.len()});
     files::print(&if json {
@@ -220,16 +219,23 @@ fn trajectory(path: &Path, joints: usize) -> Box<dyn Trajectory> {
     }
 }
 
-/// `time, q1 … qn, tau1 … taun`.
-fn csv(log: &RecordedLog) -> String {
+/// Rows in one part of the table.
+const ROWS_OF_A_PART: usize = 1024;
+
+/// `time, q1 … qn, tau1 … taun`, part by part.
+fn csv(log: &RecordedLog) -> impl Iterator<Item = String> + '_ {
     let names = |prefix: &str| (1..=log.q.len()).map(|j| format!(",{prefix}{j}")).collect::<String>();
-    let mut text = format!("time{}{}\n", names("q"), names("tau"));
-    for (s, time) in log.time.iter().enumerate() {
-        text.push_str(&shortest(*time));
-        for column in log.q.iter().chain(&log.tau) {
-            let _ = write!(text, ",{}", shortest(column[s]));
-        }
-        text.push('\n');
+    let head = format!("time{}{}\n", names("q"), names("tau"));
+    let rows = log.time.len();
+    let part = move |first: usize| (first..rows.min(first + ROWS_OF_A_PART)).map(|s| row(log, s)).collect();
+    std::iter::once(head).chain((0..rows).step_by(ROWS_OF_A_PART).map(part))
+}
+
+fn row(log: &RecordedLog, s: usize) -> String {
+    let mut text = shortest(log.time[s]);
+    for column in log.q.iter().chain(&log.tau) {
+        let _ = write!(text, ",{}", shortest(column[s]));
     }
+    text.push('\n');
     text
 }

@@ -1,19 +1,24 @@
 //! What can be wrong with a request, field by field.
 
 use super::{Criterion, Given, ProblemSpec};
-use crate::model::{FieldProblem, INPUT_LIMITS, ModelError};
+use crate::model::{FieldProblem, INPUT_LIMITS, ModelError, shortest};
 use crate::trajectory::{Trajectory, sample_count};
 
-/// Numbers in the observation matrix: beyond this one evaluation takes so long that a search learns nothing and cannot stop within a
-/// second. The iiwa 14 has room for 12,500 samples, a period of 10 s at more than 1 kHz.
-const LARGEST_MATRIX: usize = 5_000_000;
+/// Numbers that one evaluation holds: beyond this it takes so long that a search learns nothing and cannot stop within a second, and every thread holds
+/// 72 MB. The iiwa 14 has room for 10,300 samples, a period of 10 s at 1 kHz.
+const LARGEST_EVALUATION: usize = 9_000_000;
+
+/// Of one sample: the rows of all joints and their weights, motion and its gradient, and the series with its derivatives.
+fn numbers_per_sample(joints: usize, parameters: usize, order: usize) -> usize {
+    2 * joints * parameters.max(1) + 6 * joints + 3 * (2 * order + 1)
+}
 
 fn positive(pointer: &str, value: f64, unit: &str, found: &mut Vec<FieldProblem>) -> bool {
     let good = value.is_finite() && value > 0.0;
     if !good {
         found.push(FieldProblem::new(
             pointer,
-            format!("is {value}; it must be a positive number of {unit}"),
+            format!("is {}; it must be a positive number of {unit}", shortest(value)),
         ));
     }
     good
@@ -91,7 +96,7 @@ pub(super) fn knowledge_problems(spec: &ProblemSpec, columns: usize) -> Result<(
     for (i, given) in knowledge.given.iter().enumerate() {
         if let Given::Motion { series, .. } = given {
             let samples = sample_count(series.duration(), spec.sample_rate_hz);
-            if let Err(e) = size_problem(samples, joints, columns) {
+            if let Err(e) = size_problem(samples, joints, columns, series.order()) {
                 let placed = |p: FieldProblem| FieldProblem::new(format!("/given/{i}/fundamental_hz"), p.detail);
                 found.extend(e.0.into_iter().map(placed));
             }
@@ -119,15 +124,12 @@ pub(super) fn knowledge_problems(spec: &ProblemSpec, columns: usize) -> Result<(
     if found.is_empty() { Ok(()) } else { Err(ModelError(found)) }
 }
 
-pub(super) fn size_problem(samples: usize, joints: usize, parameters: usize) -> Result<(), ModelError> {
-    let row_size = joints * parameters.max(1);
-    if samples.saturating_mul(row_size) <= LARGEST_MATRIX {
+pub(super) fn size_problem(samples: usize, joints: usize, parameters: usize, order: usize) -> Result<(), ModelError> {
+    let most = LARGEST_EVALUATION / numbers_per_sample(joints, parameters, order);
+    if samples <= most {
         return Ok(());
     }
-    let detail = format!(
-        "gives {samples} samples per period, the most for this robot is {}",
-        LARGEST_MATRIX / row_size
-    );
+    let detail = format!("gives {samples} samples per period, the most for this robot and order is {most}");
     let hint = "some hundred samples per harmonic are enough: lower the rate, or raise the fundamental";
     Err(ModelError(vec![FieldProblem::new("/sample_rate_hz", detail).with_hint(hint)]))
 }

@@ -55,7 +55,7 @@ impl Problem {
         let chain = Chain::new(&spec.robot);
         let samples = sample_count(1.0 / spec.fundamental_hz, spec.sample_rate_hz);
         let all = base.len() + spec.knowledge.added.as_ref().map_or(0, |a| a.0.count());
-        size_problem(samples, spec.robot.joint_count(), all)?;
+        size_problem(samples, spec.robot.joint_count(), all, spec.order)?;
         knowledge_problems(&spec, all)?;
         let mut problem = Self {
             spec,

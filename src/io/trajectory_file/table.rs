@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn rows_hold_the_state_and_close_the_period() {
-        let text = trajectory_csv(&series(), 100.0, 2);
+        let text: String = trajectory_csv_parts(series(), 100.0, 2).collect();
         let mut lines = text.lines();
         assert_eq!(lines.next().unwrap(), "time,q1,q2,qd1,qd2,qdd1,qdd2");
         let table: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|v| v.parse().unwrap()).collect()).collect();
