@@ -74,19 +74,6 @@ fn superscript(exponent: i32) -> String {
     exponent.to_string().chars().map(digit).collect()
 }
 
-/// Longest text of a double with an exponent.
-const LONGEST_NUMBER: usize = 24;
-
-/// The shortest text that reads as `value`: written out, or with an exponent where that would be hundreds of digits.
-pub fn shortest(value: f64) -> String {
-    let text = value.to_string();
-    if text.len() > LONGEST_NUMBER {
-        format!("{value:e}")
-    } else {
-        text
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! Why a description is not a robot. Every problem is collected, so that one round of corrections is enough.
 
+use super::readable;
 use std::fmt;
 
 /// All that is wrong with a robot description.
@@ -19,14 +20,14 @@ impl FieldProblem {
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self {
             pointer: pointer.into(),
-            detail: detail.into(),
+            detail: readable(detail),
             hint: None,
         }
     }
 
     pub fn with_hint(self, hint: impl Into<String>) -> Self {
         Self {
-            hint: Some(hint.into()),
+            hint: Some(readable(hint)),
             ..self
         }
     }

@@ -15,6 +15,7 @@ mod mjcf;
 mod notes;
 mod robot;
 mod urdf;
+mod words;
 mod xml;
 
 pub use angles::Rounding;
@@ -28,3 +29,4 @@ pub use mjcf::from_mjcf;
 pub use notes::Notes;
 pub use robot::{Friction, Robot};
 pub use urdf::{UrdfRobot, body_complaint, from_urdf, from_urdf_rounded};
+pub use words::{decimals, readable, scientific, shortest};

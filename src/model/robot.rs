@@ -1,7 +1,7 @@
 //! The robot itself: built once, checked once, shared by every computation.
 
 use super::limits::{BEYOND_ANY_POSITION, FASTEST_REVOLUTE, LARGEST_REVOLUTE, LimitProblem};
-use super::{FieldProblem, INPUT_LIMITS, Joint, ModelError};
+use super::{FieldProblem, INPUT_LIMITS, Joint, ModelError, decimals, scientific};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
@@ -89,7 +89,7 @@ impl Robot {
             found.push(FieldProblem::new("/gravity", "is not finite"));
         } else if self.gravity.norm() > 100.0 {
             found.push(
-                FieldProblem::new("/gravity", format!("is {:.0} m/s² long", self.gravity.norm()))
+                FieldProblem::new("/gravity", format!("is {} m/s² long", decimals(self.gravity.norm(), 0)))
                     .with_hint("gravity is in m/s², on Earth 9.81 long: check the unit"),
             );
         }
@@ -201,7 +201,7 @@ fn placement_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
             "its place is not a finite rigid transform",
         ));
     } else if joint.mdh.is_none() && translation.norm() > INPUT_LIMITS.length {
-        let detail = format!("is {:.3e} m away from the joint before it", translation.norm());
+        let detail = format!("is {} m away from the joint before it", scientific(translation.norm(), 3));
         let hint = "lengths are in metres; this looks like millimetres";
         found.push(FieldProblem::new(format!("/joints/{i}/placement/xyz"), detail).with_hint(hint));
     }

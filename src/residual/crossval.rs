@@ -80,6 +80,10 @@ const LEAST_OUTSIDE: f64 = 0.1;
 /// coordinates of `root`, in which all data together have the unit matrix for their information.
 fn fold_cost(root: &DMatrix<f64>, right: &DVector<f64>, fold: &(DMatrix<f64>, DVector<f64>)) -> f64 {
     let size = root.nrows();
+    // Rows that say nothing of any parameter.
+    if root.ncols() == 0 {
+        return 0.0;
+    }
     let inside = (root.transpose() * fold.0.view((0, 0), (size, size)) * root).symmetric_eigen();
     let along = |r: &DVector<f64>| inside.eigenvectors.tr_mul(&root.tr_mul(&r.rows(0, size)));
     let (all, own) = (along(right), along(&fold.1));

@@ -62,10 +62,11 @@ impl Data<'_> {
         normal
     }
 
-    /// By how much less the rows of every joint count: as much as they keep more than noise and go together.
+    /// By how much less the rows of every joint count: as much as they keep more than noise and go together. 1 for a joint that keeps nothing, or has no rows:
+    /// nothing makes rows count for more.
     pub fn doubts(&self, system: &System) -> Vec<f64> {
         let doubt = |j: usize| match system.has_misfit(&[j]) {
-            true => system.mean_square(&[j]) * system.persistence(&[j]),
+            true => (system.mean_square(&[j]) * system.persistence(&[j])).max(1.0),
             false => 1.0,
         };
         (0..self.noise.len()).map(doubt).collect()

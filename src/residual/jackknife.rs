@@ -63,6 +63,10 @@ pub(super) fn left_out(data: &Data, system: &System) -> Vec<(TimeBlock, DVector<
     let rows: Vec<usize> = system.blocks.iter().map(|b| b[0].residual.len()).collect();
     let root = pseudo_root(&data.normal(system), RANK);
     let of = |block: TimeBlock| {
+        // Rows that say nothing of any parameter change none.
+        if root.ncols() == 0 {
+            return (block, DVector::zeros(root.nrows()));
+        }
         let Part { normal, gradient } = part(system, &block);
         let inside = (root.tr_mul(&(&normal * &root))).symmetric_eigen();
         // All rows together leave the gradient zero: without the block it is minus the block's own.

@@ -103,12 +103,14 @@ fn tried(target: Target, folders: &Folders) -> Value {
     });
     let (cpu_s, peak) = (cpu_seconds() - before, peak_bytes());
     let panicked = PANIC.lock().unwrap_or_else(|e| e.into_inner()).take();
-    let failure = panicked.or(ended.as_ref().err().cloned()).or_else(|| unprintable(folders));
     let refused = match &ended {
         Ok(Taken::Refused(words)) => words.as_str(),
         _ => "",
     };
-    json!({"refused": refused, "accepted": ended == Ok(Taken::Accepted), "failure": failure, "peak": peak, "cpu_s": cpu_s})
+    let failure = panicked
+        .or(ended.as_ref().err().cloned())
+        .or_else(|| unprintable(folders, refused));
+    json!({"refused": refused, "accepted": ended == Ok(Taken::Accepted), "failure": failure, "peak": peak, "held": memory("VmRSS:"), "cpu_s": cpu_s})
 }
 
 fn cpu_seconds() -> f64 {
@@ -123,8 +125,13 @@ fn reset_peak() {
 
 /// Most memory that this process has had since then.
 fn peak_bytes() -> u64 {
+    memory("VmHWM:")
+}
+
+/// A number of bytes that the system knows of this process.
+fn memory(field: &str) -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    let line = status.lines().find_map(|l| l.strip_prefix(field));
     let kilobytes = line.and_then(|l| l.split_whitespace().next()?.parse::<u64>().ok());
     1024 * kilobytes.unwrap_or(0)
 }

@@ -21,6 +21,8 @@ const WALL_PER_CPU: f64 = 12.0;
 /// Memory: 200 MB and ten times the input.
 const MEMORY: u64 = 200_000_000;
 const MEMORY_PER_BYTE: u64 = 10;
+/// Memory with which a process is replaced.
+const GROWN: u64 = 100_000_000;
 
 /// What became of an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -33,6 +35,8 @@ pub struct Verdict {
     pub peak: u64,
     pub cpu_s: f64,
     pub size: u64,
+    /// Memory that the process keeps after it.
+    pub held: u64,
 }
 
 /// What to try.
@@ -94,7 +98,8 @@ impl Runner {
         let work = self.work.clone();
         let process = self.process.get_or_insert_with(|| Process::start(&work));
         let verdict = process.run(order, &work);
-        if verdict.is_err() {
+        // A process that keeps much of what a large input took would be charged to the next one: as in the service, another takes its place.
+        if verdict.as_ref().map_or(true, |v| v.held > GROWN) {
             self.process = None;
         }
         verdict.unwrap_or_else(|died| died)
@@ -207,5 +212,6 @@ fn judged(value: &Value, size: u64) -> Verdict {
         peak,
         cpu_s: value["cpu_s"].as_f64().unwrap_or(0.0),
         size,
+        held: value["held"].as_u64().unwrap_or(0),
     }
 }

@@ -170,9 +170,11 @@ impl Table {
                     .iter_mut()
                     .take(1)
                     .for_each(|v| *v = value),
-                12 => values
-                    .iter_mut()
-                    .for_each(|v| *v = v.clamp(-0.3 * first.abs(), 0.3 * first.abs())),
+                12 => {
+                    // A column that begins without a number has no bound.
+                    let most = if first.is_nan() { f64::INFINITY } else { 0.3 * first.abs() };
+                    values.iter_mut().for_each(|v| *v = v.clamp(-most, most));
+                }
                 13 => values.iter_mut().for_each(|v| *v = (*v * 10.0).round() / 10.0),
                 14 => {
                     let mut noise = Dice::new(run_seed);

@@ -1,6 +1,7 @@
 //! Why a log cannot be prepared.
 
 use crate::identification::filter::FilterError;
+use crate::model::{decimals, shortest};
 use thiserror::Error;
 
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -8,7 +9,8 @@ pub enum PreprocessError {
     #[error("log `{log}` has {actual} joints, the robot has {expected}")]
     WrongJoints { log: String, expected: usize, actual: usize },
     #[error(
-        "log `{log}`: no whole period of {period_s} s in its {duration_s:.3} s that repeats; check the period, or take the log as one stretch"
+        "log `{log}`: no whole period of {} s in its {} s that repeats; check the period, or take the log as one stretch",
+        shortest(*.period_s), decimals(*.duration_s, 3)
     )]
     NoWholePeriod { log: String, period_s: f64, duration_s: f64 },
     #[error("log `{log}`: the method needs a log that repeats, and no period was given or found")]
@@ -19,7 +21,7 @@ pub enum PreprocessError {
         what: &'static str,
         source: FilterError,
     },
-    #[error("log `{log}`: {field} is {value}, which is {problem}")]
+    #[error("log `{log}`: {field} is {}, which is {problem}", shortest(*.value))]
     Option {
         log: String,
         field: &'static str,
@@ -33,7 +35,8 @@ pub enum PreprocessError {
     )]
     NothingMoves { log: String },
     #[error(
-        "log `{log}`: joint {joint} has positions of {largest:e} rad (m), which no joint of an arm reaches; check the column and its unit"
+        "log `{log}`: joint {joint} has positions of {} rad (m), which no joint of an arm reaches; check the column and its unit",
+        decimals(*.largest, 3)
     )]
     ImplausiblePosition { log: String, joint: usize, largest: f64 },
     #[error("log `{log}`: no torque column can be used: {reasons}")]

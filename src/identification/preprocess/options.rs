@@ -1,5 +1,7 @@
 //! What can be asked of preprocessing.
 
+use crate::model::readable;
+
 impl PreprocessOptions {
     /// For a log of perhaps another trajectory, such as a validation log: a stated period is expected and not imposed.
     pub fn for_other_log(&self) -> Self {
@@ -84,8 +86,8 @@ impl Choice {
     pub fn new(what: &'static str, value: impl Into<String>, why: impl Into<String>) -> Self {
         Self {
             what,
-            value: value.into(),
-            why: why.into(),
+            value: readable(value),
+            why: readable(why),
         }
     }
 }

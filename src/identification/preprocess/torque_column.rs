@@ -39,7 +39,8 @@ impl std::fmt::Display for Exclusion {
 fn short(value: f64) -> String {
     match value.abs() {
         size if size == 0.0 || (1e-3..1e6).contains(&size) => format!("{}", (value * 1e4).round() / 1e4),
-        _ => format!("{value:.3e}"),
+        size if size.is_finite() => format!("{value:.3e}"),
+        _ => "more than 1e308".into(),
     }
 }
 
@@ -59,7 +60,9 @@ pub(crate) fn exclusions(torque: &[Vec<f64>], usable: &[bool], still: &[bool]) -
     let largest = all.fold(0.0, f64::max);
     let one = |(&[low, high], &still): (&[f64; 2], &bool)| {
         let size = size([low, high]);
-        if high - low <= SAME * size {
+        if size.is_infinite() {
+            Some(Exclusion::ImplausibleTorque(size))
+        } else if high - low <= SAME * size {
             Some(Exclusion::ConstantTorque(0.5 * low + 0.5 * high))
         } else if !PLAUSIBLE.contains(&size) || size < LEAST_SHARE * largest {
             Some(Exclusion::ImplausibleTorque(size))
@@ -70,9 +73,10 @@ pub(crate) fn exclusions(torque: &[Vec<f64>], usable: &[bool], still: &[bool]) -
     ranges.iter().zip(still).map(one).collect()
 }
 
-/// Lowest and highest value of the samples that are data; zeros where there is none.
+/// Lowest and highest value of the samples that are data; zeros where there is none. What is no number (the sum of infinities) is beyond all of them.
 fn range(column: &[f64], usable: &[bool]) -> [f64; 2] {
-    let values = column.iter().zip(usable).filter(|(_, u)| **u).map(|(v, _)| *v);
+    let number = |v: &f64| if v.is_nan() { f64::INFINITY } else { *v };
+    let values = column.iter().zip(usable).filter(|(_, u)| **u).map(|(v, _)| number(v));
     let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
     if low <= high { [low, high] } else { [0.0; 2] }
 }
@@ -144,7 +148,18 @@ mod tests {
     #[test]
     fn prop_columns_that_are_no_torque_are_excluded_at_any_scale_of_the_others() {
         for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
-            for odd in [wave(1e-150), wave(1e150), vec![0.0; 500], vec![2.5; 500], vec![-1e150; 500]] {
+            let endless = wave(1.0).iter().map(|v| if *v > 2.0 { f64::INFINITY } else { *v }).collect();
+            let none = wave(1.0).iter().map(|v| if *v > 2.0 { f64::NAN } else { *v }).collect();
+            for odd in [
+                wave(1e-150),
+                wave(1e150),
+                vec![0.0; 500],
+                vec![2.5; 500],
+                vec![-1e150; 500],
+                vec![f64::INFINITY; 500],
+                endless,
+                none,
+            ] {
                 let torque = [wave(scale), odd, wave(0.01 * scale)];
                 let found = exclusions(&torque, &[true; 500], &[false, false, true]);
                 assert_eq!(found[0], None, "{scale}");

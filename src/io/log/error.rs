@@ -1,6 +1,7 @@
 //! Why a file is not a log.
 
 use crate::io::shortest;
+use crate::model::scientific;
 use thiserror::Error;
 
 /// A log that cannot be used. Every variant names the file, the place and the remedy.
@@ -121,17 +122,23 @@ pub enum LogError {
         to: f64,
     },
     #[error(
-        "{file}: the time stamps give a sample rate of {rate_hz:.4e} Hz; a motion is sampled between 5 Hz and 100 kHz: state the unit of the stamps \
-         in `columns` as `time_unit` (s, ms, us or ns), or their rate as `sample_rate_hz` without a time column"
+        "{file}: the time stamps give a sample rate of {} Hz; a motion is sampled between 5 Hz and 100 kHz: state the unit of the stamps \
+         in `columns` as `time_unit` (s, ms, us or ns), or their rate as `sample_rate_hz` without a time column",
+        hertz(.rate_hz)
     )]
     ImplausibleRate { file: String, rate_hz: f64 },
     #[error(
-        "{file}: the time stamps give a sample rate of {rate_hz:.4e} Hz, and `columns` states {stated_hz} Hz: correct `sample_rate_hz`, or state \
-         the unit of the stamps as `time_unit` (s, ms, us or ns)"
+        "{file}: the time stamps give a sample rate of {} Hz, and `columns` states {stated_hz} Hz: correct `sample_rate_hz`, or state \
+         the unit of the stamps as `time_unit` (s, ms, us or ns)",
+        hertz(.rate_hz)
     )]
     RateDiffers { file: String, rate_hz: f64, stated_hz: f64 },
     #[error("{file}: has more than {limit} rows; lower the sample rate or split the log")]
     TooLong { file: String, limit: usize },
+}
+
+fn hertz(rate: &f64) -> String {
+    scientific(*rate, 4)
 }
 
 /// To a thousandth, where that is a number of digits that anybody reads.

@@ -1,8 +1,8 @@
 //! `<inertial>`: mass, centre of mass and inertia of a link.
 
 use super::numbers::Element;
-use crate::model::ModelError;
 use crate::model::xml::single;
+use crate::model::{ModelError, scientific};
 use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 
@@ -22,15 +22,15 @@ pub fn body_complaint(mass: f64, inertia: &Matrix3<f64>) -> Option<String> {
     let [least, middle, largest] = moments[..] else { return None };
     let wrong = "torques predicted with it are wrong: correct the inertia in the file";
     if least < -ROUNDED * largest.abs() {
-        let least = least * scale;
+        let least = scientific(least * scale, 3);
         return Some(format!(
-            "has an inertia with the principal moment {least:.3e} kg m², and no body has a negative one; {wrong}"
+            "has an inertia with the principal moment {least} kg m², and no body has a negative one; {wrong}"
         ));
     }
     if largest - least - middle > ROUNDED * largest {
-        let [a, b, c] = [least, middle, largest].map(|v| v * scale);
+        let [a, b, c] = [least, middle, largest].map(|v| scientific(v * scale, 3));
         return Some(format!(
-            "has an inertia with the principal moments {a:.3e}, {b:.3e} and {c:.3e} kg m², and no body has one larger than the sum of the \
+            "has an inertia with the principal moments {a}, {b} and {c} kg m², and no body has one larger than the sum of the \
              others (triangle inequality); {wrong}"
         ));
     }

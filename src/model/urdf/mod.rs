@@ -104,7 +104,8 @@ fn is_urdf(text: &XmlText, document: &Document) -> Result<(), ModelError> {
 
 fn is_xacro(node: &Node) -> bool {
     let namespace = node.tag_name().namespace().unwrap_or_default();
-    node.is_element() && (namespace.ends_with("xacro") || namespace.contains("/xacro"))
+    let by_name = namespace.ends_with("xacro") || namespace.contains("/xacro");
+    node.is_element() && (by_name || !namespace.is_empty() && node.lookup_prefix(namespace) == Some("xacro"))
 }
 
 /// Names of a file can be megabytes long.

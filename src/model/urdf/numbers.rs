@@ -28,9 +28,11 @@ impl Element<'_> {
     /// A number that is finite.
     pub fn finite(&self, attribute: &str) -> Result<Option<f64>, ModelError> {
         match self.number(attribute)? {
-            Some(v) if v.is_finite() => Ok(Some(v)),
-            Some(v) => Err(self.refused(attribute, &v.to_string(), "a finite number")),
-            None => Ok(None),
+            Some(v) if !v.is_finite() => {
+                let written = self.node.attribute(attribute).unwrap_or_default();
+                Err(self.refused(attribute, written, "a finite number"))
+            }
+            found => Ok(found),
         }
     }
 

@@ -8,7 +8,7 @@ use super::reading::{degrees, read_otherwise};
 use super::sign::Physics;
 use super::{DataFault, FaultKind, Remedy};
 use crate::dynamics::Motion;
-use crate::model::Robot;
+use crate::model::{Robot, decimals};
 
 /// Samples that carry the question of a whole column: some hundred, spread over the motion.
 const SAMPLES: usize = 500;
@@ -70,7 +70,7 @@ fn other_reading(sampled: &Sampled, plain: f64, least: f64) -> Option<DataFault>
     let less = |rest: f64| plain / rest.max(f64::MIN_POSITIVE);
     let readings = read_otherwise(sampled, alphabetical(robot)).map(|(rest, reading)| (rest, reading.named(robot, less(rest))));
     let without_gravity = rest_without_gravity(sampled, &floating).map(|rest| {
-        let evidence = format!("without gravity the model leaves {:.0} times less", less(rest));
+        let evidence = format!("without gravity the model leaves {} times less", decimals(less(rest), 0));
         (rest, compensated(robot, &evidence))
     });
     let best = readings.into_iter().chain(without_gravity).min_by(|x, y| x.0.total_cmp(&y.0));
@@ -98,8 +98,9 @@ fn exchanged_torques(robot: &Robot, order: &[usize], less: f64) -> DataFault {
     let name = |j: usize| robot.joints()[j].name.clone();
     let moved = (0..order.len()).filter(|&j| order[j] != j).map(name).collect();
     let detail = format!(
-        "with the torque columns taken in the order {} the model leaves {less:.0} times less: check the mapping",
+        "with the torque columns taken in the order {} the model leaves {} times less: check the mapping",
         order.iter().map(|&k| name(k)).collect::<Vec<_>>().join(", "),
+        decimals(less, 0),
     );
     DataFault::new(FaultKind::JointOrder, moved, detail, Remedy::Nothing)
 }

@@ -4,6 +4,7 @@ use super::columns::CLEARLY;
 use super::order::{Projection, Sampled, root_mean_square};
 use super::{DataFault, FaultKind, Remedy};
 use crate::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
+use crate::model::decimals;
 use crate::parameters::Layout;
 
 /// Priors may be off by half, friction may be missing from them: a factor of three is neither.
@@ -36,9 +37,9 @@ pub(super) fn other_units(sampled: &Sampled, plain: f64) -> Option<DataFault> {
         .collect();
     let detail = format!(
         "the torque columns are not in one unit, as motor currents are not: they are so many times what the links' prior parameters make of the motion \
-         ({}), and with these factors taken out the model leaves {:.0} times less; give `unit` and `scale` (N m/A times the gear ratio) in `columns`",
+         ({}), and with these factors taken out the model leaves {} times less; give `unit` and `scale` (N m/A times the gear ratio) in `columns`",
         said.join(", "),
-        plain / rest.max(f64::MIN_POSITIVE)
+        decimals(plain / rest.max(f64::MIN_POSITIVE), 0)
     );
     let joints = (0..n).filter(|&j| factors[j].is_some()).map(name).collect();
     Some(DataFault::new(FaultKind::UnitUnknown, joints, detail, Remedy::Nothing))

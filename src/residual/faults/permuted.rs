@@ -6,7 +6,7 @@ use super::columns::CLEARLY;
 use super::order::{Projection, Sampled, root_mean_square};
 use super::{DataFault, FaultKind, Remedy};
 use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
-use crate::model::Robot;
+use crate::model::{Robot, decimals};
 use crate::parameters::Layout;
 
 /// Priors may be off by half: what they leave of the torque is below a quarter of its square where they are those of the joint, and above four fifths
@@ -82,9 +82,9 @@ pub(super) fn order_of_priors(sampled: &Sampled) -> Option<DataFault> {
     let (projection, signs) = (Projection::new(&there, &[]), vec![1.0; n]);
     let fits = projection.rest(&order, &signs) < NO_WORSE * Projection::new(sampled, &[]).rest(&identity, &signs);
     let evidence = format!(
-        "with the links' prior parameters predicts the torques ({:.0} % of their square is left, as the columns are {:.0} %)",
-        100.0 * best,
-        100.0 * plain
+        "with the links' prior parameters predicts the torques ({} % of their square is left, as the columns are {} %)",
+        decimals(100.0 * best, 0),
+        decimals(100.0 * plain, 0)
     );
     (fits && projection.explains(&order, &signs)).then(|| reordered(robot, &order, &evidence))
 }

@@ -4,7 +4,7 @@ use super::order::{Projection, Sampled};
 use super::permuted::{reordered, swapped};
 use super::{DataFault, FaultKind, Remedy};
 use crate::dynamics::Motion;
-use crate::model::Robot;
+use crate::model::{Robot, decimals};
 use rayon::prelude::*;
 
 /// Positions that no arm reaches in radians: more than three turns of travel, and within two turns when read as degrees.
@@ -72,6 +72,7 @@ impl Reading {
     /// What leaves `less` times less than the columns as they are.
     pub fn named(&self, robot: &Robot, less: f64) -> DataFault {
         let name = |j: &usize| robot.joints()[*j].name.clone();
+        let less = decimals(less, 0);
         let (fault, joints, detail) = match self {
             Self::Exchanged(a, b) => {
                 let joints = vec![name(a), name(b)];
@@ -79,17 +80,17 @@ impl Reading {
                 (
                     FaultKind::JointOrder,
                     joints,
-                    format!("{detail} the model leaves {less:.0} times less: check the mapping"),
+                    format!("{detail} the model leaves {less} times less: check the mapping"),
                 )
             }
-            Self::Permuted(order) => return reordered(robot, order, &format!("leaves {less:.0} times less")),
+            Self::Permuted(order) => return reordered(robot, order, &format!("leaves {less} times less")),
             Self::Degrees(joints) => {
                 let joints: Vec<String> = joints.iter().map(name).collect();
                 let detail = format!("with the positions of {} read as degrees", joints.join(", "));
                 (
                     FaultKind::UnitMismatch,
                     joints,
-                    format!("{detail} the model leaves {less:.0} times less: give the unit in `columns`"),
+                    format!("{detail} the model leaves {less} times less: give the unit in `columns`"),
                 )
             }
         };

@@ -4,7 +4,7 @@ use super::seen::Seen;
 use super::{DataFault, FaultKind, RawLog, Remedy};
 use crate::identification::Log;
 use crate::identification::preprocess::Exclusion;
-use crate::model::{Joint, Robot};
+use crate::model::{Joint, Robot, decimals};
 use std::ops::Range;
 
 /// Faults of the samples of a log, from the columns alone.
@@ -47,7 +47,7 @@ pub fn sample_faults(robot: &Robot, log: &RawLog) -> Vec<DataFault> {
             }
         }
         if let Some(clip) = &seen.clipped[j] {
-            let levels: Vec<String> = clip.levels.iter().map(|l| format!("{l:.4}")).collect();
+            let levels: Vec<String> = clip.levels.iter().map(|l| decimals(*l, 4)).collect();
             let remedy = if clip.spoils_too_much() {
                 Remedy::Nothing
             } else {

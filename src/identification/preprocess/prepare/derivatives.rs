@@ -9,6 +9,7 @@ use crate::identification::filter::{
 use crate::identification::preprocess::cutoff::{ABOVE_SIGNAL, signal_cutoff};
 use crate::identification::preprocess::fourier_fit::fourier_fit;
 use crate::identification::preprocess::{Choice, FilterSpec, Method, PreprocessError};
+use crate::model::decimals;
 use rayon::prelude::*;
 
 /// The paper's filter of positions (section 4.3).
@@ -144,9 +145,9 @@ impl Chain<'_> {
 
     fn differs(&self, joint: usize, part: f64) -> String {
         format!(
-            "those of joint {} are {:.0} % of their size off the positions' derivative: another unit, sign or delay",
+            "those of joint {} are {} % of their size off the positions' derivative: another unit, sign or delay",
             joint + 1,
-            100.0 * part
+            decimals(100.0 * part, 0)
         )
     }
 
@@ -175,14 +176,15 @@ fn disagreement(logged: &[Vec<f64>], motion: &Motion) -> Option<(usize, f64)> {
     let fastest = sizes.iter().copied().fold(0.0, f64::max);
     let part = |(j, v): (usize, &Vec<f64>)| {
         let off = rms(&mut v.iter().zip(motion.velocities(j)).map(|(a, b)| a - b));
-        (sizes[j] > 0.01 * fastest).then(|| (j, off / sizes[j]))
+        (!off.is_finite() || sizes[j] > 0.01 * fastest).then(|| (j, off / sizes[j]))
     };
     let worst = logged
         .iter()
         .enumerate()
         .filter_map(part)
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (worst.1 > SAME_VELOCITY).then_some(worst)
+    // What is no number is not the same either.
+    (worst.1.is_nan() || worst.1 > SAME_VELOCITY).then_some(worst)
 }
 
 /// Standard deviation of what `filter` leaves of the white noise that it took most of: `2 fc/f_s` of its variance.

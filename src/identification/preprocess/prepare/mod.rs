@@ -142,7 +142,8 @@ impl Chain<'_> {
     /// Positions that are those of an arm, of which at least one moves.
     fn check_positions(&self) -> Result<(), PreprocessError> {
         let log = self.log.name.clone();
-        let largest = |q: &Vec<f64>| q.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let size = |v: &f64| if v.is_nan() { f64::INFINITY } else { v.abs() };
+        let largest = |q: &Vec<f64>| q.iter().map(size).fold(0.0, f64::max);
         if let Some((j, largest)) = self.log.q.iter().map(largest).enumerate().find(|(_, m)| *m > FARTHEST) {
             return Err(PreprocessError::ImplausiblePosition {
                 log,

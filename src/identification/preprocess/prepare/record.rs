@@ -4,6 +4,7 @@ use super::{Chain, Record};
 use crate::identification::preprocess::period::{detect_period, repeats_with};
 use crate::identification::preprocess::spectrum::forward;
 use crate::identification::preprocess::{Choice, Period, Periods, PreprocessError, Scatter};
+use crate::model::shortest;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -80,7 +81,12 @@ impl<'a> Chain<'a> {
                     source: "given".into(),
                     stated: imposed,
                 };
-                let own = || found(&format!("; this log does not repeat with the stated {period_s} s"));
+                let own = || {
+                    found(&format!(
+                        "; this log does not repeat with the stated {} s",
+                        shortest(period_s)
+                    ))
+                };
                 match repeats_with(self.log, period_s) {
                     Some(true) => given,
                     Some(false) => own(),
