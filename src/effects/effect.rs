@@ -227,6 +227,11 @@ pub trait Effect: Sync + Send {
         false
     }
 
+    /// Whether few robots have it, by construction or because it is a fault that commissioning finds. Where the noise is not measured, it needs better evidence.
+    fn is_rare(&self) -> bool {
+        false
+    }
+
     /// Where the shape parameters, or the parameters of a distortion, lie on robots ([`ranges`](super::ranges)); empty where nothing is known.
     fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {
         Vec::new()

@@ -46,6 +46,10 @@ impl Effect for EncoderOffset {
         vec![[-most, most]]
     }
 
+    fn is_rare(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         vec![ParameterInfo::new("offset", robot.joints()[joints[0]].position_unit())]
     }

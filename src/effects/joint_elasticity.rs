@@ -61,6 +61,10 @@ impl Effect for JointElasticity {
         vec![[-most, most]]
     }
 
+    fn is_rare(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
         let (effort, position) = (joint.effort_unit(), joint.position_unit());

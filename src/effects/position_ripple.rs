@@ -55,6 +55,10 @@ impl Effect for PositionRipple {
         ]
     }
 
+    fn is_rare(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let joint = &robot.joints()[joints[0]];
         vec![

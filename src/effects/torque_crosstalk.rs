@@ -45,6 +45,10 @@ impl Effect for TorqueCrosstalk {
         coefficients[0].abs() < CROSSTALK
     }
 
+    fn is_rare(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
         let unit = |j: usize| robot.joints()[j].effort_unit();
         let (to, from) = (unit(joints[0]), unit(joints[1]));

@@ -59,6 +59,10 @@ impl Effect for TorqueDelay {
         vec![[-DELAY, DELAY]]
     }
 
+    fn is_rare(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {
         vec![ParameterInfo::new("delay", "s")]
     }

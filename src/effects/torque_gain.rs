@@ -50,6 +50,10 @@ impl Effect for TorqueGain {
         vec![[-GAIN, GAIN]]
     }
 
+    fn is_rare(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<ParameterInfo> {
         vec![ParameterInfo::new("gain", "1")]
     }

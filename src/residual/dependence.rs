@@ -7,6 +7,7 @@
 use super::product::transposed_product;
 use super::projection::{Whitened, directions};
 use super::system::{Block, System};
+use super::without_periods::RIDGE;
 use crate::identification::f_tail;
 use nalgebra::{DMatrix, DVector};
 
@@ -77,7 +78,7 @@ fn scores(system: &System, columns: &Whitened, base: &DMatrix<f64>, along: &DVec
 }
 
 /// Coefficient of a single column on the row of `joint` beside the model, and its standard deviation; `None` where the model hides it. Where rows go together
-/// it is that of [`System::spread`], and what the joint keeps beyond measured noise widens it by `doubt`.
+/// it is by the scatter over stretches of time, and what the joint keeps beyond measured noise widens it by `doubt`.
 pub(crate) fn estimate(system: &System, columns: &Whitened, joint: usize, doubt: f64) -> Option<(f64, f64)> {
     let (own, rest, right) = system.projected(columns);
     let base = directions(&own, &rest);
@@ -123,28 +124,6 @@ pub(super) fn misfit_from(rows: usize) -> f64 {
 }
 
 impl System {
-    /// Covariance of term `at` where rows go together: `A⁻¹ (Σ gᵦ gᵦᵀ) A⁻¹` over stretches of time, no deviation smaller than independent rows
-    /// of what is left would give.
-    pub fn spread(&self, at: usize) -> DMatrix<f64> {
-        let (from, k) = (self.model.offset_of(at), self.model.terms[at].parameters());
-        let columns = self.covariance.columns(from, k).into_owned();
-        let scores: Vec<(usize, DVector<f64>)> = pieces(self, BLOCKS)
-            .into_iter()
-            .map(|(log, rows)| {
-                let gradient = |b: &Block| {
-                    let part = b.jacobian.rows(rows.start, rows.len());
-                    part.tr_mul(&b.residual.rows(rows.start, rows.len()))
-                };
-                let sum = self.blocks[log]
-                    .iter()
-                    .map(gradient)
-                    .fold(DVector::zeros(self.covariance.nrows()), |a, b| a + b);
-                (log, columns.tr_mul(&sum))
-            })
-            .collect();
-        self.no_less_than_independent(at, &covariance(&scores, k))
-    }
-
     /// Covariance of term `at` by the jackknife: each of sixteen stretches of time is left out in turn. Without stretch b the linearised fit moves by
     /// `−(G − G_b)⁻¹ g_b`, which is `−C (1 − G_b C)⁻¹ g_b` with the covariance C of all.
     pub fn jackknife(&self, at: usize) -> DMatrix<f64> {
@@ -159,8 +138,8 @@ impl System {
                     normal += transposed_product(&part, &part);
                     gradient += part.tr_mul(&block.residual.rows(rows.start, rows.len()));
                 }
-                let others = DMatrix::identity(p, p) - normal * &self.covariance;
-                // What only this stretch determines stays where it is.
+                // What this stretch determines nearly alone is not extrapolated from the others without bound.
+                let others = DMatrix::identity(p, p) * (1.0 + RIDGE) - normal * &self.covariance;
                 let pull = others.lu().solve(&gradient).unwrap_or(gradient);
                 -(&self.covariance * pull).rows(from, k).into_owned()
             })

@@ -6,6 +6,7 @@ use crate::effects::{Column, Scene};
 use rayon::prelude::*;
 
 /// A model's rows over one stretch.
+#[derive(Clone)]
 pub(crate) struct Evaluated {
     /// The motion after all distortions.
     pub motion: Motion,

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Chance to one side below which a difference is no accident. One test in a hundred errs to that side, and what depends on it is whether an effect that
 /// has passed the search stays in the model.
-const BEYOND_CHANCE: f64 = 0.01;
+pub(super) const BEYOND_CHANCE: f64 = 0.01;
 
 /// Fewer blocks than this say nothing about their own scatter.
 const FEWEST_BLOCKS: usize = 6;
@@ -133,7 +133,7 @@ pub(super) fn paired_test(blocks: &[[f64; 2]]) -> (f64, f64) {
 }
 
 /// Sum of the ranks of the sizes of `differences`, each with its sign, and the chance of one as far from zero to either side (normal; good from six on).
-fn signed_rank_test(differences: &[f64]) -> (f64, f64) {
+pub(super) fn signed_rank_test(differences: &[f64]) -> (f64, f64) {
     let mut order: Vec<usize> = (0..differences.len()).filter(|&i| differences[i] != 0.0).collect();
     let n = order.len();
     if n < FEWEST_BLOCKS {

@@ -3,10 +3,10 @@
 use super::appraise::{Scored, chance};
 use super::candidate::{Candidate, columns_of, reach};
 use super::crossval::held_out_gain;
-use super::dependence::chance_of;
 use super::select::{Accepted, Threshold};
 use super::system::{Data, System};
-use crate::effects::Travel;
+use crate::effects::{Effect, Travel};
+use nalgebra::DMatrix;
 
 /// Whether a fitted candidate, term `at` of the model `after`, has earned its place.
 pub(crate) fn judge(
@@ -24,19 +24,8 @@ pub(crate) fn judge(
     }
     let term = &after.model.terms[at];
     let columns = columns_of(data, before, &scored.candidate, std::slice::from_ref(&term.shape));
-    let single = if before.noise_is_measured {
-        chance(scored.fair_gain, scored.cost)
-    } else {
-        chance_of(before, &columns)
-    };
-    let p_value = (single * tried).min(1.0);
-    // Sums over forty stretches of time are normal only nearly, and less so far out.
-    let limit = if before.noise_is_measured {
-        threshold.chance
-    } else {
-        0.1 * threshold.chance
-    };
-    if p_value >= limit {
+    let p_value = (chance(scored.fair_gain, scored.cost) * tried).min(1.0);
+    if p_value >= threshold.chance {
         return None;
     }
     let held_out = held_out_gain(data, before, &columns);
@@ -62,12 +51,12 @@ pub(crate) fn judge(
 }
 
 /// Whether the parameters of term `at` lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
-fn is_physical(system: &System, at: usize) -> bool {
+pub(super) fn is_physical(system: &System, at: usize) -> bool {
     let term = &system.model.terms[at];
     let covariance = if system.noise_is_measured {
         system.term_covariance(at)
     } else {
-        system.spread(at)
+        system.jackknife(at)
     };
     let k = term.coefficients.len();
     let values: Vec<f64> = term
@@ -82,14 +71,25 @@ fn is_physical(system: &System, at: usize) -> bool {
     });
     let significant = |i: usize| values[i] > -3.0 * covariance[(i, i)].max(0.0).sqrt();
     let positive = term.effect.positive(term.form);
-    let plausible = term.joints.iter().all(|&j| {
-        let own = covariance.view((0, 0), (k, k)).into_owned();
-        term.effect.is_plausible(&term.coefficients, &own, travel(system, j))
-    });
+    let own = covariance.view((0, 0), (k, k)).into_owned();
+    let plausible = is_plausible(system, &term.joints, term.effect, &term.coefficients, &own);
     inside
         && plausible
         && positive.iter().all(|&i| significant(i))
         && positive.iter().any(|&i| values[i] > 0.0) | positive.is_empty()
+}
+
+/// Whether coefficients are those of a real thing on all joints, as far as their covariance lets it be seen.
+pub(super) fn is_plausible(
+    system: &System,
+    joints: &[usize],
+    effect: &dyn Effect,
+    coefficients: &[f64],
+    covariance: &DMatrix<f64>,
+) -> bool {
+    joints
+        .iter()
+        .all(|&j| effect.is_plausible(coefficients, covariance, travel(system, j)))
 }
 
 /// Where a joint can be: its limits, or where it was.

@@ -50,6 +50,7 @@ mod trace;
 mod trend;
 mod undetected;
 mod unsteady;
+mod without_periods;
 
 pub use border::RivalTerm;
 pub use design::{EffectColumns, information_over};

@@ -8,6 +8,7 @@ use super::judge::judge;
 use super::scan::{LINEAR_GAIN, scan};
 use super::select::{Accepted, Selected, Threshold, extend};
 use super::system::{Data, System};
+use super::without_periods::linear_contests;
 use super::{Rival, Term};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -22,7 +23,7 @@ pub(crate) struct Contest {
 }
 
 /// Evidence of 20 to 1 and less does not exclude: `2 ln 20`.
-const NOT_EXCLUDED: f64 = 6.0;
+pub(super) const NOT_EXCLUDED: f64 = 6.0;
 
 /// Rivals of every effect that `selected` has beside the first `fixed` terms.
 pub(crate) fn rivals(
@@ -32,6 +33,9 @@ pub(crate) fn rivals(
     candidates: &[Candidate],
     threshold: &Threshold,
 ) -> Vec<Contest> {
+    if !selected.system.noise_is_measured {
+        return linear_contests(data, selected, fixed, candidates);
+    }
     contests(data, selected, fixed, candidates, threshold, false)
         .into_iter()
         .map(|c| c.0)
@@ -50,6 +54,10 @@ pub(crate) fn settled(
     candidates: &[Candidate],
     threshold: &Threshold,
 ) -> (Selected, Vec<Contest>) {
+    if !selected.system.noise_is_measured {
+        let contests = linear_contests(&data.with_noise(selected.noise.clone()), &selected, fixed, candidates);
+        return (selected, contests);
+    }
     let mut exchanges = 0;
     loop {
         // Imitations have no rivals worth naming.

@@ -13,14 +13,20 @@ pub(crate) const LINEAR_GAIN: f64 = 0.6;
 
 /// Scores of all candidates that the model does not have already, best evidence first.
 pub(crate) fn scan(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Scored> {
+    let mut scored = scan_on_grid(data, system, candidates);
+    let refined: Vec<Scored> = scored.par_iter().take(REFINED).map(|s| refine(data, system, s)).collect();
+    scored.splice(..refined.len(), refined);
+    scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    scored
+}
+
+/// The same with shapes from the grid alone.
+pub(super) fn scan_on_grid(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Scored> {
     let open: Vec<&Candidate> = candidates
         .iter()
         .filter(|c| !system.model.terms.iter().any(|t| c.is_same_effect(t)))
         .collect();
     let mut scored: Vec<Scored> = open.par_iter().filter_map(|c| score(data, system, c)).collect();
-    scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    let refined: Vec<Scored> = scored.par_iter().take(REFINED).map(|s| refine(data, system, s)).collect();
-    scored.splice(..refined.len(), refined);
     scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     scored
 }

@@ -1,15 +1,15 @@
 //! Forward and backward selection, one effect at a time.
 
 use super::appraise::{Scored, appraise, chance, hypotheses};
-use super::candidate::{Candidate, columns_of};
+use super::candidate::Candidate;
 use super::confirm::wald;
 use super::crossval::HeldOutGain;
-use super::dependence::chance_of;
 use super::family::best_family;
 use super::judge::{is_simpler, judge, stands_in};
 use super::price::Rivalling;
 use super::scan::scan;
 use super::system::{Data, System};
+use super::without_periods;
 use super::{AugmentedModel, NoiseModel, Term};
 use rayon::prelude::*;
 
@@ -61,7 +61,10 @@ pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate
 
 /// Goes on from a selection, whose first `fixed` terms were there before it.
 pub(crate) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) -> Selected {
-    let mut data = data.with_noise(now.noise.clone());
+    if !now.system.noise_is_measured {
+        return without_periods::extend(data, now, fixed, candidates, threshold);
+    }
+    let data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();
     let mut rivalling = Rivalling::default();
     // Effects that come can make others superfluous, which may come again: twice as many steps as effects end a search that turns in a circle.
@@ -92,10 +95,6 @@ pub(crate) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &
             }
             _ => break,
         }
-        if !now.system.noise_is_measured {
-            data = data.with_noise(data.left_as_noise(&now.system));
-            now.system = data.fit(now.system.model.clone());
-        }
         drop_superfluous(&data, &mut now, fixed, candidates, threshold);
     }
     now.noise = data.noise;
@@ -116,53 +115,9 @@ struct Fitted {
     system: System,
 }
 
-/// The best candidate that earns its place, fitted together with everything else.
-fn step<'a>(data: &Data, system: &System, candidates: &[Candidate], scored: &'a [Scored], threshold: &Threshold) -> Option<Step> {
-    let first = contenders(scored);
-    // Where all rows have misfit, imitators without physical sense can fill the first places: further ones get their turn.
-    let further = scored
-        .iter()
-        .filter(|s| !system.noise_is_measured && s.evidence > 0.0 && !first.iter().any(|c| std::ptr::eq(*c, *s)))
-        .take(MOST_FITTED.saturating_sub(first.len()))
-        .collect::<Vec<_>>();
-    let groups = std::iter::once(first).chain(further.chunks(GROUP).map(<[_]>::to_vec));
-    let worth = |group: Vec<&'a Scored>| -> Vec<&'a Scored> {
-        group
-            .into_par_iter()
-            .filter(|s| is_worth_fitting(data, system, s, candidates))
-            .collect()
-    };
-    groups
-        .map(worth)
-        .filter(|group| !group.is_empty())
-        .map(|group| best_of(data, system, &group, candidates, threshold))
-        .find_map(|found| found)
-}
-
-/// Chance, hypotheses counted, from which a candidate at its best shape on the grid is not fitted where noise is not measured: fitting the rest of the model with it makes
-/// it no thousand times less likely to be chance.
-const FAR_FROM_CHANCE: f64 = 0.1;
-
-/// Whether a fit could bring a candidate to where it earns its place.
-fn is_worth_fitting(data: &Data, system: &System, scored: &Scored, candidates: &[Candidate]) -> bool {
-    if system.noise_is_measured {
-        return true;
-    }
-    let shape = if scored.term.is_distortion() {
-        Vec::new()
-    } else {
-        scored.term.shape.clone()
-    };
-    let columns = columns_of(data, system, &scored.candidate, &[shape]);
-    chance_of(system, &columns) * hypotheses(candidates, scored.candidate.effect.code()) < FAR_FROM_CHANCE
-}
-
-/// Fits per step: the right one is among the first two dozen or explains next to nothing.
-const MOST_FITTED: usize = 24;
-const GROUP: usize = 6;
-
-/// The best of a group, or what is simpler and explains nearly as much.
-fn best_of(data: &Data, system: &System, group: &[&Scored], candidates: &[Candidate], threshold: &Threshold) -> Option<Step> {
+/// The best candidate that earns its place, fitted together with everything else, or what is simpler and explains nearly as much.
+fn step(data: &Data, system: &System, candidates: &[Candidate], scored: &[Scored], threshold: &Threshold) -> Option<Step> {
+    let group = contenders(scored);
     let mut fitted: Vec<Fitted> = group.par_iter().map(|s| fitted(data, system, s)).collect();
     let evidence = |f: &Fitted| f.scored.held_against(fitted.iter().map(|o| &o.scored)).1;
     let evidences: Vec<f64> = fitted.iter().map(evidence).collect();
@@ -238,7 +193,7 @@ fn reached(term: &Term, joints: usize) -> Vec<usize> {
 }
 
 /// Takes out effects that later ones have made superfluous.
-fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) {
+pub(super) fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) {
     let mut at = now.system.model.terms.len();
     while at > fixed {
         at -= 1;

@@ -190,15 +190,7 @@ impl<'a> Data<'a> {
             normal += g;
             gradient += r;
         }
-        if let Some(prior) = self.prior {
-            let k = prior.mean.len();
-            let off = &prior.mean - model.vector().rows(0, k);
-            let mut corner = normal.view_mut((0, 0), (k, k));
-            corner += &prior.information;
-            let pull = &prior.information * off;
-            let mut head = gradient.rows_mut(0, k);
-            head += pull;
-        }
+        let (normal, gradient) = self.with_prior(&model, (normal, gradient));
         let covariance = pseudo_inverse(&normal, RANK);
         let noise_is_measured = self.noise.iter().all(|n| n.source == NoiseSource::Periods);
         System {
@@ -210,6 +202,24 @@ impl<'a> Data<'a> {
             noise_is_measured,
             coarse: OnceLock::new(),
         }
+    }
+
+    /// Normal matrix and gradient with the prior's part.
+    fn with_prior(
+        &self,
+        model: &AugmentedModel,
+        (mut normal, mut gradient): (DMatrix<f64>, DVector<f64>),
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        if let Some(prior) = self.prior {
+            let k = prior.mean.len();
+            let off = &prior.mean - model.vector().rows(0, k);
+            let mut corner = normal.view_mut((0, 0), (k, k));
+            corner += &prior.information;
+            let pull = &prior.information * off;
+            let mut head = gradient.rows_mut(0, k);
+            head += pull;
+        }
+        (normal, gradient)
     }
 
     /// The block with its rows weighted further.
@@ -301,4 +311,53 @@ fn bordered(known: &DMatrix<f64>, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
             .copy_from(&cross.rows(0, base).transpose());
     }
     normal
+}
+
+impl System {
+    /// The linear model without term `at`, fitted again. The torques that further columns are made from stay those of the model with it.
+    pub(super) fn without_term(&self, data: &Data, at: usize) -> System {
+        let (from, k) = (self.model.offset_of(at), self.model.terms[at].parameters());
+        let term = &self.model.terms[at];
+        let linear = match term.is_distortion() {
+            true => &term.shape[..term.free_shapes],
+            false => &term.coefficients[..],
+        };
+        let gone = DVector::from_column_slice(linear);
+        let keep: Vec<usize> = (0..self.covariance.nrows()).filter(|i| *i < from || *i >= from + k).collect();
+        let block = |b: &Block| {
+            let columns = b.jacobian.columns(from, gone.len());
+            Block {
+                jacobian: b.jacobian.select_columns(&keep),
+                normal: b.normal.select_columns(&keep).select_rows(&keep),
+                residual: &b.residual + columns * &gone,
+                rows: b.rows.clone(),
+            }
+        };
+        let blocks: Vec<Vec<Block>> = self.blocks.iter().map(|s| s.iter().map(block).collect()).collect();
+        let mut model = self.model.clone();
+        model.terms.remove(at);
+        let size = keep.len();
+        let fold = blocks
+            .iter()
+            .flatten()
+            .fold((DMatrix::zeros(size, size), DVector::zeros(size)), |(n, g), b| {
+                (n + &b.normal, g + b.jacobian.tr_mul(&b.residual))
+            });
+        let (normal, gradient) = data.with_prior(&model, fold);
+        let covariance = pseudo_inverse(&normal, RANK);
+        let step = &covariance * &gradient;
+        let moved = |mut b: Block| {
+            b.residual -= &b.jacobian * &step;
+            b
+        };
+        System {
+            model: model.moved(&step),
+            evaluated: self.evaluated.clone(),
+            blocks: blocks.into_iter().map(|s| s.into_iter().map(moved).collect()).collect(),
+            covariance,
+            gradient: DVector::zeros(size),
+            noise_is_measured: self.noise_is_measured,
+            coarse: OnceLock::new(),
+        }
+    }
 }

@@ -11,3 +11,4 @@ mod mountings;
 mod one_model;
 mod rivals;
 mod unsteady;
+mod without_periods;

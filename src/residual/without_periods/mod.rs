@@ -1,0 +1,93 @@
+//! The search for effects where the noise is not measured: logs without periods.
+//!
+//! All that the model leaves may be misfit there, and everything smooth explains a part of it. So effects are judged by blocks of time that the fit has not
+//! seen: first what every robot may have, on all joints at once, then single effects, each by its gain on the blocks left out, by the scatter of that gain, by the
+//! joint that pays for it, and by whether it is chosen again from other selections of blocks. All of it is linear algebra on normal equations, block by
+//! block; only what is accepted is fitted to all rows.
+
+mod blocks;
+mod contender;
+mod field;
+mod rivals;
+mod settle;
+mod stability;
+
+pub(super) use blocks::RIDGE;
+pub(super) use rivals::linear_contests;
+
+use self::field::{Chosen, Field};
+use super::Term;
+use super::candidate::Candidate;
+use super::judge::is_physical;
+use super::scan::scan;
+use super::select::{Selected, Threshold, drop_superfluous};
+use super::system::Data;
+
+/// Goes on from a selection, whose first `fixed` terms were there before it.
+pub(super) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) -> Selected {
+    let mut data = data.with_noise(now.noise.clone());
+    let mut open = candidates.to_vec();
+    for _ in 0..2 * threshold.most_effects {
+        if now.accepted.len() >= threshold.most_effects {
+            break;
+        }
+        let scored = scan(&data, &now.system, &open);
+        let Some(field) = Field::of(&data, &now.system, &open, &scored, threshold) else {
+            break;
+        };
+        let chosen = field.families().map_or_else(|| field.singles(), |family| vec![family]);
+        if chosen.is_empty() {
+            break;
+        }
+        match fitted(&data, &now, fixed, &chosen) {
+            Ok(next) => now = next,
+            Err(refused) => {
+                // The fit to all rows says otherwise: it has no further turn.
+                open.retain(|c| !refused.iter().any(|r| r.0 == c.effect.code() && r.1 == c.joints));
+                continue;
+            }
+        }
+        data = data.with_noise(data.left_as_noise(&now.system));
+        now.system = data.fit(now.system.model.clone());
+        now.noise = data.noise.clone();
+        drop_superfluous(&data, &mut now, fixed, candidates, threshold);
+    }
+    settle::settle(&data, &mut now, fixed);
+    now.noise = data.noise;
+    now
+}
+
+/// Effects that are not to be tried again: code and joints.
+type Refused = Vec<(&'static str, Vec<usize>)>;
+
+/// The selection with what was chosen, fitted to all rows.
+fn fitted(data: &Data, now: &Selected, fixed: usize, chosen: &[Chosen]) -> Result<Selected, Refused> {
+    let (mut model, mut accepted) = (now.system.model.clone(), now.accepted.clone());
+    let news: Vec<Term> = chosen.iter().flat_map(Chosen::terms).collect();
+    // A newcomer that holds another as its limit takes its place.
+    for at in (fixed..model.terms.len()).rev() {
+        let known = &model.terms[at];
+        let held = |t: &Term| t.joints == known.joints && t.effect.contains().contains(&known.effect.code());
+        if news.iter().any(held) {
+            model.terms.remove(at);
+            accepted.remove(at - fixed);
+        }
+    }
+    let first = model.terms.len();
+    model.terms.extend(news.iter().cloned());
+    let system = data.fit(model);
+    let wrong: Refused = (0..news.len())
+        .filter(|i| !is_physical(&system, first + i))
+        .map(|i| (news[i].effect.code(), news[i].joints.clone()))
+        .collect();
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
+    accepted.extend(chosen.iter().flat_map(|c| c.accepted.iter().cloned()));
+    Ok(Selected {
+        system,
+        accepted,
+        noise: now.noise.clone(),
+        given_up: false,
+    })
+}

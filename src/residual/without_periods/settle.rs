@@ -1,0 +1,68 @@
+//! The last word of the search on what it has found: what is not beyond doubt beside all the others goes.
+
+use crate::effects::Kind;
+use crate::identification::f_tail;
+use crate::residual::confirm::wald;
+use crate::residual::jackknife::BLOCKS;
+use crate::residual::select::Selected;
+use crate::residual::system::{Data, System};
+use crate::residual::{AugmentedModel, Term};
+
+/// Chance from which an effect is not beyond doubt, by the jackknife over blocks of time.
+const DOUBTFUL: f64 = 1e-2;
+
+/// Takes out what is not beyond doubt, the weakest first. A spring whose stiffness is not gives its place to a torque offset.
+pub(super) fn settle(data: &Data, now: &mut Selected, fixed: usize) {
+    loop {
+        let weakest = (fixed..now.system.model.terms.len())
+            .map(|at| (at, doubt(&now.system, at)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((at, chance)) = weakest else { return };
+        if chance < DOUBTFUL {
+            return;
+        }
+        let mut model = now.system.model.clone();
+        match offset_in_place(&model, at) {
+            Some(offset) => {
+                model.terms[at] = offset;
+                now.accepted[at - fixed].effect = "torque_offset";
+            }
+            None => {
+                model.terms.remove(at);
+                now.accepted.remove(at - fixed);
+            }
+        }
+        now.system = data.fit(model);
+    }
+}
+
+/// Chance of values as large as those of term `at` by the jackknife; of a spring, that of its stiffness.
+fn doubt(system: &System, at: usize) -> f64 {
+    let term = &system.model.terms[at];
+    let covariance = system.jackknife(at);
+    let second = (BLOCKS - 1) as f64;
+    if term.effect.code() == "joint_spring" {
+        let stiffness = term.coefficients[0];
+        return f_tail(
+            stiffness * stiffness / covariance[(0, 0)].max(f64::MIN_POSITIVE),
+            [1.0, second],
+        );
+    }
+    let (statistic, parameters) = wald(term, &covariance);
+    let k = parameters as f64;
+    if term.effect.kind() != Kind::Distortion && statistic <= 0.0 {
+        return 1.0;
+    }
+    f_tail(
+        statistic * (second - k + 1.0).max(1.0) / (k * second),
+        [k, (second - k + 1.0).max(1.0)],
+    )
+}
+
+/// The torque offset that takes the place of a spring, where the joint has none.
+fn offset_in_place(model: &AugmentedModel, at: usize) -> Option<Term> {
+    let term = &model.terms[at];
+    let joint = *term.joints.first()?;
+    let has_one = |t: &Term| t.effect.code() == "torque_offset" && t.joints == term.joints;
+    (term.effect.code() == "joint_spring" && !model.terms.iter().any(has_one)).then(|| Term::offset(joint))
+}
