@@ -221,10 +221,10 @@ fn rotor_inertias_of_several_joints_are_found_together() {
 fn val_friction_of_mujoco_is_named() {
     let folder = Folder::new("mujoco-friction");
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/mujoco");
-    let arms: [(&str, f64, &[(&str, f64)]); 3] = [
-        ("three_soft", 0.018, &[("J1", 1.2), ("J2", 1.0), ("J3", 0.5)]),
-        ("four_plain", 0.0095, &[("J1", 2.0), ("J3", 0.8), ("J4", 0.4)]),
-        ("six_plain", 0.0095, &[("J4", 0.6), ("J5", 0.5), ("J6", 0.3)]),
+    let arms = [
+        ("three_soft", 0.018, [("J1", 1.2), ("J2", 1.0), ("J3", 0.5)]),
+        ("four_plain", 0.0095, [("J1", 2.0), ("J3", 0.8), ("J4", 0.4)]),
+        ("six_plain", 0.0095, [("J4", 0.6), ("J5", 0.5), ("J6", 0.3)]),
     ];
     for (name, lead, levels) in arms {
         let out = folder.file(&format!("{name}.json"));

@@ -202,9 +202,9 @@ fn prop_a_wide_validation_log_rejects_a_wrong_law() {
     assert!(!finding.in_model && finding.held_out.change == Change::Worse);
     let rival = finding.rivals.first().expect("the first log leaves one open");
     let parsed = parse(request(&robot, &found, rival).to_string().as_bytes()).unwrap();
-    let refused = read_excitation_request(&parsed, &Shipped)
-        .err()
-        .expect("nothing to design for");
+    let Err(refused) = read_excitation_request(&parsed, &Shipped) else {
+        panic!("nothing to design for");
+    };
     let hint = refused[0].hint.as_deref().unwrap_or_default();
     assert!(hint.contains("held-out"), "{refused:?}");
 }
