@@ -240,7 +240,7 @@ fn val_friction_of_mujoco_is_named() {
             let found = findings.iter().find(|f| f["joints"] == json!([joint]));
             let found = found.unwrap_or_else(|| panic!("{name}: nothing on {joint}"));
             assert_eq!(found["effect"], "smooth_coulomb_friction");
-            for (parameter, truth) in [("amplitude", *level), ("lead", lead)] {
+            for (parameter, truth) in [("amplitude", level), ("lead", lead)] {
                 let all = found["parameters"].as_array().unwrap();
                 let told = all.iter().find(|p| p["name"] == parameter).expect("has it");
                 let [value, deviation] = ["value", "std_dev"].map(|k| told[k].as_f64().unwrap());
