@@ -90,11 +90,10 @@ fn describe(data: &Data, with: &System, from: usize) -> Remainder {
     rows.retain(|r| seen.insert(*r));
     let excess = |system: &System, j: usize| (system.joint_chi_square(j) - system.rows(j) as f64 + system.spent(j)).max(0.0);
     let total = |system: &System| rows.iter().map(|&j| excess(system, j)).sum::<f64>();
-    let share = if total(&without) > 0.0 {
-        1.0 - total(with) / total(&without)
-    } else {
-        0.0
-    };
+    // Squares beyond a double leave no share that anybody knows.
+    let share = Some(1.0 - total(with) / total(&without))
+        .filter(|s| s.is_finite())
+        .unwrap_or(0.0);
     let mut depends_on = Vec::new();
     for code in functions.iter().flat_map(|t| by_strength(data, &without, t)) {
         let name = variable_name(code, n);

@@ -26,15 +26,17 @@ pub fn unprintable(folders: &Folders, refused: &str) -> Option<String> {
             {
                 return Some(format!("unprintable: {name} is no XML: {e}"));
             }
-            let token = odd_word(&text)?;
+            let token = odd_word(&text)?.to_lowercase();
             let given = input.get_or_insert_with(|| all_text(&folders.input));
-            (!given.contains(token)).then(|| format!("unprintable: {name} has {token}"))
+            (!given.contains(&token)).then(|| format!("unprintable: {name} has {token}"))
         })
 }
 
 /// What the input says, unpacked and in whatever encoding.
 fn all_text(folder: &Path) -> String {
-    let texts = files_of(folder).into_iter().map(|(_, content)| {
+    // `why` stands beside inputs that were kept and says what was found.
+    let files = files_of(folder).into_iter().filter(|(name, _)| name != "why");
+    let texts = files.map(|(_, content)| {
         let mut unpacked = Vec::new();
         // What is cut off is read as far as it goes.
         let _ = MultiGzDecoder::new(&content[..])
@@ -43,7 +45,7 @@ fn all_text(folder: &Path) -> String {
         let plain = [content, unpacked].concat();
         // UTF-16 is ASCII with a zero beside every letter.
         let ascii: Vec<u8> = plain.iter().copied().filter(|b| *b != 0).collect();
-        String::from_utf8_lossy(&ascii).into_owned()
+        String::from_utf8_lossy(&ascii).to_lowercase()
     });
     texts.collect()
 }
