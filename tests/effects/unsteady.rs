@@ -1,12 +1,8 @@
 //! Torque that changes while the log runs, whatever the robot does: nothing in the list of effects does that, and it is a remainder.
 
 use crate::bench::*;
-use dynident::model::Robot;
-use dynident::residual::{Outcome, Remainder, TraceOptions, Verdict, trace};
-use dynident::simulate::{Experiment, HiddenEffect, simulate};
-use dynident::trajectory::QuinticWayPoints;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use dynident::residual::{Remainder, Verdict};
+use dynident::simulate::HiddenEffect;
 
 /// The only remainder: on the third joint, along `variable`, of this size [N·m].
 fn is_of_third_joint(remainder: Option<&Remainder>, variable: &str, rms: f64) {
@@ -62,33 +58,12 @@ fn prop_levels_in_no_order_depend_on_the_period() {
     is_of_third_joint(report.remainder.as_ref(), "period", 0.507);
 }
 
-/// A minute of random way-points that never come back.
-fn without_periods(robot: &Robot, hidden: &[HiddenEffect], seed: u64) -> Outcome {
-    let n = robot.joint_count();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x3a7);
-    let points = (0..31)
-        .map(|_| (0..n).map(|_| rng.random_range(-1.0..1.0)).collect())
-        .collect();
-    let motion = QuinticWayPoints::new(points, &[2.0; 30]);
-    let log = simulate(&Experiment {
-        robot,
-        parameters: &bodies(robot, seed),
-        trajectory: &motion,
-        periods: 1.0,
-        rate_hz: RATE,
-        effects: hidden,
-        noise: &sensor_noise(n),
-        seed,
-    });
-    trace(robot, &[stretch(&log, "once")], &[], &TraceOptions::default())
-}
-
 /// Without periods the drift is slower than what the motion brings about; and where there is none, none is told of.
 #[test]
 fn prop_a_drift_is_seen_without_periods_too() {
     let robot = seven_axes();
     for seed in 3..6 {
-        let nothing = without_periods(&robot, &[], seed).report.remainder;
+        let nothing = once(&robot, &[], &sensor_noise(7), seed).report.remainder;
         assert!(nothing.is_none(), "seed {seed}: {nothing:?}");
     }
     let drift = HiddenEffect::TorqueDrift {
@@ -96,7 +71,7 @@ fn prop_a_drift_is_seen_without_periods_too() {
         torque: 1.5,
         time_constant: 25.0,
     };
-    let rest = without_periods(&robot, &[drift], 3)
+    let rest = once(&robot, &[drift], &sensor_noise(7), 3)
         .report
         .remainder
         .expect("something is left");

@@ -2,32 +2,8 @@
 
 use crate::bench::*;
 use dynident::model::Robot;
-use dynident::residual::{Outcome, TraceOptions, Verdict, trace};
-use dynident::simulate::{Experiment, HiddenEffect, Noise, simulate};
-use dynident::trajectory::QuinticWayPoints;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-
-/// A minute of random way-points.
-fn once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) -> Outcome {
-    let n = robot.joint_count();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x3a7);
-    let points = (0..31)
-        .map(|_| (0..n).map(|_| rng.random_range(-1.0..1.0)).collect())
-        .collect();
-    let motion = QuinticWayPoints::new(points, &[2.0; 30]);
-    let log = simulate(&Experiment {
-        robot,
-        parameters: &bodies(robot, seed),
-        trajectory: &motion,
-        periods: 1.0,
-        rate_hz: RATE,
-        effects: hidden,
-        noise,
-        seed,
-    });
-    trace(robot, &[stretch(&log, "once")], &[], &TraceOptions::default())
-}
+use dynident::residual::{Outcome, Verdict};
+use dynident::simulate::{HiddenEffect, Noise};
 
 fn found(outcome: &Outcome) -> Vec<(String, Vec<String>)> {
     let findings = outcome.report.findings.iter();

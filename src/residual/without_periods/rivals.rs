@@ -13,7 +13,7 @@ use crate::residual::{Rival, Term};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Rivals that are told of one finding.
+/// Rivals that are reported of one finding.
 const MOST: usize = 6;
 
 /// The other effects that the data do not exclude in the place of each found beyond the first `fixed` terms.

@@ -5,8 +5,10 @@ use dynident::identification::{Log, PreprocessOptions, prepare};
 use dynident::model::Robot;
 use dynident::residual::{Outcome, Stretch, TraceOptions, mounting, trace, trace_mounted};
 use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
-use dynident::trajectory::Trajectory;
+use dynident::trajectory::{QuinticWayPoints, Trajectory};
 use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 pub const RATE: f64 = 200.0;
 
@@ -139,4 +141,25 @@ pub fn traced_mounted(
             (Some(gravity.value), outcome)
         }
     }
+}
+
+/// A minute of random way-points that never come back, traced.
+pub fn once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) -> Outcome {
+    let n = robot.joint_count();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x3a7);
+    let points = (0..31)
+        .map(|_| (0..n).map(|_| rng.random_range(-1.0..1.0)).collect())
+        .collect();
+    let motion = QuinticWayPoints::new(points, &[2.0; 30]);
+    let log = simulate(&Experiment {
+        robot,
+        parameters: &bodies(robot, seed),
+        trajectory: &motion,
+        periods: 1.0,
+        rate_hz: RATE,
+        effects: hidden,
+        noise,
+        seed,
+    });
+    trace(robot, &[stretch(&log, "once")], &[], &TraceOptions::default())
 }
