@@ -1,16 +1,14 @@
-//! What the declared model leaves over, as the `residual` part of an answer, and what was found in the model files.
+//! What the declared model leaves over, as the `residual` part of an answer.
 
 use super::CancelFlag;
-use super::identify::{ModelFiles, UsedLog};
+use super::identify::UsedLog;
 use super::tell::tell;
 use crate::dynamics::Motion;
 use crate::identification::preprocess::Exclusion;
 use crate::io::log::{FindingKind, LogReport};
-use crate::io::{significant, traced_value};
 use crate::model::Robot;
 use crate::residual::{
-    AugmentedModel, DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Stretch, Traced, Verdict,
-    column_faults, mounting,
+    DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Verdict, column_faults, mounting,
 };
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -82,72 +80,6 @@ pub(super) fn residual_value(robot: &Robot, report: &ResidualReport) -> Value {
     let mut document = serde_json::to_value(report).expect("plain numbers and words");
     tell(robot, report, &mut document);
     document
-}
-
-/// Writes the effects found into the model files: all of it into the JSON, what a URDF cannot hold as a comment into that, with the torque that is missing
-/// there.
-pub(super) fn add_effects(files: &mut ModelFiles, traced: &Traced, logs: &[Stretch]) {
-    let model = &traced.model;
-    let not_held: Vec<String> = (0..model.terms.len()).map(|at| not_held(model, at, logs)).collect();
-    if let Some(map) = files.json.as_object_mut() {
-        map.insert("augmented".into(), traced_value(traced));
-        map.insert("not_in_urdf".into(), not_held.clone().into());
-    }
-    if let Some(end) = files.urdf.find("?>").filter(|_| !not_held.is_empty()) {
-        let comment = commented(&not_held.join("\n     "));
-        files.urdf.insert_str(end + 2, &format!("\n<!-- {comment} -->"));
-    }
-}
-
-/// What is missing in a file without term `at`, and how much that is on the logs.
-fn not_held(model: &AugmentedModel, at: usize, logs: &[Stretch]) -> String {
-    let robot = &model.robot;
-    let term = &model.terms[at];
-    let joints: Vec<&str> = term.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect();
-    let place = if joints.is_empty() {
-        "the whole robot".to_string()
-    } else {
-        joints.join(", ")
-    };
-    let mut without = model.clone();
-    without.terms.remove(at);
-    let missing: Vec<String> = torque_difference(model, &without, logs)
-        .into_iter()
-        .zip(robot.joints())
-        .filter(|(rms, _)| *rms > 0.0)
-        .map(|(rms, joint)| format!("{} {} on {}", significant(rms, 3), joint.effort_unit(), joint.name))
-        .collect();
-    let code = term.effect.code();
-    format!(
-        "{code} on {place}: URDF has bodies, damping and friction, and no place for it; the JSON model has it. Missing on the logs (RMS): {}",
-        missing.join(", ")
-    )
-}
-
-/// RMS per joint of the difference of two models' torques over the rows of the logs [N·m or N].
-fn torque_difference(one: &AugmentedModel, other: &AugmentedModel, logs: &[Stretch]) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); one.robot.joint_count()];
-    for log in logs {
-        for ((a, b), sum) in one.predict(log).iter().zip(&other.predict(log)).zip(&mut sums) {
-            sum.0 += a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            sum.1 += a.len() as f64;
-        }
-    }
-    sums.into_iter()
-        .map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).sqrt())
-        .collect()
-}
-
-/// Text for an XML comment, which two hyphens in a row would end.
-fn commented(text: &str) -> String {
-    let mut comment = String::with_capacity(text.len());
-    for letter in text.chars() {
-        if letter == '-' && comment.ends_with('-') {
-            comment.push(' ');
-        }
-        comment.push(letter);
-    }
-    comment
 }
 
 /// Faults of all logs, each kind and joint once.

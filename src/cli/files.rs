@@ -60,6 +60,14 @@ pub struct ChainArguments {
 }
 
 impl ChainArguments {
+    pub fn base(&self) -> Option<&str> {
+        self.base.as_deref()
+    }
+
+    pub fn tip(&self) -> Option<&str> {
+        self.tip.as_deref()
+    }
+
     /// Puts the links into the document of a robot.
     pub fn put(&self, robot: &mut Value) -> Result<(), Error> {
         let stated = [("base", &self.base), ("tip", &self.tip)];

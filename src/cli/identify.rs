@@ -1,11 +1,12 @@
 //! `dynident identify`.
 
 use super::excite::{cancel_on_interrupt, put_robot};
+use super::model::OwnUrdf;
 use super::plots::{PictureKind, pictures, write_picture};
-use super::{Ending, files, render};
+use super::{Ending, files, model, render};
 use crate::app::{Code, Error, Identified, LogFile, drawn, identify};
 use crate::io::shipped::Shipped;
-use crate::io::{IdentifyRequest, NoExcitations, Parsed, read_identify_request};
+use crate::io::{IdentifyRequest, ModelFormat, NoExcitations, Parsed, read_identify_request};
 use crate::web::figures::Figure;
 use crate::web::{Circumstances, report};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -31,12 +32,16 @@ pub struct Arguments {
     /// Where the result goes; standard output if left out.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Where the identified model goes as JSON, for `validate`.
-    #[arg(long, value_name = "FILE")]
-    model: Option<PathBuf>,
+    /// Where the identified model goes, in the format of the file's ending: .json (for `validate`), .urdf, .xml (MJCF), .sdf, .csv, .c, .py; may be given
+    /// several times.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    model: Vec<PathBuf>,
     /// Where the identified model goes as URDF.
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
+    /// URDF file of your own: the models that are written as URDF are this file with the identified bodies put in, all else as it is.
+    #[arg(long, value_name = "FILE")]
+    patch_urdf: Option<PathBuf>,
     /// Where the report goes: one HTML file that stands alone and prints.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -122,17 +127,20 @@ fn write_results(arguments: &Arguments, json: bool, mut found: Identified, reque
 }
 
 fn write_model(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
-    if arguments.model.is_none() && arguments.urdf.is_none() {
+    let by_ending = arguments.model.iter().map(|path| (path, ModelFormat::of_file(path)));
+    let as_urdf = arguments.urdf.iter().map(|path| (path, ModelFormat::Urdf));
+    let targets: Vec<(&PathBuf, ModelFormat)> = by_ending.chain(as_urdf).collect();
+    if targets.is_empty() {
         return Ok(());
     }
-    let model = found.model()?;
-    if let Some(path) = &arguments.model {
-        files::write(path, files::pretty(&model.json))?;
-    }
-    if let Some(path) = &arguments.urdf {
-        files::write(path, &model.urdf)?;
-    }
-    Ok(())
+    let files = found.model()?;
+    let own = OwnUrdf {
+        file: arguments.patch_urdf.as_deref(),
+        chain: &arguments.chain,
+    };
+    targets
+        .into_iter()
+        .try_for_each(|(path, format)| model::write(path, format, files, &own))
 }
 
 /// The report and the pictures that were asked for. One that fails does not keep the others from being made; the first error is told.

@@ -10,6 +10,7 @@ mod excite;
 mod files;
 mod identify;
 mod log;
+mod model;
 #[cfg(feature = "service")]
 mod openapi;
 mod plots;
@@ -70,6 +71,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Hold an identified model against logs.
     Validate(validate::Arguments),
+    /// Write an identified model as URDF, MJCF, SDF, CSV, C or Python.
+    Model(model::Arguments),
     /// Let a virtual robot write a log.
     Simulate(simulate::Arguments),
     /// Print what is understood of a robot's file: chain, limits, masses, notes.
@@ -150,6 +153,7 @@ fn run(arguments: Arguments) -> Result<Ending, Error> {
         Command::Excite(arguments) => excite::run(&arguments, json),
         Command::Identify(arguments) => identify::run(&arguments, json),
         Command::Validate(arguments) => validate::run(&arguments, json),
+        Command::Model(arguments) => model::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments, json),
         Command::Robot(arguments) => robot::run(&arguments, json),
         Command::Log(arguments) => log::run(&arguments, json),

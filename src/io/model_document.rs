@@ -10,13 +10,13 @@ use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
 
 /// Joint frames as the description has them: pose in the frame before, and the joint's axis.
-struct Described {
-    pose: Transform,
-    axis: Vector3<f64>,
-    turn: Matrix3<f64>,
+pub(super) struct Described {
+    pub pose: Transform,
+    pub axis: Vector3<f64>,
+    pub turn: Matrix3<f64>,
 }
 
-fn described(robot: &Robot) -> Vec<Described> {
+pub(super) fn described(robot: &Robot) -> Vec<Described> {
     let mut before = Matrix3::identity();
     robot
         .joints()
@@ -35,7 +35,7 @@ fn described(robot: &Robot) -> Vec<Described> {
 }
 
 /// Roll, pitch, yaw with `R = Rz(yaw) Ry(pitch) Rx(roll)`.
-fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
+pub(super) fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     let across = r[(0, 0)].hypot(r[(1, 0)]);
     let pitch = (-r[(2, 0)]).atan2(across);
     // Straight up or down yaw and roll turn about the same line: all of it is given to yaw.
@@ -120,7 +120,7 @@ pub fn urdf_gravity(robot: &Robot) -> Vector3<f64> {
 }
 
 /// The turn from the base frame to one in which gravity points along −z; `None` where it does already, or there is none.
-fn mounting(robot: &Robot) -> Option<Matrix3<f64>> {
+pub(super) fn mounting(robot: &Robot) -> Option<Matrix3<f64>> {
     let (gravity, down) = (robot.gravity(), urdf_gravity(robot));
     // Rounding of a vector that was normalised is no other mounting.
     if (gravity - down).norm() <= 1e-12 * gravity.norm() {
@@ -141,6 +141,20 @@ pub fn urdf(robot: &Robot) -> String {
     let written = write_urdf(&mut writer, robot);
     written.expect("writing to memory does not fail");
     String::from_utf8(writer.into_inner()).expect("XML is UTF-8") + "\n"
+}
+
+/// An XML file with a comment of these lines below its declaration; unchanged without lines.
+pub(super) fn with_comment(mut xml: String, lines: &[String]) -> String {
+    if !lines.is_empty() {
+        let at = if xml.starts_with("<?xml") {
+            xml.find("?>").map_or(0, |end| end + 2)
+        } else {
+            0
+        };
+        let (before, after) = if at == 0 { ("", "\n") } else { ("\n", "") };
+        xml.insert_str(at, &format!("{before}<!--{}-->{after}", super::model_file::comment(lines)));
+    }
+    xml
 }
 
 fn write_urdf(writer: &mut Writer<Vec<u8>>, robot: &Robot) -> std::io::Result<()> {
@@ -200,7 +214,7 @@ fn write_mounting(w: &mut Writer<Vec<u8>>, robot: &Robot, turn: &Matrix3<f64>, b
 }
 
 /// A name that no link has.
-fn base_name(robot: &Robot) -> String {
+pub(super) fn base_name(robot: &Robot) -> String {
     free_name(robot, "base_link")
 }
 
@@ -214,7 +228,7 @@ fn free_name(robot: &Robot, wanted: &str) -> String {
 }
 
 /// Shortest text that reads back as the same number.
-fn number(v: f64) -> String {
+pub(super) fn number(v: f64) -> String {
     match v.abs() {
         // Written out, these have up to three hundred digits.
         size if size != 0.0 && !(1e-6..1e16).contains(&size) => format!("{v:e}"),
@@ -222,7 +236,7 @@ fn number(v: f64) -> String {
     }
 }
 
-fn triple(v: &[f64]) -> String {
+pub(super) fn triple(v: &[f64]) -> String {
     v.iter().map(|&x| number(x)).collect::<Vec<_>>().join(" ")
 }
 

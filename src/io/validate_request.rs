@@ -40,7 +40,7 @@ pub const VALIDATE_FIELDS: &[&str] = &[
     "prediction_points",
     "trace",
 ];
-pub const MODEL_FIELDS: &[&str] = &["robot", "offsets", "base_parameters", "augmented", "not_in_urdf"];
+pub const MODEL_FIELDS: &[&str] = &["robot", "offsets", "base_parameters", "augmented", "not_in_urdf", "formats"];
 
 /// Reads a request whose `model` is the JSON model of an identification, or any robot with parameters for every link.
 ///

@@ -16,6 +16,8 @@ pub(super) struct XmlText {
     text: String,
     /// Where every line starts.
     lines: Vec<usize>,
+    /// Declarations that were put in, in bytes of `text`.
+    inserted: Range<usize>,
     /// Field of the document that holds the file: `/urdf` or `/mjcf`.
     pub field: &'static str,
 }
@@ -32,10 +34,17 @@ impl XmlText {
             ));
         }
         let text = scan.mended(xml);
+        let from = scan.root.unwrap_or(0);
+        let inserted = from..from + text.len().saturating_sub(xml.len());
         let lines = std::iter::once(0)
             .chain(memchr::memchr_iter(b'\n', text.as_bytes()).map(|at| at + 1))
             .collect();
-        Ok(Self { text, lines, field })
+        Ok(Self {
+            text,
+            lines,
+            inserted,
+            field,
+        })
     }
 
     /// # Errors
@@ -58,6 +67,21 @@ impl XmlText {
     /// Line of a node in the file, from 1.
     pub fn line(&self, node: Node) -> usize {
         self.lines.partition_point(|&start| start <= node.range().start)
+    }
+}
+
+impl XmlText {
+    /// Place of a byte of the parsed text in the file as it was given, a byte-order mark left out.
+    pub fn in_file(&self, at: usize) -> usize {
+        match at < self.inserted.start {
+            true => at,
+            false => at.max(self.inserted.end) - self.inserted.len(),
+        }
+    }
+
+    /// The text that is parsed.
+    pub fn as_str(&self) -> &str {
+        &self.text
     }
 }
 

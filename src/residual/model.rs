@@ -37,6 +37,14 @@ impl std::fmt::Debug for Term {
 }
 
 impl Term {
+    /// A constant torque on one joint [N·m or N].
+    pub(crate) fn constant(joint: usize, size: f64) -> Self {
+        Self {
+            coefficients: vec![size],
+            ..Self::offset(joint)
+        }
+    }
+
     /// A constant torque on one joint, zero as yet.
     pub(crate) fn offset(joint: usize) -> Self {
         Self {
@@ -118,10 +126,7 @@ impl AugmentedModel {
 
     /// The model with a constant torque of this size on every joint.
     pub fn with_offsets(mut self, offsets: &[f64]) -> Self {
-        let term = |(joint, &size): (usize, &f64)| Term {
-            coefficients: vec![size],
-            ..Term::offset(joint)
-        };
+        let term = |(joint, &size): (usize, &f64)| Term::constant(joint, size);
         self.terms.extend(offsets.iter().enumerate().map(term));
         self
     }

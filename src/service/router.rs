@@ -62,7 +62,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
         .routes(routes!(api::excitation::trajectory))
         .merge(uploads)
         .routes(routes!(api::identify::get))
-        .routes(routes!(api::identify::model))
+        .routes(routes!(api::identify::model, api::identify::patch_model))
         .routes(routes!(api::report::get))
         .routes(routes!(api::identify::get_validation))
         .routes(routes!(api::jobs::list))

@@ -151,7 +151,7 @@ impl Request {
             Self::Identify(request) => {
                 let mut found = identify(request, logs, validation, cancel, &|s| tell(Told::Step(s.clone())))?;
                 let model = found.model.as_ref();
-                let model = model.map(|m| json!({"json": m.json, "urdf": m.urdf}).to_string().into_bytes());
+                let model = model.map(|m| json!({"json": m.json}).to_string().into_bytes());
                 let result = Outcome::of_logs(&found.document, model);
                 if request.prediction_points == 0 {
                     return Ok(result);

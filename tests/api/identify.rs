@@ -206,6 +206,26 @@ fn the_model_is_handed_out_and_validates_as_json_and_urdf() {
     );
     assert_eq!(answer.status, 200, "{}", answer.text);
     assert!((answer.json()["logs"][0]["rms"][0].as_f64().unwrap() - rms[0].as_f64().unwrap()).abs() < 1e-9);
+    for (format, kind, words) in [
+        ("mjcf", "application/xml", "<mujoco"),
+        ("sdf", "application/xml", "<sdf"),
+        ("csv", "text/csv; charset=utf-8", "kind,name"),
+        ("c", "text/x-c; charset=utf-8", "_inverse_dynamics("),
+        ("python", "text/x-python; charset=utf-8", "def inverse_dynamics"),
+    ] {
+        let file = server.get(&format!("/identify/{id}/model?format={format}"));
+        assert_eq!((file.status, file.header("content-type")), (200, Some(kind)), "{format}");
+        assert!(file.text.contains(words), "{format}: {}", file.text);
+    }
+    let xml = [("content-type", "application/xml")];
+    let own = urdf.text.replace("<robot ", "<!-- mine --><robot ");
+    let address = format!("/identify/{id}/model?base=base_link");
+    let patched = server.send("POST", &address, &xml, &own);
+    assert_eq!(patched.status, 200, "{}", patched.text);
+    assert!(patched.text.contains("<!-- mine --><robot "), "{}", patched.text);
+    // Below another base the first joint stands elsewhere.
+    let refused = server.send("POST", &format!("/identify/{id}/model"), &xml, &own);
+    assert_eq!(refused.status, 422, "{}", refused.text);
     assert_eq!(server.get(&format!("/identify/{id}/model?format=step")).status, 400);
     assert_eq!(server.get(&format!("/excitation/{id}")).status, 404);
     assert_eq!(server.get("/identify/nothing").problem()["code"], "unknown_identification");

@@ -96,9 +96,54 @@ fn a_simulated_log_is_identified_and_its_model_validates() {
     // Errors are of single measurements: the noise is 0.01 N m, and 1500 rows know it to two per cent.
     let rms = document["logs"][0]["rms"][0].as_f64().unwrap();
     assert!((rms - 0.01).abs() < 0.001, "{rms}");
+    leaves_in_every_format(&folder, &model);
     // URDF knows no gravity, and this arm's is not the usual one: it is read back as a robot.
     let output = run(&["base-parameters", "--robot", &urdf]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+/// A stored model leaves in every format, by the endings of the files, and bodies go into a file of the user's.
+fn leaves_in_every_format(folder: &Folder, model: &str) {
+    let own = folder.write(
+        "own.urdf",
+        &folder
+            .read("model.urdf")
+            .replace("<link name=\"J2_link\">", "<!-- mine --><link name=\"J2_link\">"),
+    );
+    let names = ["out.urdf", "out.xml", "out.sdf", "out.csv", "out.c", "out.py"];
+    let files = names.map(|n| folder.file(n));
+    let mut arguments = vec!["model", model, "--patch-urdf", &own, "--base", "base_link", "--out"];
+    arguments.extend(files.iter().map(String::as_str));
+    let output = run(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    // Coulomb friction is a soft constraint in MuJoCo; all else is held.
+    let notes = stderr(&output);
+    assert!(
+        notes.lines().all(|l| l.starts_with("note: out.xml: ")) && notes.contains("frictionloss"),
+        "{notes}"
+    );
+    let words = [
+        "<!-- mine -->",
+        "<mujoco model=",
+        "<sdf version=",
+        "base_parameter,ZZR1,",
+        "void planar_two_link_arm_gravity",
+        "def mass_matrix(q)",
+    ];
+    for (name, words) in names.iter().zip(words) {
+        assert!(folder.read(name).contains(words), "{name} has no {words}");
+    }
+    let xml = folder.read("out.xml").replace("mujoco", "mujocco");
+    let output = run(&[
+        "model",
+        model,
+        "--out",
+        &folder.file("x.urdf"),
+        "--patch-urdf",
+        &folder.write("wrong.urdf", &xml),
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("mujocco"), "{}", stderr(&output));
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! What mutated inputs are given to: commands of the program as users call them, and the use cases that only HTTP has.
 
 use super::bases;
-use dynident::app::{CancelFlag, Error, LogFile, inspect, motion};
+use dynident::app::{CancelFlag, Error, LogFile, ModelFiles, inspect, motion};
 use dynident::cli::run_with;
 use dynident::io::shipped::Shipped;
-use dynident::io::{NoExcitations, Parsed, parse, read_identify_request, read_motion_request, read_validate_request, robot_file};
+use dynident::io::{
+    ModelFormat, NoExcitations, Parsed, parse, read_identify_request, read_motion_request, read_validate_request, robot_file,
+};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -243,6 +245,18 @@ fn read_again(folders: &Folders) -> Result<(), String> {
         };
         let read = read_validate_request(&request, &Shipped, &NoExcitations);
         read.map_err(|e| unreadable("JSON", e.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")))?;
+        let files = ModelFiles::of_json(request.value["model"].clone()).map_err(|e| unreadable("JSON", e.to_string()))?;
+        for (name, format) in ModelFormat::ALL {
+            if files.text(format).is_empty() {
+                return Err(unreadable(name, "it is empty".into()));
+            }
+        }
+        let own = files.text(ModelFormat::Urdf);
+        // Gravity along another axis stands in a joint of its own there.
+        let patched = files
+            .patched(&own, Some("base_link"), None)
+            .or_else(|_| files.patched(&own, None, None));
+        patched.map_err(|e| unreadable("patched URDF", e.to_string()))?;
     }
     let urdf = folders.output.join("model.urdf");
     if urdf.exists() {

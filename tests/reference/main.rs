@@ -4,3 +4,4 @@
 mod support;
 
 mod dynamics;
+mod model_files;

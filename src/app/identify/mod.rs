@@ -7,11 +7,11 @@ pub use model::ModelFiles;
 pub use reading::{LogFile, UsedLog};
 pub(super) use reading::{Reading, split_companions, use_log};
 
-use self::model::model_files;
+use self::model::{Found, model_files};
 use super::provenance::provenance;
 use super::report::{Answer, effects};
 use super::series::{Predictors, drawn, predictions};
-use super::trace::{add_effects, beyond_repair, data_faults, mounted, mounting_fault, report_faults, residual_value};
+use super::trace::{beyond_repair, data_faults, mounted, mounting_fault, report_faults, residual_value};
 use super::{CancelFlag, Code, Error};
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
 use crate::identification::{Cancelled, Estimate, PreparedLog, Quality, Verdict, quality};
@@ -142,11 +142,18 @@ fn identified(
     });
     progress.stop_if_cancelled()?;
     let bodies = physical.as_ref().map(|fit| with_bodies(&found.model, &fit.model().values));
-    let model = physical.as_ref().map(|fit| model_files(request, &robot, &found, fit.model()));
-    let mut model = model.transpose()?.flatten();
-    if let Some(files) = &mut model {
-        add_effects(files, &traced, measured);
-    }
+    let files = |(fit, bodies): (&FeasibleFit, &AugmentedModel)| {
+        model_files(&Found {
+            request,
+            robot: &robot,
+            fitted: &found,
+            fit: fit.model(),
+            bodies,
+            traced: &traced,
+            logs: measured,
+        })
+    };
+    let model = physical.as_ref().zip(bodies.as_ref()).map(files).transpose()?.flatten();
     let answer = Answer {
         request,
         robot: &robot,

@@ -3,19 +3,52 @@
 use crate::app::{Code, Error};
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::PhysicalFit;
-use crate::io::{IdentifyRequest, robot_value, urdf, urdf_gravity};
-use crate::model::{ChainEnds, LinkPrior, Robot, Rounding, from_urdf_rounded};
+use crate::io::{FinalModel, IdentifyRequest, ModelFormat, Patched, robot_value, traced_value, urdf, urdf_gravity};
+use crate::model::{ChainEnds, LinkPrior, Robot, Rounding, from_mjcf, from_urdf_rounded};
 use crate::parameters::Layout;
-use crate::residual::Fitted;
+use crate::residual::{AugmentedModel, Fitted, Stretch, Traced, reported};
 use nalgebra::DVector;
 use serde_json::{Value, json};
 
-/// The identified robot, each form read back and compared with what was identified.
-#[derive(Debug, Clone, PartialEq)]
+/// The identified robot, the form that others are made of read back and compared with what was identified.
+#[derive(Debug, Clone)]
 pub struct ModelFiles {
-    /// A robot document whose priors are the identified parameters, and the base parameters beside it.
+    /// A robot document whose priors are the identified parameters, the effects found, and the base parameters beside it.
     pub json: Value,
-    pub urdf: String,
+    model: FinalModel,
+}
+
+impl ModelFiles {
+    /// From the JSON model, as it was stored.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn of_json(json: Value) -> Result<Self, Error> {
+        let model = FinalModel::read(&json).map_err(|problems| Error::invalid("the model", problems))?;
+        Ok(Self { json, model })
+    }
+
+    /// The file in a format.
+    pub fn text(&self, format: ModelFormat) -> String {
+        match format {
+            ModelFormat::Json => serde_json::to_string_pretty(&self.json).expect("documents are plain data") + "\n",
+            _ => self.model.text(format),
+        }
+    }
+
+    /// What the file in a format does not hold, a sentence each.
+    pub fn remarks(&self, format: ModelFormat) -> Vec<String> {
+        self.model.remarks(format.name())
+    }
+
+    /// The identified bodies in the user's own URDF file; `base` and `tip` as for the robot.
+    ///
+    /// # Errors
+    /// `invalid_document`: no URDF, or another arm.
+    pub fn patched(&self, urdf: &str, base: Option<&str>, tip: Option<&str>) -> Result<Patched, Error> {
+        let patched = self.model.patch_urdf(urdf, base, tip);
+        patched.map_err(|problems| Error::invalid("the URDF file", problems))
+    }
 }
 
 /// The robot with the identified parameters as its priors; `None` if they are no bodies.
@@ -36,44 +69,72 @@ fn identified_robot(robot: &Robot, fit: &PhysicalFit) -> Option<Robot> {
     Robot::new(robot.name(), robot.gravity(), joints.collect(), robot.friction()).ok()
 }
 
-pub(super) fn model_files(
-    request: &IdentifyRequest,
-    declared: &Robot,
-    found: &Fitted,
-    fit: &PhysicalFit,
-) -> Result<Option<ModelFiles>, Error> {
-    let Some(robot) = identified_robot(declared, fit) else {
+/// What an identification has found, and the logs that it is of.
+pub(super) struct Found<'a> {
+    pub request: &'a IdentifyRequest,
+    /// With gravity where the data have it.
+    pub robot: &'a Robot,
+    pub fitted: &'a Fitted,
+    pub fit: &'a PhysicalFit,
+    /// The model with base parameters of the bodies.
+    pub bodies: &'a AugmentedModel,
+    pub traced: &'a Traced,
+    pub logs: &'a [Stretch],
+}
+
+pub(super) fn model_files(found: &Found) -> Result<Option<ModelFiles>, Error> {
+    let Some(robot) = identified_robot(found.robot, found.fit) else {
         return Ok(None);
     };
-    let robot_json = robot_value(&robot);
-    let files = ModelFiles {
-        json: model_value(request, &robot_json, found),
-        urdf: urdf(&robot),
-    };
+    reads_back(&robot)?;
+    let mut model = FinalModel::new(robot.clone(), found.fitted.model.terms.clone());
+    model.measure(found.bodies, found.logs);
+    let mut json = model_value(found.request, &robot_value(&robot), found.fitted);
+    json["augmented"] = augmented_value(found);
+    json["not_in_urdf"] = model.remarks(ModelFormat::Urdf.name()).into();
+    json["formats"] = serde_json::to_value(&model.missing).expect("plain numbers and words");
+    let files = ModelFiles::of_json(json);
+    let internal = |e: Error| Error::new(Code::Internal, format!("the JSON model does not read back: {}", e.detail));
+    files.map(Some).map_err(internal)
+}
+
+/// The effects, with deviations of what they report.
+fn augmented_value(found: &Found) -> Value {
+    let mut value = traced_value(found.traced);
+    for (at, term) in found.fitted.model.terms.iter().enumerate() {
+        let known = reported(term, &found.fitted.term_covariance(at));
+        for (i, (_, std_dev)) in known.into_iter().enumerate() {
+            value["effects"][at]["parameters"][i]["std_dev"] = if std_dev.is_finite() { json!(std_dev) } else { Value::Null };
+        }
+    }
+    value
+}
+
+/// The robot as JSON, URDF and MJCF, read back.
+fn reads_back(robot: &Robot) -> Result<(), Error> {
     let internal = |what: &str, e: String| Error::new(Code::Internal, format!("the {what} model does not read back: {e}"));
     let parsed = crate::io::Parsed {
-        value: robot_json,
+        value: robot_value(robot),
         problems: Vec::new(),
     };
     let from_json = crate::io::robot_document_rounded(&parsed, Rounding::AsWritten)
         .map_err(|e| internal("JSON", format!("{e:?}")))?
         .robot;
-    let from_xml = from_urdf_rounded(
-        &files.urdf,
-        urdf_gravity(&robot),
-        robot.friction(),
-        ChainEnds::default(),
-        Rounding::AsWritten,
-    )
-    .map_err(|e| internal("URDF", e.to_string()))?
-    .robot;
-    for (what, read) in [("JSON", from_json), ("URDF", from_xml)] {
-        let error = torque_difference(&robot, &read);
+    let whole = (ChainEnds::default(), Rounding::AsWritten);
+    let from_xml = from_urdf_rounded(&urdf(robot), urdf_gravity(robot), robot.friction(), whole.0, whole.1)
+        .map_err(|e| internal("URDF", e.to_string()))?
+        .robot;
+    let mjcf = FinalModel::new(robot.clone(), Vec::new()).text(ModelFormat::Mjcf);
+    let from_mjcf = from_mjcf(&mjcf, None, robot.friction(), whole.0, whole.1)
+        .map_err(|e| internal("MJCF", e.to_string()))?
+        .robot;
+    for (what, read) in [("JSON", from_json), ("URDF", from_xml), ("MJCF", from_mjcf)] {
+        let error = torque_difference(robot, &read);
         if error.is_nan() || error > 1e-9 {
             return Err(internal(what, format!("its torques differ by {error:e} of their size")));
         }
     }
-    Ok(Some(files))
+    Ok(())
 }
 
 /// The JSON model: the robot with its parameters, the offsets, and the base parameters as estimated.
@@ -85,7 +146,11 @@ fn model_value(request: &IdentifyRequest, robot: &Value, found: &Fitted) -> Valu
             .collect::<Vec<f64>>()
     });
     let value = |c: usize| estimate.is_determined(c).then_some(estimate.values[c]);
-    let one = |c: usize| json!({"name": base.names[c], "value": value(c), "unit": base.units[c]});
+    let std_dev = |c: usize| Some(estimate.std_dev(c)).filter(|s| s.is_finite() && estimate.is_determined(c));
+    let one = |c: usize| {
+        let expression = base.expressions[c].to_string();
+        json!({"name": base.names[c], "expression": expression, "value": value(c), "std_dev": std_dev(c), "unit": base.units[c]})
+    };
     json!({"robot": robot, "offsets": offsets, "base_parameters": (0..base.len()).map(one).collect::<Vec<_>>()})
 }
 

@@ -52,7 +52,7 @@ pub fn read_robot(cursor: &Cursor) -> Option<RobotDocument> {
     read_robot_rounded(cursor, Rounding::Meant)
 }
 
-fn read_robot_rounded(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
+pub(super) fn read_robot_rounded(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
     let read = match ["urdf", "mjcf"].map(|kind| cursor.value().get(kind).is_some()) {
         [true, _] => read_xml(cursor, "urdf", URDF_FIELDS, rounding),
         [_, true] => read_xml(cursor, "mjcf", MJCF_FIELDS, rounding),

@@ -85,19 +85,11 @@ fn described_joints(tree: &LinkTree, chain: &Chain, is_carrier: &[bool], notes: 
 /// none of these has an inertial. Every link is in one such part.
 fn lumped_inertia(tree: &LinkTree, link: usize, is_carrier: &[bool], notes: &mut Notes) -> Option<LinkInertia> {
     let (mut total, mut any) = (LinkInertia::zero(), false);
-    let mut stack = vec![(link, Transform::identity())];
-    while let Some((at, here)) = stack.pop() {
+    for (at, here) in locked_to(tree, link, is_carrier) {
         notes.extend(tree.links[at].notes.iter().cloned());
         if let Some(own) = &tree.links[at].inertia {
             total = total + own.transformed(&here);
             any = true;
-        }
-        for joint in tree.children[at]
-            .iter()
-            .filter(|&&j| !is_carrier[j])
-            .map(|&j| &tree.joints[j])
-        {
-            stack.push((joint.child, here * joint.origin));
         }
     }
     if !any {
@@ -107,6 +99,55 @@ fn lumped_inertia(tree: &LinkTree, link: usize, is_carrier: &[bool], notes: &mut
         ));
     }
     any.then_some(total)
+}
+
+/// `link` and all that hangs on it without being carried by a joint of the chain, with the poses in the frame of `link`.
+fn locked_to(tree: &LinkTree, link: usize, is_carrier: &[bool]) -> Vec<(usize, Transform)> {
+    let (mut all, mut next) = (vec![(link, Transform::identity())], 0);
+    while next < all.len() {
+        let (at, here) = all[next];
+        let locked = tree.children[at]
+            .iter()
+            .filter(|&&j| !is_carrier[j])
+            .map(|&j| &tree.joints[j]);
+        all.extend(locked.map(|joint| (joint.child, here * joint.origin)));
+        next += 1;
+    }
+    all
+}
+
+/// A movable joint of a chain with the links that move with it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CarriedLinks {
+    pub joint: String,
+    pub link: String,
+    /// The links locked to it, with their inertia about the frame of `link`, where they have one.
+    pub locked: Vec<(String, Option<LinkInertia>)>,
+}
+
+/// The movable joints of a chain from base to tip, with the links that they carry.
+///
+/// # Errors
+/// As [`LinkTree::chain`].
+pub(in crate::model) fn carried(tree: &LinkTree, ends: ChainEnds) -> Result<Vec<CarriedLinks>, ModelError> {
+    let chain = tree.chain(ends)?;
+    let movable: Vec<usize> = chain.joints.into_iter().filter(|&j| tree.joints[j].is_movable()).collect();
+    let mut is_carrier = vec![false; tree.joints.len()];
+    movable.iter().for_each(|&j| is_carrier[j] = true);
+    let one = |j: usize| {
+        let joint = &tree.joints[j];
+        let locked = locked_to(tree, joint.child, &is_carrier).into_iter().skip(1);
+        let body = |(at, here): (usize, Transform)| {
+            let link = &tree.links[at];
+            (link.name.clone(), link.inertia.map(|own| own.transformed(&here)))
+        };
+        CarriedLinks {
+            joint: joint.name.clone(),
+            link: tree.links[joint.child].name.clone(),
+            locked: locked.map(body).collect(),
+        }
+    };
+    Ok(movable.into_iter().map(one).collect())
 }
 
 /// A problem of joint i as one of the file's joint: the JSON document has no place for it.

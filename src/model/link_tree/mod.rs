@@ -7,7 +7,8 @@
 mod arm;
 mod chain;
 
-pub(super) use arm::arm;
+pub use arm::CarriedLinks;
+pub(super) use arm::{arm, carried};
 
 use super::notes::some_of;
 use super::xml::single;

@@ -6,6 +6,7 @@
 mod elements;
 mod inertial;
 mod numbers;
+mod patch;
 
 use self::elements::read_tree;
 use super::link_tree::{ChainEnds, arm};
@@ -17,6 +18,7 @@ use roxmltree::{Document, Node};
 
 pub use self::inertial::body_complaint;
 pub(super) use self::numbers::Element;
+pub use self::patch::{NewBody, urdf_carried, urdf_with_bodies};
 
 /// A robot read from a file, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]

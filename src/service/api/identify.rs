@@ -4,10 +4,11 @@ use super::common::{Begun, NoResultOfLogs, UploadRefused, WaitHeader, WorkHeader
 use super::query::QueryFields;
 use super::results::{Form, answer, answer_as, begin, document, find, not_multipart};
 use super::schemas::{IdentifyUpload, ModelFormat, ValidateUpload};
-use crate::app::{Code, Error, Problem};
-use crate::io::{IdentifyDocument, ValidateDocument};
+use crate::app::{Code, Error, ModelFiles, Problem};
+use crate::io::{IdentifyDocument, ModelFormat as Format, ValidateDocument};
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
+use crate::service::document::RobotBody;
 use crate::service::prefer::PreferWait;
 use crate::service::problem::Failure;
 use crate::service::state::Service;
@@ -160,14 +161,17 @@ pub async fn get_validation(
 }
 
 /// The identified model as a file.
+///
+/// Every format is made from the JSON model. What a format cannot hold stands at the top of its file with the torque that is missing along the
+/// identification logs, and in `formats` of the JSON model.
 #[utoipa::path(
     get, path = "/identify/{id}/model", tag = "identification", operation_id = "get_model",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = inline(Option<ModelFormat>), Query, description = "`json` (default; taken by POST /validate) or `urdf`"),
+        ("format" = inline(Option<ModelFormat>), Query, description = "`json` (default; taken by POST /validate), `urdf`, `mjcf`, `sdf`, `csv`, `c` or `python`"),
     ),
     responses(
-        (status = 200, description = "The model", content((Object = "application/json"), (String = "application/xml"))),
+        (status = 200, description = "The model", content((Object = "application/json"), (String = "application/xml"), (String = "text/csv"), (String = "text/x-c"), (String = "text/x-python"))),
         (status = 400, description = "Unknown format", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "No result yet, or no model that is a physical robot", body = Problem, content_type = "application/problem+json"),
@@ -180,18 +184,74 @@ pub async fn model(
     Path(id): Path<String>,
     mut query: QueryFields,
 ) -> Result<Response, Failure> {
-    let urdf = query.take("format", false, "json or urdf", |t| match t {
-        "json" => Some(false),
-        "urdf" => Some(true),
-        _ => None,
-    });
+    let by_name = |t: &str| Format::ALL.iter().find(|(name, _)| *name == t).map(|(_, f)| *f);
+    let format = query.take("format", Format::Json, "json, urdf, mjcf, sdf, csv, c or python", by_name);
     query.finish()?;
-    let job = find(&service, &access, &id, Kind::Identification).await?;
+    let json = stored_model(&service, &access, &id).await?;
+    if format == Format::Json {
+        return Ok((attachment(&id, format), Json(json)).into_response());
+    }
+    let text = service.blocking(move |_| Ok(ModelFiles::of_json(json)?.text(format))).await?;
+    Ok((attachment(&id, format), text).into_response())
+}
+
+/// The identified bodies in a URDF file of your own.
+///
+/// Mass, centre of mass, inertia and friction of the arm's links and joints are put into the file; meshes, materials, comments and all other links stay as they
+/// are. Joints have the names of the identified robot, and the same places.
+#[utoipa::path(
+    post, path = "/identify/{id}/model", tag = "identification", operation_id = "patch_urdf",
+    params(
+        ("id" = String, Path, description = "Id of the job"),
+        ("tip" = Option<String>, Query, description = "Last link of the arm, where the file has more"),
+        ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
+    ),
+    request_body(content = String, content_type = "application/xml"),
+    responses(
+        (status = 200, description = "The file with the bodies", body = String, content_type = "application/xml"),
+        (status = 400, description = "No XML", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "No result yet, or no model that is a physical robot", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "File too large", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "No URDF, or another arm", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn patch_model(
+    State(service): State<Service>,
+    access: Access,
+    Path(id): Path<String>,
+    mut query: QueryFields,
+    RobotBody(parsed): RobotBody,
+) -> Result<Response, Failure> {
+    let named = |text: &str| Some(Some(text.to_string())).filter(|_| !text.is_empty());
+    let [tip, base] = ["tip", "base"].map(|end| query.take(end, None, "the name of a link", named));
+    query.finish()?;
+    let json = stored_model(&service, &access, &id).await?;
+    let patched = service.blocking(move |_| {
+        let Some(xml) = parsed.value["urdf"].as_str() else {
+            return Err(Error::new(Code::InvalidDocument, "the body is no URDF file")
+                .with_hint("send the file as it is, as application/xml"));
+        };
+        Ok(ModelFiles::of_json(json)?.patched(xml, base.as_deref(), tip.as_deref())?.urdf)
+    });
+    Ok((attachment(&id, Format::Urdf), patched.await?).into_response())
+}
+
+fn attachment(id: &str, format: Format) -> [(header::HeaderName, String); 2] {
+    let (kind, ending) = format.kind();
+    let name = format!("attachment; filename=\"model-{id}.{ending}\"");
+    [(header::CONTENT_DISPOSITION, name), (header::CONTENT_TYPE, kind.to_string())]
+}
+
+/// The JSON model of a finished identification.
+async fn stored_model(service: &Service, access: &Access, id: &str) -> Result<Value, Failure> {
+    let job = find(service, access, id, Kind::Identification).await?;
     if !job.state.is_final() {
         return Err(Failure(Error::new(Code::NoModel, "the identification goes on")));
     }
     let Some(file) = &job.model else {
-        document(&service, &job).await?;
+        document(service, &job).await?;
         let none = Error::new(
             Code::NoModel,
             "the identification has no physical parameters that make a robot",
@@ -201,15 +261,5 @@ pub async fn model(
         ));
     };
     let mut forms: Value = read_stored(service.files().read(file).await?).await?;
-    let place = |extension: &str| {
-        let name = format!("attachment; filename=\"model-{id}.{extension}\"");
-        (header::CONTENT_DISPOSITION, name)
-    };
-    Ok(match urdf {
-        true => {
-            let text = forms["urdf"].as_str().unwrap_or_default().to_string();
-            ([place("urdf"), (header::CONTENT_TYPE, "application/xml".to_string())], text).into_response()
-        }
-        false => ([place("json")], Json(forms["json"].take())).into_response(),
-    })
+    Ok(forms["json"].take())
 }

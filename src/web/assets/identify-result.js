@@ -72,7 +72,7 @@ function effectsFound(result) {
 }
 
 function files(result) {
-  const model = result.physical_parameters ? [['URDF', 'urdf'], ['Model (JSON)', 'json']].map(([label, format]) => download(label, `/identify/${result.id}/model?format=${format}`, `model-${result.id}.${format}`)) : null;
+  const model = result.physical_parameters ? [['URDF', 'urdf'], ['MJCF', 'mjcf', 'xml'], ['SDF', 'sdf'], ['C', 'c'], ['Python', 'python', 'py'], ['CSV', 'csv'], ['Model (JSON)', 'json']].map(([label, format, ending = format]) => download(label, `/identify/${result.id}/model?format=${format}`, `model-${result.id}.${ending}`)) : null;
   return h('div', { id: 'downloads' }, h('h3', {}, 'Download'), h('div', { class: 'row' }, reportLink(result), model, download('Result (JSON)', `/identify/${result.id}`, `identification-${result.id}.json`)));
 }
 

@@ -18,6 +18,9 @@ pub struct ModelSchema {
     augmented: Option<AugmentedModelSchema>,
     /// In words, what a URDF of this model does not hold.
     not_in_urdf: Option<Vec<String>>,
+    /// By format, what it does not hold, in torque along the identification logs (N·m or N).
+    #[schema(value_type = Option<Vec<Object>>)]
+    formats: Option<Vec<String>>,
 }
 
 /// Effects with the base parameters they were fitted with, and how well all are known.
@@ -98,4 +101,9 @@ pub struct RivalEffectSchema {
 pub enum ModelFormat {
     Json,
     Urdf,
+    Mjcf,
+    Sdf,
+    Csv,
+    C,
+    Python,
 }

@@ -1,0 +1,505 @@
+//! Model files loaded by Pinocchio and MuJoCo, compiled and run: they agree with our own torques.
+
+use crate::support::{general_arm, rng, structured_arm, uniform};
+use dynident::dynamics::{Motion, inverse_dynamics};
+use dynident::effects::by_code;
+use dynident::io::{FinalModel, ModelFormat, Patched};
+use dynident::model::{ChainEnds, Joint, LinkPrior, Robot, Rounding, from_mjcf, from_urdf, from_urdf_rounded};
+use dynident::parameters::Layout;
+use dynident::residual::{AugmentedModel, Stretch, Term};
+use dynident::spatial::PhysicalInertia;
+use nalgebra::{DVector, Matrix3, Vector3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A body with moments that satisfy the triangle inequality by far, and friction.
+fn body(rng: &mut ChaCha8Rng) -> LinkPrior {
+    let points: Vec<Vector3<f64>> = (0..5).map(|_| Vector3::from_fn(|_, _| uniform(rng, 0.15))).collect();
+    let masses: Vec<f64> = (0..5).map(|_| rng.random_range(0.1..1.0)).collect();
+    let mass: f64 = masses.iter().sum();
+    let center = points.iter().zip(&masses).map(|(p, m)| p * *m).sum::<Vector3<f64>>() / mass;
+    let about = |p: &Vector3<f64>, m: f64| {
+        (Matrix3::identity() * (p - center).norm_squared() - (p - center) * (p - center).transpose()) * m
+    };
+    LinkPrior {
+        inertia: PhysicalInertia {
+            mass,
+            center_of_mass: center,
+            inertia: points.iter().zip(&masses).map(|(p, &m)| about(p, m)).sum(),
+        },
+        viscous: rng.random_range(0.1..2.0),
+        coulomb: rng.random_range(0.1..2.0),
+    }
+}
+
+fn with_bodies(robot: &Robot, rng: &mut ChaCha8Rng) -> Robot {
+    let joint = |j: &Joint| Joint {
+        prior: Some(body(rng)),
+        ..j.clone()
+    };
+    let joints: Vec<Joint> = robot.joints().iter().map(joint).collect();
+    Robot::new(robot.name(), robot.gravity(), joints, robot.friction()).unwrap()
+}
+
+fn term(code: &str, form: usize, joints: &[usize], coefficients: &[f64], shape: &[f64]) -> Term {
+    Term {
+        effect: by_code(code).unwrap(),
+        form,
+        joints: joints.to_vec(),
+        coefficients: coefficients.to_vec(),
+        shape: shape.to_vec(),
+        free_shapes: 0,
+        bounds: Vec::new(),
+    }
+}
+
+/// Effects that every simulator's format holds as geometry.
+fn geometry() -> Vec<Term> {
+    vec![
+        term("base_tilt", 0, &[], &[], &[0.03, -0.05]),
+        term("encoder_offset", 0, &[1], &[], &[0.07]),
+        term("encoder_offset", 0, &[2], &[], &[-0.04]),
+    ]
+}
+
+fn springs() -> Vec<Term> {
+    vec![
+        term("joint_spring", 0, &[1], &[3.0, 0.8], &[]),
+        term("joint_spring", 0, &[1], &[1.5, -2.0], &[]),
+    ]
+}
+
+/// What MuJoCo has beyond that; couplings only between joints of one kind.
+fn of_mujoco(robot: &Robot) -> Vec<Term> {
+    let mut list = vec![
+        term("rotor_inertia", 0, &[0], &[0.4], &[]),
+        term("rotor_inertia", 0, &[2], &[0.15], &[]),
+        term("torque_offset", 0, &[1], &[0.9], &[]),
+        term("torque_offset", 0, &[2], &[-0.3], &[]),
+        term("torque_gain", 0, &[2], &[], &[0.08]),
+    ];
+    let kinds: Vec<bool> = robot.joints().iter().map(Joint::is_revolute).collect();
+    for (pair, form, shape) in [([0, 1], 1, vec![]), ([1, 2], 2, vec![0.7])] {
+        if kinds[pair[0]] == kinds[pair[1]] {
+            list.push(term("transmission_coupling", form, &pair, &[0.3, 0.2, 0.1], &shape));
+        }
+    }
+    list
+}
+
+/// All other effects that are functions of the state.
+fn of_source() -> Vec<Term> {
+    vec![
+        term("stribeck_friction", 0, &[0], &[1.1], &[0.4]),
+        term("stribeck_friction", 2, &[1], &[0.6], &[0.3, 1.4]),
+        term("nonlinear_viscous_friction", 0, &[0], &[0.2], &[]),
+        term("nonlinear_viscous_friction", 3, &[1], &[0.3], &[1.7]),
+        term("asymmetric_viscous_friction", 0, &[2], &[0.25], &[]),
+        term("load_dependent_friction", 0, &[1], &[0.06], &[]),
+        term("smooth_coulomb_friction", 0, &[0], &[0.5], &[0.2]),
+        term("smooth_coulomb_friction", 1, &[2], &[0.4], &[0.3]),
+        term("position_ripple", 0, &[1], &[0.3, -0.2], &[11.5]),
+        term("torque_crosstalk", 0, &[0, 2], &[0.05], &[]),
+        term("friction_drift", 0, &[2], &[0.1, 0.2], &[]),
+    ]
+}
+
+/// Effects that no file but the JSON model holds: they depend on other samples.
+fn of_none() -> Vec<Term> {
+    vec![
+        term("presliding_hysteresis", 0, &[0], &[0.7], &[0.05]),
+        term("joint_elasticity", 0, &[1], &[], &[1e-4]),
+        term("torque_delay", 0, &[], &[], &[0.004]),
+    ]
+}
+
+fn augmented(robot: &Robot, terms: &[Term]) -> AugmentedModel {
+    let model = AugmentedModel::declared(robot);
+    let phi = Layout::standard(robot).prior(robot).unwrap();
+    AugmentedModel {
+        values: model.base.project(phi.as_slice()),
+        terms: terms.to_vec(),
+        ..model
+    }
+}
+
+/// A motion whose samples have nothing to do with each other; speeds far above those at which MuJoCo's friction slips.
+fn states(rng: &mut ChaCha8Rng, joints: usize) -> Motion {
+    let speed = |rng: &mut ChaCha8Rng| rng.random_range(0.3..2.0) * if rng.random_range(0..2) == 0 { 1.0 } else { -1.0 };
+    Motion::from_fn(joints, 25, |_, _| [uniform(rng, 2.0), speed(rng), uniform(rng, 6.0)])
+}
+
+/// Samples of every joint's torque, as rows.
+fn rows(torques: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    (0..torques[0].len())
+        .map(|s| torques.iter().map(|t| t[s]).collect())
+        .collect()
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
+        .join(format!("model-files-{}", std::process::id()))
+        .join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+struct Case {
+    robot: Robot,
+    terms: Vec<Term>,
+    motion: Motion,
+    /// Terms that each format is to hold.
+    held: Vec<(ModelFormat, Vec<Term>)>,
+    /// Whether the torques are linear in the accelerations.
+    linear: bool,
+}
+
+impl Case {
+    fn stretch(&self) -> Stretch {
+        Stretch::of_motion(self.motion.clone(), 1e-3, false)
+    }
+
+    fn expected(&self, terms: &[Term]) -> Vec<Vec<f64>> {
+        rows(&augmented(&self.robot, terms).predict(&self.stretch()))
+    }
+
+    fn write(&self, name: &str) -> PathBuf {
+        let place = folder(name);
+        let model = FinalModel::new(self.robot.clone(), self.terms.clone());
+        let mut expected = json!({});
+        for (format, terms) in &self.held {
+            std::fs::write(place.join(format!("model.{}", format.kind().1)), model.text(*format)).unwrap();
+            expected[format.name()] = json!(self.expected(terms));
+        }
+        self.write_states(&place, &expected);
+        place
+    }
+
+    fn write_states(&self, place: &Path, expected: &Value) {
+        let of = |k: usize| -> Vec<Vec<f64>> {
+            let joints = 0..self.motion.joints();
+            (0..self.motion.samples())
+                .map(|s| joints.clone().map(|j| self.motion.get(j, s)[k]).collect())
+                .collect()
+        };
+        let about = json!({
+            "joints": self.robot.joints().iter().map(|j| &j.name).collect::<Vec<_>>(), "gravity": self.robot.gravity().as_slice(),
+            "prefix": self.robot.name(), "linear": self.linear, "q": of(0), "qd": of(1), "qdd": of(2), "expected": expected,
+        });
+        std::fs::write(place.join("states.json"), about.to_string()).unwrap();
+    }
+}
+
+fn cases() -> Vec<(String, Case)> {
+    let mut all = Vec::new();
+    for seed in 0..4u64 {
+        let arm = if seed % 2 == 0 {
+            general_arm(seed, 4)
+        } else {
+            structured_arm(seed, 5)
+        };
+        let mut rng = rng(100 + seed);
+        let robot = with_bodies(&arm, &mut rng);
+        let has_gravity = robot.gravity().norm() > 0.0;
+        let geometry: Vec<Term> = geometry()
+            .into_iter()
+            .filter(|t| has_gravity || t.effect.code() != "base_tilt")
+            .collect();
+        let (springs, mujoco) = (springs(), of_mujoco(&robot));
+        let joined = |lists: &[&[Term]]| lists.concat();
+        let everything = joined(&[&geometry, &springs, &mujoco, &of_source()]);
+        let motion = states(&mut rng, robot.joint_count());
+        let whole = vec![
+            (ModelFormat::Urdf, geometry.clone()),
+            (ModelFormat::Sdf, joined(&[&geometry, &springs])),
+            (ModelFormat::Mjcf, joined(&[&geometry, &springs, &mujoco])),
+            (ModelFormat::C, everything.clone()),
+            (ModelFormat::Python, everything.clone()),
+        ];
+        let mut terms = everything;
+        terms.extend(if seed < 2 { Vec::new() } else { of_none() });
+        all.push((
+            format!("effects-{seed}"),
+            Case {
+                robot: robot.clone(),
+                terms,
+                motion: motion.clone(),
+                held: whole,
+                linear: true,
+            },
+        ));
+        // The form with a lead is not linear in the accelerations.
+        let lead = vec![
+            term("smooth_coulomb_friction", 2, &[0], &[0.6], &[0.2, 0.01]),
+            term("torque_offset", 0, &[0], &[-0.2], &[]),
+        ];
+        let held = [ModelFormat::C, ModelFormat::Python].map(|f| (f, lead.clone())).to_vec();
+        all.push((
+            format!("lead-{seed}"),
+            Case {
+                robot,
+                terms: lead,
+                motion,
+                held,
+                linear: false,
+            },
+        ));
+    }
+    all
+}
+
+/// The differences that the script finds, by folder and format.
+fn checked(place: &Path) -> Value {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let python = root.join("target/simulators/bin/python");
+    assert!(python.exists(), "Pinocchio and MuJoCo are missing: run scripts/setup test");
+    let output = Command::new(python)
+        .arg(root.join("tests/data/check_model_files.py"))
+        .arg(place)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn largest(of_format: &Value) -> f64 {
+    of_format["max"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|v| v.as_f64().unwrap())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn val_pinocchio_mujoco_gcc_and_python_agree_with_our_torques() {
+    let all = cases();
+    for (name, case) in &all {
+        case.write(name);
+    }
+    let patched = patched_case();
+    patched
+        .0
+        .write_states(&patched.1, &json!({"patched_urdf": patched.0.expected(&[])}));
+    let slow = slow_case();
+    let place = slow.write("slow");
+    let found = checked(place.parent().unwrap());
+    for (name, case) in &all {
+        for (format, _) in &case.held {
+            let of_format = &found[name][format.name()];
+            let size = of_format["size"].as_f64().unwrap().max(1.0);
+            assert!(largest(of_format) <= 1e-9 * size, "{name} as {}: {of_format}", format.name());
+        }
+    }
+    let of_patched = &found["patched"]["patched_urdf"];
+    assert!(
+        largest(of_patched) <= 1e-9 * of_patched["size"].as_f64().unwrap(),
+        "{of_patched}"
+    );
+    assert_figures(&slow, &found["slow"]["mjcf"]);
+    drop(std::fs::remove_dir_all(place.parent().unwrap()));
+}
+
+/// Speeds around zero, where MuJoCo's friction is proportional to them.
+fn slow_case() -> Case {
+    let mut rng = rng(7);
+    let robot = with_bodies(&structured_arm(3, 5), &mut rng);
+    let terms = vec![
+        term("rotor_inertia", 0, &[1], &[0.3], &[]),
+        term("stribeck_friction", 0, &[0], &[0.5], &[0.1]),
+    ];
+    let motion = Motion::from_fn(robot.joint_count(), 200, |_, _| {
+        [uniform(&mut rng, 2.0), uniform(&mut rng, 2e-3), uniform(&mut rng, 0.5)]
+    });
+    Case {
+        held: vec![(ModelFormat::Mjcf, terms.clone())],
+        robot,
+        terms,
+        motion,
+        linear: true,
+    }
+}
+
+/// The torque that is reported as missing is the one that MuJoCo lacks.
+fn assert_figures(case: &Case, found: &Value) {
+    let mut model = FinalModel::new(case.robot.clone(), case.terms.clone());
+    model.measure(&augmented(&case.robot, &case.terms), &[case.stretch()]);
+    let missing = model.missing.iter().find(|m| m.format == "mjcf").unwrap();
+    for (name, reported) in [("rms", &missing.rms), ("max", &missing.max)] {
+        for (j, reported) in reported.iter().enumerate() {
+            let found = found[name][j].as_f64().unwrap();
+            assert!(
+                (found - reported).abs() <= 1e-6 * found.max(1e-3),
+                "{name} of joint {j}: {reported}, MuJoCo lacks {found}"
+            );
+        }
+    }
+    assert!(
+        missing.rms.iter().all(|v| *v > 1e-3),
+        "the motion is slow enough to show it: {:?}",
+        missing.rms
+    );
+    assert_eq!(
+        missing.effects.len(),
+        1,
+        "only Stribeck friction has no place: {:?}",
+        missing.effects
+    );
+    let text = model.text(ModelFormat::Mjcf);
+    assert!(
+        text.contains("stribeck_friction on") && text.contains("soft constraint"),
+        "{}",
+        &text[..2000]
+    );
+}
+
+/// The shipped iiwa 14 with other bodies put into it.
+fn patched_case() -> (Case, PathBuf) {
+    let text = include_str!("../../examples/robots/iiwa14.urdf");
+    let mut rng = rng(11);
+    let gravity = Vector3::new(0.0, 0.0, -9.81);
+    let read = from_urdf(text, gravity, crate::support::FRICTION, ChainEnds::default())
+        .unwrap()
+        .robot;
+    let robot = with_bodies(&read, &mut rng);
+    let Patched { urdf, notes } = FinalModel::new(robot.clone(), Vec::new())
+        .patch_urdf(text, None, None)
+        .unwrap();
+    assert_eq!(notes, Vec::<String>::new());
+    let place = folder("patched");
+    std::fs::write(place.join("model.patched.urdf"), urdf).unwrap();
+    let motion = states(&mut rng, robot.joint_count());
+    let case = Case {
+        robot,
+        terms: Vec::new(),
+        motion,
+        held: Vec::new(),
+        linear: true,
+    };
+    (case, place)
+}
+
+fn torque(robot: &Robot, motion: &Motion, s: usize) -> DVector<f64> {
+    let layout = Layout::standard(robot);
+    let phi = layout.prior(robot).unwrap();
+    let [q, qd, qdd] = [0, 1, 2].map(|k| (0..motion.joints()).map(|j| motion.get(j, s)[k]).collect::<Vec<_>>());
+    DVector::from(inverse_dynamics(robot, &layout, phi.as_slice(), &q, &qd, &qdd))
+}
+
+#[test]
+fn prop_urdf_and_mjcf_files_read_back_as_the_same_robot() {
+    for (name, case) in cases() {
+        let terms: Vec<Term> = case
+            .terms
+            .iter()
+            .filter(|t| ["base_tilt", "encoder_offset"].contains(&t.effect.code()))
+            .cloned()
+            .collect();
+        let model = FinalModel::new(case.robot.clone(), case.terms.clone());
+        let down = Vector3::new(0.0, 0.0, -case.robot.gravity().norm());
+        let friction = case.robot.friction();
+        let whole = (ChainEnds::default(), Rounding::AsWritten);
+        let urdf = from_urdf_rounded(&model.text(ModelFormat::Urdf), down, friction, whole.0, whole.1)
+            .unwrap()
+            .robot;
+        let mjcf = from_mjcf(&model.text(ModelFormat::Mjcf), None, friction, whole.0, whole.1)
+            .unwrap()
+            .robot;
+        let expected = case.expected(&terms);
+        for (s, expected) in expected.iter().enumerate() {
+            for (kind, robot) in [("URDF", &urdf), ("MJCF", &mjcf)] {
+                let error = (torque(robot, &case.motion, s) - DVector::from_column_slice(expected)).amax();
+                let size = expected.iter().fold(1.0f64, |m, v| m.max(v.abs()));
+                assert!(error <= 1e-12 * size * 100.0, "{name} as {kind}: {error:e}");
+            }
+        }
+    }
+}
+
+/// A file without what was put into it.
+fn bare(xml: &str) -> String {
+    let mut text = xml.to_string();
+    for (from, to) in [
+        ("<!-- bodies and friction", "-->"),
+        ("<inertial>", "</inertial>"),
+        ("<dynamics ", "/>"),
+    ] {
+        while let Some(start) = text.find(from) {
+            let end = start + text[start..].find(to).unwrap() + to.len();
+            text.replace_range(start..end, "");
+        }
+    }
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_file_of_ones_own_keeps_all_but_bodies_and_friction() {
+    let own = r#"<?xml version="1.0" encoding="ISO-8859-1"?>
+<!-- mine: ünique -->
+<robot name="own" xmlns:xacro="x">
+  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+  <link name="base"><visual><geometry><mesh filename="package://own/base.stl"/></geometry></visual></link>
+  <link name="l1">
+    <visual><geometry><mesh filename="a>b.stl" scale='1 1 1'/></geometry></visual> <!-- keep me -->
+  </link>
+  <link name="l2"/>
+  <link name="tool"><inertial><mass value="0.2"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+  <joint name="j1" type="revolute"><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="9" velocity="2"/>
+    <dynamics friction="0.5"/></joint>
+  <joint name="j2" type="continuous">
+    <origin xyz="0.3 0 0" rpy="0.3 0 0"/><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/>
+  </joint>
+  <joint name="flange" type="fixed"><origin xyz="0 0 0.1"/><parent link="l2"/><child link="tool"/></joint>
+  <transmission name="t"><drake:acceleration value="3"/></transmission>
+</robot>
+"#;
+    let gravity = Vector3::new(0.0, 0.0, -9.81);
+    let read = |text: &str| {
+        from_urdf(text, gravity, crate::support::FRICTION, ChainEnds::default())
+            .unwrap()
+            .robot
+    };
+    for heavy in [true, false] {
+        let mut rng = rng(5);
+        let mut robot = with_bodies(&read(own), &mut rng);
+        if !heavy {
+            // Lighter than the tool alone: it cannot keep its mass.
+            let mut joints = robot.joints().to_vec();
+            joints[1].prior.as_mut().unwrap().inertia.mass = 0.1;
+            robot = Robot::new("own", gravity, joints, robot.friction()).unwrap();
+        }
+        let Patched { urdf, notes } = FinalModel::new(robot.clone(), Vec::new())
+            .patch_urdf(own, None, None)
+            .unwrap();
+        let motion = states(&mut rng, 2);
+        let again = read(&urdf);
+        for s in 0..motion.samples() {
+            let (a, b) = (torque(&robot, &motion, s), torque(&again, &motion, s));
+            assert!((&a - b).amax() < 1e-12 * a.amax() * 100.0, "{urdf}");
+        }
+        assert_eq!(notes.len(), usize::from(!heavy), "{notes:?}");
+        assert_eq!(
+            urdf.contains("<mass value=\"0.2\"/>"),
+            heavy,
+            "the tool keeps its mass where it can"
+        );
+        let expected = bare(own)
+            .replace("ISO-8859-1", "UTF-8")
+            .replace("<link name=\"l2\"/>", "<link name=\"l2\"> </link>");
+        let squeezed = |text: &str| text.replace(' ', "");
+        assert_eq!(squeezed(&bare(&urdf)), squeezed(&expected));
+        assert!(urdf.contains(
+            "\n    <visual><geometry><mesh filename=\"a>b.stl\" scale='1 1 1'/></geometry></visual> <!-- keep me -->\n"
+        ));
+    }
+    let other = own.replace("0.3 0 0\" rpy", "0.4 0 0\" rpy");
+    let mut rng = rng(5);
+    let model = FinalModel::new(with_bodies(&read(own), &mut rng), Vec::new());
+    let refused = model.patch_urdf(&other, None, None).unwrap_err();
+    assert!(refused[0].detail.contains("`j2` at another place"), "{refused:?}");
+    let refused = model.patch_urdf(&own.replace("\"j2\"", "\"jx\""), None, None).unwrap_err();
+    assert!(refused[0].detail.contains("joints j1, jx"), "{refused:?}");
+}
