@@ -4,11 +4,15 @@ use super::json::parse;
 use super::robot::{NamedRobots, RobotDocument, robot_document};
 
 /// Name and document of every robot in `examples/robots/`.
-pub const ROBOTS: [(&str, &str); 6] = [
+pub const ROBOTS: [(&str, &str); 10] = [
     ("iiwa14", include_str!("../../examples/robots/iiwa14.json")),
+    ("iiwa7", include_str!("../../examples/robots/iiwa7.json")),
     ("fr3", include_str!("../../examples/robots/fr3.json")),
     ("ur10", include_str!("../../examples/robots/ur10.json")),
+    ("ur3e", include_str!("../../examples/robots/ur3e.json")),
     ("ur5e", include_str!("../../examples/robots/ur5e.json")),
+    ("ur10e", include_str!("../../examples/robots/ur10e.json")),
+    ("gen3", include_str!("../../examples/robots/gen3.json")),
     ("scara", include_str!("../../examples/robots/scara.json")),
     ("planar_two_link", include_str!("../../examples/robots/planar_two_link.json")),
 ];

@@ -13,6 +13,7 @@ mod jobs;
 mod log_formats;
 mod openapi;
 mod pages;
+mod python;
 mod queue;
 mod readme;
 mod robot_files;

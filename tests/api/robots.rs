@@ -16,7 +16,21 @@ fn shipped_robots_are_listed_and_have_base_parameters() {
         .iter()
         .map(|r| r["id"].as_str().unwrap())
         .collect();
-    assert_eq!(ids, ["iiwa14", "fr3", "ur10", "ur5e", "scara", "planar_two_link"]);
+    assert_eq!(
+        ids,
+        [
+            "iiwa14",
+            "iiwa7",
+            "fr3",
+            "ur10",
+            "ur3e",
+            "ur5e",
+            "ur10e",
+            "gen3",
+            "scara",
+            "planar_two_link"
+        ]
+    );
     let document = server.get("/robots/iiwa14").json();
     assert_eq!(document["joints"][2]["mdh"]["r"], 0.42);
     let base = server.get("/robots/iiwa14/base-parameters").json();

@@ -164,9 +164,20 @@ fn files_that_are_not_there_and_wrong_usage_exit_with_2() {
     assert!(stderr(&missing).contains("error[file_unreadable]: cannot read /nowhere/request.json"));
     assert_eq!(run(&["excite"]).status.code(), Some(2));
     assert_eq!(run(&["fly"]).status.code(), Some(2));
-    let robot = run(&["base-parameters", "--robot", "iiwa7"]);
+    let robot = run(&["base-parameters", "--robot", "iiwa70"]);
     assert_eq!(robot.status.code(), Some(2));
-    for shipped in ["iiwa14", "ur10", "ur5e", "fr3", "scara", "planar_two_link"] {
+    for shipped in [
+        "iiwa14",
+        "iiwa7",
+        "ur10",
+        "ur3e",
+        "ur5e",
+        "ur10e",
+        "fr3",
+        "gen3",
+        "scara",
+        "planar_two_link",
+    ] {
         assert!(stderr(&robot).contains(shipped), "{}", stderr(&robot));
     }
     let folder = Folder::new("unwritable");

@@ -121,6 +121,8 @@ fn not_built(file: &str, kind: Kind) -> LogError {
 /// A file, opened as what it is.
 pub(super) enum Opened<'a> {
     Text(TextLog<'a>),
+    // Readers of such files are part of the feature.
+    #[cfg_attr(not(feature = "formats"), expect(dead_code))]
     Sheet(Box<dyn Sheet + 'a>),
 }
 

@@ -1,0 +1,54 @@
+"""Logs as files: paths as they are, tables and arrays as NPZ."""
+
+from __future__ import annotations
+
+import io
+import os
+import uuid
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Union
+
+import numpy as np
+
+#: A path, a pandas table, or arrays by name: `time` (N), `q`, `tau` and perhaps `qd` (N × n).
+Log = Union[str, "os.PathLike[str]", Mapping[str, Any], Any]
+
+
+def as_file(log: Log, number: int) -> tuple[str, bytes]:
+    """Name and content of a log."""
+    if isinstance(log, (str, os.PathLike)):
+        path = Path(log)
+        return path.name, path.read_bytes()
+    columns: dict[str, Any]
+    if isinstance(log, Mapping):
+        columns = dict(log)
+    elif hasattr(log, "columns") and hasattr(log, "to_numpy"):
+        columns = {str(name): log[name].to_numpy() for name in log.columns}
+    else:
+        raise TypeError("a log is a path, a pandas table, or a dictionary of arrays")
+    content = io.BytesIO()
+    arrays: dict[str, Any] = {name: np.asarray(values) for name, values in columns.items()}
+    np.savez(content, **arrays)
+    return f"log{number}.npz", content.getvalue()
+
+
+def many(logs: Any) -> list[Any]:
+    """One log or several."""
+    if logs is None:
+        return []
+    single = isinstance(logs, (str, os.PathLike, Mapping)) or hasattr(logs, "columns")
+    return [logs] if single else list(logs)
+
+
+def multipart(parts: Iterable[tuple[str, str | None, bytes]]) -> tuple[str, bytes]:
+    """Content type and body of `(name, file name, content)`."""
+    boundary = uuid.uuid4().hex
+    body = io.BytesIO()
+    for name, file, content in parts:
+        named = "" if file is None else '; filename="{}"'.format(file.replace('"', "_"))
+        body.write(f'--{boundary}\r\nContent-Disposition: form-data; name="{name}"{named}\r\n\r\n'.encode())
+        body.write(content)
+        body.write(b"\r\n")
+    body.write(f"--{boundary}--\r\n".encode())
+    return f"multipart/form-data; boundary={boundary}", body.getvalue()
