@@ -1,6 +1,7 @@
 //! The answer of an identification.
 
 use super::log::LogReport;
+use crate::residual::of_deviation;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -97,6 +98,9 @@ pub struct EffectParameter {
     #[cfg_attr(feature = "service", schema(example = "amplitude"))]
     pub name: String,
     pub value: f64,
+    /// Null where the data do not determine the value.
+    #[cfg_attr(feature = "service", schema(value_type = Option<f64>))]
+    #[serde(serialize_with = "of_deviation")]
     pub std_dev: f64,
     pub unit: String,
 }

@@ -10,6 +10,7 @@ use super::drift::best_drift;
 use super::findings::joint_names;
 use super::levels::{best_level, without_slow};
 use super::price::PREFERENCE;
+use super::report::is_determined;
 use super::unsteady::{TakenOut, Unsteady};
 use super::{Evaluated, Evidence, Finding, FindingHeldOut, NoiseModel, ReportedParameter, RmsPair, Stretch};
 use crate::model::Robot;
@@ -31,6 +32,12 @@ impl BetweenFinding {
     /// Two log evidence ratios, at the log of about ten thousand rows for every parameter.
     fn evidence(&self) -> f64 {
         self.gain - self.parameters.len() as f64 * 9.0
+    }
+
+    /// Whether the periods say what every parameter is: a column that is zero in the rows that count, or too few of them, can be fitted and tells nothing.
+    fn is_determined(&self) -> bool {
+        let known = |p: &ReportedParameter| p.value.is_finite() && is_determined(p.std_dev);
+        self.gain.is_finite() && self.parameters.iter().all(known)
     }
 
     pub fn finding(&self, robot: &Robot, otherwise: &RmsPair) -> Finding {
@@ -96,15 +103,23 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> Sepa
         let mut steady = stretch.clone();
         let mut explained = stretch.clone();
         if stretch.periods.len() >= 3 {
-            // One sample of the motion to every row.
-            let mut rows = stretch.as_coarse();
+            // One sample of the motion to every row, and no filter.
+            let own = steady.unfiltered.take();
+            explained.unfiltered = None;
+            let mut rows = own
+                .as_ref()
+                .map_or_else(|| stretch.as_coarse(), |u| Stretch::clone(&u.stretch));
             let taken = separated(robot, &mut rows, limit, &mut all.found);
             if let Some(noise) = robust_noise(&rows).filter(|_| taken.count() > 0) {
                 all.unsteady.extend(taken.told(&rows, &noise));
             }
             let whole = taken.put_back(&rows);
-            (explained.periods, explained.torque) = (whole.periods, whole.torque);
-            (steady.periods, steady.torque) = (rows.periods, rows.torque);
+            let filtered = |found: Stretch| match &own {
+                Some(u) => (found.periods.iter().map(|p| u.rows(p)).collect(), u.rows(&found.torque)),
+                None => (found.periods, found.torque),
+            };
+            (explained.periods, explained.torque) = filtered(whole);
+            (steady.periods, steady.torque) = filtered(rows);
         }
         all.steady.push(steady);
         all.explained.push(explained);
@@ -142,8 +157,9 @@ fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<B
 
 /// Drift or contact, whichever explains more.
 fn best_named(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
-    let drift = best_drift(robot, stretch, noise);
-    let contact = best_contact(robot, stretch, noise);
+    let determined = |(finding, _): &Explained| finding.is_determined();
+    let drift = best_drift(robot, stretch, noise).filter(determined);
+    let contact = best_contact(robot, stretch, noise).filter(determined);
     match (drift, contact) {
         (Some(d), Some(c)) => Some(if d.0.gain > c.0.gain { d } else { c }),
         (d, c) => d.or(c),

@@ -10,9 +10,11 @@ use nalgebra::{DMatrix, DVector};
 
 /// Time constants tried, in units of the length of the log.
 const COURSES: [f64; 7] = [0.1, 0.2, 0.35, 0.6, 1.0, 2.0, 5.0];
+/// Factor to either side of the best of them that is searched.
+const REFINED: f64 = 3.0;
 
 pub(super) fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
-    let length = stretch.starts.last()? - stretch.starts[0] + stretch.rows() as f64 * stretch.interval;
+    let length = length_of(stretch)?;
     let tries = (COURSES.len() * robot.joint_count()) as f64;
     let mut best: Option<(f64, usize, f64)> = None;
     for j in 0..robot.joint_count() {
@@ -39,6 +41,11 @@ pub(super) fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel])
         }
     }
     Some((finding, periods))
+}
+
+/// Time from the start of the first period to the end of the last (s).
+fn length_of(stretch: &Stretch) -> Option<f64> {
+    Some(stretch.starts.last()? - stretch.starts[0] + stretch.rows() as f64 * stretch.interval)
 }
 
 fn direction(v: f64) -> f64 {
@@ -73,7 +80,7 @@ struct Drift {
 /// deviation of the strongest drift.
 fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], joint: usize, coarse: f64) -> Drift {
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = ((coarse / 3.0).ln(), (coarse * 3.0).ln());
+    let (mut low, mut high) = ((coarse / REFINED).ln(), (coarse * REFINED).ln());
     for _ in 0..30 {
         let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
         let gain = |x: f64| drift_fit(stretch, noise, joint, x.exp()).0;
@@ -131,6 +138,12 @@ fn drift_fit(stretch: &Stretch, noise: &[NoiseModel], j: usize, constant: f64) -
     (reduced.gain, reduced.coefficients, covariance)
 }
 
+/// Standard deviation of a time constant of which nothing is known but that it is one of those tried (s).
+fn spread_of_tried(stretch: &Stretch) -> f64 {
+    let length = length_of(stretch).unwrap_or(0.0);
+    (COURSES[COURSES.len() - 1] * REFINED - COURSES[0] / REFINED) * length / 12f64.sqrt()
+}
+
 /// Changes of friction from the start of the log to its end, with the time constant that they were fitted with (variable projection: the gain
 /// falls by one at one standard deviation of it, and the coefficients move with it).
 fn drift_finding(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], drift: &Drift, p_value: f64) -> BetweenFinding {
@@ -141,7 +154,8 @@ fn drift_finding(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], drift: 
     let step = 0.1 * course;
     let sides = [course - step, course + step].map(|t| (drift_fit(stretch, noise, j, t), swing(t)));
     let curvature = 2.0 * drift.gain - sides[0].0.0 - sides[1].0.0;
-    let of_course = step * (2.0 / curvature.max(f64::MIN_POSITIVE)).sqrt();
+    // Where the gain hardly falls, at an end of the courses tried, the course is anywhere among those tried.
+    let of_course = (step * (2.0 / curvature.max(f64::MIN_POSITIVE)).sqrt()).min(spread_of_tried(stretch));
     let infos = by_code("friction_drift").expect("is in the list").parameters(0, robot, &[j]);
     let change = |(i, info): (usize, crate::effects::ParameterInfo)| {
         let slope = (sides[1].0.1[i] * sides[1].1 - sides[0].0.1[i] * sides[0].1) / (2.0 * step);

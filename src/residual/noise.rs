@@ -78,19 +78,26 @@ impl NoiseModel {
         let recorded = repeating
             .iter()
             .map(|s| s.resolution[joint] * (s.repetitions() as f64).sqrt());
-        Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom).no_finer_than(recorded.fold(0.0, f64::max)))
+        let lasting = repeating.iter().map(|s| rows_of_a_step(s, joint)).fold(1.0, f64::max);
+        Some(
+            Self::from_covariance(NoiseSource::Periods, &covariance, freedom)
+                .no_finer_than(recorded.fold(0.0, f64::max), lasting),
+        )
     }
 
     /// The noise with what recording adds and periods do not show. `recorded` is the standard deviation of that, `d/√12 √K` for steps d and the mean over K
     /// periods: without noise every period is rounded alike, and the mean over them as well. Noise σ smooths the steps; of their variance
     /// `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
-    pub(crate) fn no_finer_than(self, recorded: f64) -> Self {
+    ///
+    /// A torque that stays within a step for `lasting` rows is off by the same all that time: those rows count as one, and white noise that says as little has
+    /// so many times the variance.
+    pub(crate) fn no_finer_than(self, recorded: f64, lasting: f64) -> Self {
         if recorded <= 0.0 {
             return self;
         }
         let own = self.std_dev * self.std_dev;
         let smoothed = (-std::f64::consts::PI.powi(2) / 3.0 * own / (recorded * recorded)).exp();
-        let added = recorded * recorded * smoothed;
+        let added = recorded * recorded * smoothed * lasting;
         if added <= 1e-3 * own {
             return self;
         }
@@ -175,6 +182,13 @@ impl NoiseModel {
             })
             .collect()
     }
+}
+
+/// Rows that follow each other with the same torque, in the mean over a period.
+fn rows_of_a_step(stretch: &Stretch, joint: usize) -> f64 {
+    let torque = &stretch.periods[0][joint];
+    let changes = torque.windows(2).filter(|w| w[0] != w[1]).count();
+    torque.len() as f64 / (changes + 1) as f64
 }
 
 /// Deviation of one period from the mean of all, zero where the row does not count.

@@ -37,7 +37,23 @@ pub struct ReportedParameter {
     pub name: String,
     pub value: f64,
     pub unit: String,
+    /// Written as null where it is not known.
+    #[serde(serialize_with = "of_deviation")]
     pub std_dev: f64,
+}
+
+/// No quantity of an arm in SI units is known to within so much only: a deviation beyond it comes of dividing by next to nothing, and says that the data do not
+/// determine the value.
+const UNDETERMINED: f64 = 1e30;
+
+/// Whether a deviation is one: the data say something of its value.
+pub(super) fn is_determined(std_dev: f64) -> bool {
+    std_dev.abs() < UNDETERMINED
+}
+
+/// A standard deviation, or null where the data do not determine the value.
+pub(crate) fn of_deviation<S: Serializer>(std_dev: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    is_determined(*std_dev).then_some(*std_dev).serialize(serializer)
 }
 
 impl ReportedParameter {

@@ -39,6 +39,25 @@ pub struct Stretch {
     pub filter: Option<ColumnFilter>,
     /// The same rows from fewer samples, where a filter leaves most of them without say.
     pub coarse: Option<Coarse>,
+    /// The periods before the filter; `None` where there is no filter, or where nothing repeats.
+    pub unfiltered: Option<Unfiltered>,
+}
+
+/// Periods as they were measured, and the filter on the way to the rows.
+///
+/// What changes from one period to the next is looked for here: a filter spreads a touch over the rows around it, brings the start of a period to its end, and leaves noise
+/// that goes together over more rows than a model of it has terms.
+#[derive(Clone)]
+pub struct Unfiltered {
+    pub stretch: Arc<Stretch>,
+    filter: ColumnFilter,
+}
+
+impl Unfiltered {
+    /// Rows of some torques of all joints, n × N.
+    pub(crate) fn rows(&self, torque: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        torque.iter().map(|t| (self.filter)(t)).collect()
+    }
 }
 
 impl std::fmt::Debug for Stretch {
@@ -62,6 +81,9 @@ impl Stretch {
     pub fn turn(&mut self, joint: usize) {
         let periods = self.periods.iter_mut().map(|p| &mut p[joint]);
         periods.chain([&mut self.torque[joint]]).flatten().for_each(|v| *v = -*v);
+        if let Some(before) = &mut self.unfiltered {
+            Arc::make_mut(&mut before.stretch).turn(joint);
+        }
     }
 
     /// Whether the torque of `joint` takes part.
@@ -194,11 +216,35 @@ impl Stretch {
             resolution: vec![0.0; joints],
             filter: None,
             coarse: None,
+            unfiltered: None,
         }
     }
 
     /// From a prepared log and the record it was prepared from, which has the periods one by one.
     pub fn new(prepared: &PreparedLog, log: &Log) -> Self {
+        let filter = &prepared.row_filter;
+        let fine = Self {
+            unfiltered: Self::before_filter(prepared, log),
+            ..Self::fine(prepared, log)
+        };
+        let coarse = coarse_filter(filter).map(|(first, step, filter)| fine.thinned(first, step, filter));
+        Self { coarse, ..fine }.in_bins()
+    }
+
+    /// Its periods before the filter, where there is one.
+    fn before_filter(prepared: &PreparedLog, log: &Log) -> Option<Unfiltered> {
+        let filter = prepared.row_filter.clone();
+        let repeats = prepared.periods.as_ref().is_some_and(|p| p.count >= 2);
+        if !repeats || filter.torque.is_none() && filter.takes_all() {
+            return None;
+        }
+        let stretch = Arc::new(Self::fine(&prepared.before_filter(), log));
+        let filter = Arc::new(move |x: &[f64]| filter.torque_rows(x));
+        Some(Unfiltered { stretch, filter })
+    }
+
+    /// With all its samples.
+    fn fine(prepared: &PreparedLog, log: &Log) -> Self {
         let n = prepared.samples();
         let (mut periods, mut starts) = (Vec::new(), vec![prepared.start_s]);
         if let Some(p) = prepared.periods.as_ref().filter(|p| p.count >= 2) {
@@ -221,7 +267,6 @@ impl Stretch {
             starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
         }
         let filter = prepared.row_filter.clone();
-        let coarse_filter = coarse_filter(&filter);
         let sound: Vec<Vec<bool>> = (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect();
         let rests: Vec<Vec<bool>> = (0..prepared.joints()).map(|j| resting_rows(prepared, j)).collect();
         let both = |moves: bool| {
@@ -229,7 +274,7 @@ impl Stretch {
             sound.iter().zip(&rests).map(row).collect::<Vec<Vec<bool>>>()
         };
         let plain = filter.torque.is_none() && filter.columns.is_none() && filter.edges == 0 && filter.decimation == 1;
-        let fine = Self {
+        Self {
             name: prepared.name.clone(),
             motion: Motion::clone(&prepared.motion),
             torque: prepared.torque.iter().map(|t| prepared.row_filter.torque_rows(t)).collect(),
@@ -244,9 +289,8 @@ impl Stretch {
             resolution: prepared.resolution.clone(),
             filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
             coarse: None,
-        };
-        let coarse = coarse_filter.map(|(first, step, filter)| fine.thinned(first, step, filter));
-        Self { coarse, ..fine }.in_bins()
+            unfiltered: None,
+        }
     }
 }
 

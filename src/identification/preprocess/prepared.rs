@@ -60,6 +60,24 @@ impl PreparedLog {
         self.start_s + s as f64 / self.rate_hz
     }
 
+    /// The same without a filter: every sample is a row, as it is. Without scatter, which is of no use to rows.
+    pub(crate) fn before_filter(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            motion: Arc::clone(&self.motion),
+            torque: self.torque.clone(),
+            usable: self.usable.clone(),
+            periods: self.periods.clone(),
+            scatter: None,
+            row_filter: RowFilter::none(),
+            dead_zone: self.dead_zone.clone(),
+            excluded: self.excluded.clone(),
+            resolution: self.resolution.clone(),
+            choices: Vec::new(),
+            ..*self
+        }
+    }
+
     /// Leaves samples out of everything that is made from this log from now on (an interval in contact, say).
     pub fn leave_out(&mut self, samples: std::ops::Range<usize>) {
         let end = samples.end.min(self.usable.len());

@@ -1,5 +1,6 @@
 //! What a torque column can say: how finely it was recorded, and whether it says anything of its joint at all.
 
+use crate::model::INPUT_LIMITS;
 use serde::Serialize;
 
 /// Why the torque of a joint takes no part in anything that is made from a log.
@@ -45,7 +46,7 @@ fn short(value: f64) -> String {
 }
 
 /// Largest torques that joints have: from far below what a watch needs to far above what the largest crane lifts [N m or N].
-const PLAUSIBLE: std::ops::Range<f64> = 1e-9..1e9;
+const PLAUSIBLE: std::ops::Range<f64> = 1e-9..INPUT_LIMITS.measured_torque;
 /// A column whose largest torque is below this part of the largest of all joints is rounding beside them: torque channels resolve 24 bits (6e-8) at best.
 const LEAST_SHARE: f64 = 1e-9;
 /// A spread below this part of the value is rounding of one number.
@@ -90,9 +91,25 @@ const ROUNDING: f64 = 0.01;
 /// Standard deviation that recording has added to a column: `d/√12` for values that are whole multiples of d (decimals of a file, counts of a
 /// converter), and that of the finest step where there is none to be seen. No noise floor is below it.
 pub(crate) fn resolution(column: &[f64], usable: &[bool]) -> f64 {
-    let [low, high] = range(column, usable);
-    let finest = FINEST * low.abs().max(high.abs());
+    let finest = finest(column, usable);
     common_step(column, usable, finest).unwrap_or(finest) / 12f64.sqrt()
+}
+
+/// The step that all values of a column are multiples of; `None` where there is none to be seen.
+pub(crate) fn step_of(column: &[f64], usable: &[bool]) -> Option<f64> {
+    common_step(column, usable, finest(column, usable))
+}
+
+/// Finest step that is looked for in a column.
+fn finest(column: &[f64], usable: &[bool]) -> f64 {
+    let [low, high] = range(column, usable);
+    FINEST * low.abs().max(high.abs())
+}
+
+/// Variance of rounding to steps `d` that the mean over repetitions keeps, where each is measured with noise of standard deviation `noise`. Without noise every
+/// repetition is rounded alike, `d²/12`; noise smooths the steps, and of that `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
+pub(crate) fn rounded_alike(step: f64, noise: f64) -> f64 {
+    step * step / 12.0 * (-(std::f64::consts::TAU * noise / step).powi(2)).exp()
 }
 
 /// Greatest common divisor of the differences of all values; `None` where it is below `finest`.

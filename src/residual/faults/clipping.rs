@@ -1,5 +1,7 @@
 //! Torques that are cut off at the ends of their range.
 
+use crate::identification::preprocess::step_of;
+
 /// A signal that has been cut off.
 pub(super) struct Clip {
     pub levels: Vec<f64>,
@@ -39,8 +41,10 @@ pub(super) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> 
     };
     let (mut levels, mut count) = (Vec::new(), 0);
     let mut rows = vec![false; column.len()];
-    let friction = |level: &f64| turns_at(column, q, *level);
-    let (top, bottom) = (top.filter(|(l, _)| !friction(l)), bottom.filter(|(l, _)| !friction(l)));
+    // Noise smooths steps; where rounding is all there is, the top of a wave is one step.
+    let coarse = step_of(column, left).filter(|step| noise <= 0.5 * step);
+    let natural = |level: &f64| turns_at(column, q, *level) || coarse.is_some_and(|step| beyond(column, *level) <= step);
+    let (top, bottom) = (top.filter(|(l, _)| !natural(l)), bottom.filter(|(l, _)| !natural(l)));
     for (level, side, piled) in [top.map(|(l, c)| (l, 1.0, c)), bottom.map(|(l, c)| (l, -1.0, c))]
         .into_iter()
         .flatten()
@@ -54,6 +58,32 @@ pub(super) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> 
         }
     }
     (count > 0).then_some(Clip { levels, count, rows })
+}
+
+/// How far a column would go beyond `level`, as a mean over the samples there, if every run at the level were the top of a parabola through the samples around it.
+///
+/// A parabola that is cut off by E over a run of L samples lies `(13/3) E` below the level in the mean over the L samples before it, and after it.
+fn beyond(column: &[f64], level: f64) -> f64 {
+    let (mut sum, mut all, mut s) = (0.0, 0, 0);
+    while s < column.len() {
+        if column[s] != level {
+            s += 1;
+            continue;
+        }
+        let end = (s..column.len()).find(|&e| column[e] != level).unwrap_or(column.len());
+        let length = end - s;
+        let mean = |around: std::ops::Range<usize>| {
+            let count = around.len() as f64;
+            column[around].iter().map(|v| (level - v).abs()).sum::<f64>() / count
+        };
+        let sides = [s.saturating_sub(length)..s, end..(end + length).min(column.len())];
+        // A jump of friction on one side is no slope. A log that is all of one value is none that is cut off.
+        let drop = sides.into_iter().filter(|r| !r.is_empty()).map(mean).reduce(f64::min);
+        sum += length as f64 * drop.unwrap_or(0.0) * 3.0 / 13.0;
+        all += length;
+        s = end;
+    }
+    sum / all.max(1) as f64
 }
 
 /// Rows between a turn and the sample in which its friction is there: filters and the sampling of a reversal.
