@@ -8,7 +8,7 @@ use crate::identification::preprocess::Exclusion;
 use crate::io::log::{FindingKind, LogReport};
 use crate::model::Robot;
 use crate::residual::{
-    DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Verdict, column_faults, mounting,
+    DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Verdict, column_faults_until, mounting_until,
 };
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -36,7 +36,7 @@ pub(super) fn mounted(robot: &Robot, logs: &[UsedLog], cancel: &CancelFlag) -> O
         if l.prepared.excluded.iter().flatten().any(|e| *e != Exclusion::Still) {
             return true;
         }
-        let faults = column_faults(robot, &l.prepared.motion, &l.prepared.torque);
+        let faults = column_faults_until(robot, &l.prepared.motion, &l.prepared.torque, cancel);
         let other_torques = [
             FaultKind::UnitMismatch,
             FaultKind::UnitUnknown,
@@ -44,7 +44,7 @@ pub(super) fn mounted(robot: &Robot, logs: &[UsedLog], cancel: &CancelFlag) -> O
         ];
         faults.iter().any(|f| other_torques.contains(&f.fault))
     });
-    if misread { None } else { mounting(robot, &read) }
+    if misread { None } else { mounting_until(robot, &read, cancel) }
 }
 
 /// The direction as a fault of what was declared, with the vector to use.
@@ -87,7 +87,7 @@ pub(super) fn data_faults(robot: &Robot, logs: &[UsedLog], cancel: &CancelFlag) 
     let mut all: Vec<DataFault> = Vec::new();
     for log in logs {
         cancel.leave_if_set();
-        let columns = column_faults(robot, &log.prepared.motion, &log.prepared.torque);
+        let columns = column_faults_until(robot, &log.prepared.motion, &log.prepared.torque, cancel);
         // What concerns all of a joint's torque comes first.
         for fault in log
             .sample_faults
@@ -111,6 +111,7 @@ pub(super) fn data_faults(robot: &Robot, logs: &[UsedLog], cancel: &CancelFlag) 
 fn recording_faults(report: &LogReport) -> Vec<DataFault> {
     let serious = [
         FindingKind::GarbageRow,
+        FindingKind::ImplausibleValue,
         FindingKind::RepeatedTime,
         FindingKind::TimeOutOfOrder,
         FindingKind::MissingTime,

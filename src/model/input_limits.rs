@@ -47,6 +47,14 @@ pub struct InputLimits {
     pub notes: usize,
     /// Rows of a log: at 1 kHz more than two hours.
     pub log_rows: usize,
+    /// Largest measured position: a hundred thousand turns, or a thousand kilometres [rad or m].
+    pub measured_position: f64,
+    /// Largest measured velocity: far beyond the spindle of any drive [rad/s or m/s].
+    pub measured_velocity: f64,
+    /// Largest measured torque: far above what the largest crane lifts [N·m or N].
+    pub measured_torque: f64,
+    /// Largest time stamp (s): nanoseconds since 1970 taken for seconds are 2e18.
+    pub time_stamp: f64,
     /// Columns of a log, used or not.
     pub log_columns: usize,
     /// Bytes of one line of a log. A file without line ends would fill the memory.
@@ -92,6 +100,10 @@ pub const INPUT_LIMITS: InputLimits = InputLimits {
     length: 20.0,
     notes: 100,
     log_rows: 8_000_000,
+    measured_position: 1e6,
+    measured_velocity: 1e6,
+    measured_torque: 1e9,
+    time_stamp: 1e20,
     log_columns: 4_096,
     log_line: 4 << 20,
     log_header: 200_000,

@@ -133,12 +133,46 @@ pub enum LogError {
         hertz(.rate_hz)
     )]
     RateDiffers { file: String, rate_hz: f64, stated_hz: f64 },
+    #[error(
+        "{file}, {counted} {line}: the column `{column}` has {} in SI, and in more than one row of twenty values that are no {quantity} of an arm (beyond \
+         {limit:e} in SI): choose the right column, or state its `unit` or `scale`, in `columns`",
+        beyond(*.value)
+    )]
+    Implausible {
+        file: String,
+        counted: &'static str,
+        line: u64,
+        column: String,
+        /// In SI.
+        value: f64,
+        quantity: &'static str,
+        limit: f64,
+    },
+    #[error(
+        "{file}, {counted} {line}: the time stamp {} s is no time of a recording: correct or remove the row, or state the unit of the stamps as \
+         `time_unit`",
+        beyond(*.value)
+    )]
+    ImplausibleTime {
+        file: String,
+        counted: &'static str,
+        line: u64,
+        value: f64,
+    },
     #[error("{file}: has more than {limit} rows; lower the sample rate or split the log")]
     TooLong { file: String, limit: usize },
 }
 
 fn hertz(rate: &f64) -> String {
     scientific(*rate, 4)
+}
+
+/// A value that no arm has.
+pub(super) fn beyond(value: f64) -> String {
+    match value.is_finite() {
+        true => scientific(value, 4),
+        false => "a value beyond 1e308".into(),
+    }
 }
 
 /// To a thousandth, where that is a number of digits that anybody reads.
@@ -177,6 +211,8 @@ impl LogError {
             | Self::TimeGoesBack { file, .. }
             | Self::TooManyGaps { file, .. }
             | Self::ImplausibleRate { file, .. }
+            | Self::Implausible { file, .. }
+            | Self::ImplausibleTime { file, .. }
             | Self::TooLong { file, .. } => file,
         }
     }
@@ -212,6 +248,8 @@ impl LogError {
             | Self::TimeGoesBack { file, .. }
             | Self::TooManyGaps { file, .. }
             | Self::ImplausibleRate { file, .. }
+            | Self::Implausible { file, .. }
+            | Self::ImplausibleTime { file, .. }
             | Self::TooLong { file, .. } => file,
         }
     }

@@ -101,6 +101,11 @@ impl Places {
         motion.chain(self.nanos.iter()).copied()
     }
 
+    /// Names of the columns of positions, velocities and torques.
+    pub fn names(&self, all: &[Named]) -> [Vec<String>; 3] {
+        [&self.q, &self.qd, &self.tau].map(|places| places.iter().map(|&at| all[at].name.clone()).collect())
+    }
+
     /// Takes the units of the names, where the request states none.
     fn convert(&mut self, heading: &Heading, columns: &Columns) -> Result<(), LogError> {
         let (mut factors, mut said) = (Vec::new(), Vec::new());

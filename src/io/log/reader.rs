@@ -1,7 +1,7 @@
 //! One pass over a log, whatever its format.
 
 use super::blocks::{Broken, for_each_part};
-use super::columns::Columns;
+use super::columns::{Columns, Quantity};
 #[cfg(feature = "formats")]
 use super::formats;
 #[cfg(not(feature = "formats"))]
@@ -14,7 +14,7 @@ use super::table::Table;
 use super::text::TextLog;
 use super::unpack::unpacked;
 use super::{LogError, LogReport, time_base};
-use crate::identification::Log;
+use crate::identification::{CancelFlag, Log};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -44,7 +44,22 @@ pub fn read_joined_log(
     columns: &Columns,
     joints: &[String],
 ) -> Result<(Log, LogReport), LogError> {
-    let mut table = table_of(open(path)?, size(path), columns, joints, &|q| q.of(columns).file.is_none())?;
+    read_joined_log_until(path, others, columns, joints, &CancelFlag::default())
+}
+
+/// The same, left when `cancel` is set, as by [`CancelFlag::leave_if_set`]: within [`CancelFlag::run`].
+///
+/// # Errors
+/// As [`read_joined_log`].
+pub fn read_joined_log_until(
+    path: &Path,
+    others: &[(String, PathBuf)],
+    columns: &Columns,
+    joints: &[String],
+    cancel: &CancelFlag,
+) -> Result<(Log, LogReport), LogError> {
+    let own = |q: Quantity| q.of(columns).file.is_none();
+    let mut table = table_of(open_until(path, cancel)?, size(path), columns, joints, &own)?;
     for name in columns.files() {
         let Some((_, other)) = others.iter().find(|(known, _)| known == name) else {
             return Err(LogError::MissingFile {
@@ -52,17 +67,37 @@ pub fn read_joined_log(
                 other: name.to_string(),
             });
         };
-        let part = table_of(open(other)?, size(other), columns, joints, &|q| {
+        let part = table_of(open_until(other, cancel)?, size(other), columns, joints, &|q| {
             q.of(columns).file.as_deref() == Some(name)
         })?;
         table.join(part)?;
     }
-    time_base::uniform(table, columns)
+    cancel.leave_if_set();
+    time_base::uniform(table, columns, cancel)
 }
 
 /// Bytes of the file, packed or not, as a hint: zero where they are not told.
 fn size(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |about| about.len())
+}
+
+/// A file that is read until `cancel` is set: every format comes through it, piece by piece.
+struct Until<'a> {
+    file: File,
+    cancel: &'a CancelFlag,
+}
+
+impl Read for Until<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.cancel.leave_if_set();
+        self.file.read(buffer)
+    }
+}
+
+fn open_until<'a>(path: &Path, cancel: &'a CancelFlag) -> Result<Source<Until<'a>>, LogError> {
+    let Source { name, bytes: file } = open(path)?;
+    let bytes = Until { file, cancel };
+    Ok(Source { name, bytes })
 }
 
 pub(super) fn open(path: &Path) -> Result<Source<File>, LogError> {
@@ -85,7 +120,11 @@ pub(super) fn open(path: &Path) -> Result<Source<File>, LogError> {
 /// # Errors
 /// [`LogError`]: unreadable, empty or cut off, columns missing, too much garbage, time running backwards, too many gaps.
 pub fn read_log<R: Read + Send>(source: Source<R>, columns: &Columns, joints: &[String]) -> Result<(Log, LogReport), LogError> {
-    time_base::uniform(table_of(source, 0, columns, joints, &|_| true)?, columns)
+    time_base::uniform(
+        table_of(source, 0, columns, joints, &|_| true)?,
+        columns,
+        &CancelFlag::default(),
+    )
 }
 
 /// How many rows a file has, as far as it says so by itself.
@@ -187,7 +226,9 @@ fn table_of<R: Read + Send>(
     let Source { name: file, bytes } = source;
     let opened = Opened::new(&file, bytes)?;
     let places = Places::find(&opened.heading(&file), columns, joints, wanted)?;
+    let names = places.names(opened.heading(&file).names);
     let mut table = opened.table(&file, size, &places)?;
+    table.names = names;
     table.findings.extend(places.findings);
     table.check()?;
     Ok(table)

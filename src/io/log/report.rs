@@ -43,6 +43,8 @@ pub enum FindingKind {
     HeaderUnit,
     /// Columns of another topic, interpolated.
     Aligned,
+    /// Values beyond those of any arm.
+    ImplausibleValue,
 }
 
 impl FindingKind {
@@ -59,6 +61,7 @@ impl FindingKind {
             Self::TimeUnit => "time_unit",
             Self::HeaderUnit => "header_unit",
             Self::Aligned => "aligned",
+            Self::ImplausibleValue => "implausible_value",
         }
     }
 }
@@ -83,6 +86,22 @@ impl Tally {
         }
         if self.first.is_none() {
             self.first = Some(what());
+        }
+    }
+
+    /// Keeps what the one in the first line looks like.
+    pub fn note(&mut self, line: u64, what: impl FnOnce() -> String) {
+        if self.lines.first().is_none_or(|&first| line < first) {
+            self.lines = vec![line];
+            self.first = Some(what());
+        }
+    }
+
+    /// Counts `lines`, in their order, instead of what was noted.
+    pub fn count_lines(&mut self, lines: impl Iterator<Item = u64>) {
+        self.lines.clear();
+        for line in lines {
+            self.add(line, String::new);
         }
     }
 

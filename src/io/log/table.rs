@@ -1,6 +1,6 @@
 //! The columns of a file as they are read.
 
-use super::columns::TimeUnit;
+use super::columns::{Quantity, TimeUnit};
 use super::places::Places;
 use super::report::Tally;
 use super::rows::Part;
@@ -10,7 +10,10 @@ use crate::model::INPUT_LIMITS;
 /// Most rows of one log: a bound on memory.
 pub(super) const MOST_ROWS: usize = INPUT_LIMITS.log_rows;
 /// One bad row in twenty is a broken export, not a glitch.
-const GARBAGE_LIMIT: usize = 20;
+pub(super) const GARBAGE_LIMIT: usize = 20;
+
+/// A quantity, its columns and their names.
+type Measured<'a> = (Quantity, &'a [Vec<f64>], &'a [String]);
 
 /// Columns as read, before anything is laid onto a time grid. All columns have one entry per accepted row.
 pub(super) struct Table {
@@ -24,6 +27,8 @@ pub(super) struct Table {
     pub q: Vec<Vec<f64>>,
     pub qd: Vec<Vec<f64>>,
     pub tau: Vec<Vec<f64>>,
+    /// Names of the columns of positions, velocities and torques, as the file has them.
+    pub names: [Vec<String>; 3],
     /// Nanoseconds beside whole seconds: one column, or none.
     pub nanos: Vec<Vec<f64>>,
     pub rows: usize,
@@ -53,6 +58,7 @@ impl Table {
             q: empty(&places.q),
             qd: empty(&places.qd),
             tau: empty(&places.tau),
+            names: Default::default(),
             nanos: vec![Vec::new(); places.nanos.iter().count()],
             rows: 0,
             counted: "line",
@@ -117,12 +123,23 @@ impl Table {
         self.retain(&own);
         other.retain(&theirs);
         self.garbage.count += own.iter().filter(|kept| !**kept).count();
-        for (mine, found) in [(&mut self.q, other.q), (&mut self.qd, other.qd), (&mut self.tau, other.tau)] {
+        let own = [&mut self.q, &mut self.qd, &mut self.tau].into_iter().zip(&mut self.names);
+        for ((mine, names), (found, called)) in own.zip([other.q, other.qd, other.tau].into_iter().zip(other.names)) {
             if mine.is_empty() {
-                *mine = found;
+                (*mine, *names) = (found, called);
             }
         }
         Ok(())
+    }
+
+    /// Every quantity with its columns and their names.
+    pub fn quantities(&self) -> [Measured<'_>; 3] {
+        let [q, qd, tau] = &self.names;
+        [
+            (Quantity::Position, &self.q, q),
+            (Quantity::Velocity, &self.qd, qd),
+            (Quantity::Torque, &self.tau, tau),
+        ]
     }
 
     pub fn check(&self) -> Result<(), LogError> {

@@ -1,10 +1,12 @@
 //! From rows with time stamps to a uniform record.
 
+use super::plausible::drop_implausible;
 use super::report::{FindingKind, Tally};
 use super::table::Table;
 use super::time_unit::{PLAUSIBLE_HZ, is_rate_of, to_seconds};
 use super::{Columns, Finding, LogError, LogReport};
-use crate::identification::Log;
+use crate::identification::{CancelFlag, Log};
+use crate::model::INPUT_LIMITS;
 
 /// Fewer samples than this hold no motion.
 const LEAST_ROWS: usize = 16;
@@ -21,7 +23,7 @@ const MISSING_LIMIT: f64 = 0.2;
 const ON_GRID: f64 = 0.01;
 
 /// Lays a table onto a uniform grid, converts to SI, and reports.
-pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogReport), LogError> {
+pub(super) fn uniform(mut table: Table, columns: &Columns, cancel: &CancelFlag) -> Result<(Log, LogReport), LogError> {
     let mut findings = garbage_findings(&table);
     findings.append(&mut table.findings);
     whole_stamps(&mut table);
@@ -35,7 +37,13 @@ pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogRe
         let first = table.numbers.first().copied().unwrap_or(0);
         table.time = table.numbers.iter().map(|&n| f64::from(n - first) / rate).collect();
     }
+    cancel.leave_if_set();
+    to_si(&mut table, columns);
+    drop_implausible(&mut table, &mut findings)?;
+    cancel.leave_if_set();
     drop_rows(&mut table, &mut findings)?;
+    cancel.leave_if_set();
+    check_stamps(&table)?;
     let rows_used = table.time.len();
     if rows_used < LEAST_ROWS {
         return Err(LogError::TooShort {
@@ -47,15 +55,10 @@ pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogRe
     let grid = Grid::fit(&table, columns.sample_rate_hz, &mut findings)?;
     let start_s = table.time[0];
     for column in table.q.iter_mut().chain(&mut table.qd).chain(&mut table.tau) {
+        cancel.leave_if_set();
         grid.resample(&table.time, column);
     }
-    columns.position.transformation.apply(&mut table.q, true);
-    columns.torque.transformation.apply(&mut table.tau, true);
-    let qd = (!table.qd.is_empty()).then(|| {
-        let mut qd = std::mem::take(&mut table.qd);
-        columns.velocity.transformation.apply(&mut qd, true);
-        qd
-    });
+    let qd = (!table.qd.is_empty()).then(|| std::mem::take(&mut table.qd));
     let report = LogReport {
         file: table.file.clone(),
         rows: table.rows,
@@ -76,6 +79,29 @@ pub(super) fn uniform(mut table: Table, columns: &Columns) -> Result<(Log, LogRe
         usable: grid.usable,
     };
     Ok((log, report))
+}
+
+/// Factors, coupling and offsets that the request states.
+fn to_si(table: &mut Table, columns: &Columns) {
+    columns.position.transformation.apply(&mut table.q, true);
+    columns.torque.transformation.apply(&mut table.tau, true);
+    if !table.qd.is_empty() {
+        columns.velocity.transformation.apply(&mut table.qd, true);
+    }
+}
+
+/// The first row whose time stamp is no time.
+fn check_stamps(table: &Table) -> Result<(), LogError> {
+    let is_time = |t: &f64| t.abs() <= INPUT_LIMITS.time_stamp;
+    match table.time.iter().position(|t| !is_time(t)) {
+        None => Ok(()),
+        Some(row) => Err(LogError::ImplausibleTime {
+            file: table.file.clone(),
+            counted: table.counted,
+            line: u64::from(table.lines[row]),
+            value: table.time[row],
+        }),
+    }
 }
 
 /// Seconds and nanoseconds become one time, from the first stamp on: doubles do not resolve nanoseconds since 1970.
