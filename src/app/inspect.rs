@@ -1,11 +1,11 @@
 //! What is understood of logs, before anything is estimated.
 
 use super::{CancelFlag, Code, Error, LogFile};
-use crate::identification::{Log, PreparedLog, keep_peaks, prepare};
-use crate::io::log::{found_columns, read_log_file};
+use crate::identification::{Log, PreparedLog, keep_peaks, prepare_until};
+use crate::io::log::{found_columns, read_joined_log_until};
 use crate::io::{FindingDocument, IdentifyRequest, InspectDocument, InspectedJoint, InspectedLog, LogDocument};
 use crate::model::Joint;
-use crate::residual::{DataFault, RawLog, column_faults, sample_faults};
+use crate::residual::{DataFault, RawLog, column_faults_until, sample_faults};
 
 /// Points of every series: as many as a small plot shows.
 const POINTS: usize = 600;
@@ -26,13 +26,15 @@ pub fn inspect(
     }
     let roles = logs.iter().map(|log| (log, "identification"));
     let roles = roles.chain(validation.iter().map(|log| (log, "validation")));
-    let mut seen = Vec::new();
-    for (log, role) in roles {
-        let Some(one) = one(request, log, role, cancel)? else {
-            return Ok(None);
-        };
-        seen.push(one);
-    }
+    let all = || {
+        roles
+            .map(|(log, role)| one(request, log, role, cancel))
+            .collect::<Result<Vec<_>, _>>()
+    };
+    let Ok(seen) = CancelFlag::run(all) else {
+        return Ok(None);
+    };
+    let seen = seen?;
     Ok(Some(InspectDocument {
         robot: request.robot.name().to_string(),
         logs: seen,
@@ -40,27 +42,16 @@ pub fn inspect(
     }))
 }
 
-fn one(
-    request: &IdentifyRequest,
-    file: &LogFile,
-    role: &'static str,
-    cancel: &CancelFlag,
-) -> Result<Option<InspectedLog>, Error> {
+fn one(request: &IdentifyRequest, file: &LogFile, role: &'static str, cancel: &CancelFlag) -> Result<InspectedLog, Error> {
     let robot = &request.robot;
     let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
     let columns = found_columns(&file.path, &file.name, &request.columns, &names).map_err(|e| invalid(e.to_string()))?;
-    let (mut log, mut report) =
-        read_log_file(&file.path, &request.columns, &names).map_err(|e| invalid(e.named(&file.name).to_string()))?;
-    if cancel.is_cancelled() {
-        return Ok(None);
-    }
+    let (mut log, mut report) = read_joined_log_until(&file.path, &[], &request.columns, &names, cancel)
+        .map_err(|e| invalid(e.named(&file.name).to_string()))?;
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);
-    let prepared = prepare(&log, names.len(), &request.preprocess).map_err(|e| invalid(e.to_string()))?;
-    if cancel.is_cancelled() {
-        return Ok(None);
-    }
+    let prepared = prepare_until(&log, names.len(), &request.preprocess, cancel).map_err(|e| invalid(e.to_string()))?;
     let joints = robot
         .joints()
         .iter()
@@ -72,17 +63,18 @@ fn one(
         q: log.q,
         tau: log.tau,
     };
-    let faults = sample_faults(robot, &raw)
-        .into_iter()
-        .chain(column_faults(robot, &prepared.motion, &prepared.torque));
-    Ok(Some(InspectedLog {
+    let faults =
+        sample_faults(robot, &raw)
+            .into_iter()
+            .chain(column_faults_until(robot, &prepared.motion, &prepared.torque, cancel));
+    Ok(InspectedLog {
         log: LogDocument::new(&report, role, &prepared.choices),
         columns,
         period_s: prepared.periods.as_ref().map(|p| p.period_s),
         periods: prepared.periods.as_ref().map_or(0, |p| p.count),
         faults: faults.map(fault).collect(),
         joints,
-    }))
+    })
 }
 
 fn fault(fault: DataFault) -> FindingDocument {

@@ -55,17 +55,20 @@ mod without_periods;
 pub use border::RivalTerm;
 pub use design::{EffectColumns, information_over};
 pub use estimate::Fitted;
-pub use faults::{DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, leave_out, lost_rows, sample_faults};
-pub use gravity::{Gravity, Mounting, OTHER_MOUNTING, mounting, trace_mounted};
+pub use faults::{
+    DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, column_faults_until, leave_out, lost_rows, sample_faults,
+};
+pub use gravity::{Gravity, Mounting, OTHER_MOUNTING, mounting, mounting_until, trace_mounted};
 pub use misfit::PredictionErrors;
 pub(crate) use model::reported;
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
+pub(crate) use report::of_deviation;
 pub use report::{
     AtRest, Change, Estimates, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
     NotTested, Outcome, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
 };
-pub use stretch::Stretch;
+pub use stretch::{Stretch, Unfiltered};
 pub use system::Prior;
 
 pub use trace::{TraceOptions, Traced, trace};

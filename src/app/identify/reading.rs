@@ -1,8 +1,8 @@
 //! Log files, and how they become rows.
 
 use crate::app::{CancelFlag, Code, Error};
-use crate::identification::{Log, PreparedLog, PreprocessOptions, prepare};
-use crate::io::log::{Columns, LogError, LogReport, read_joined_log};
+use crate::identification::{Log, PreparedLog, PreprocessOptions, prepare_until};
+use crate::io::log::{Columns, LogError, LogReport, read_joined_log_until};
 use crate::model::Robot;
 use crate::residual::{DataFault, RawLog, Stretch, leave_out, lost_rows, sample_faults};
 use std::path::{Path, PathBuf};
@@ -86,8 +86,8 @@ pub(in super::super) fn use_log(
     reading.cancel.leave_if_set();
     let names: Vec<String> = reading.robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
-    let (mut log, mut report) =
-        read_joined_log(&file.path, beside, reading.columns, &names).map_err(|e| invalid(called(e, file, beside).to_string()))?;
+    let (mut log, mut report) = read_joined_log_until(&file.path, beside, reading.columns, &names, reading.cancel)
+        .map_err(|e| invalid(called(e, file, beside).to_string()))?;
     reading.cancel.leave_if_set();
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);
@@ -97,7 +97,8 @@ pub(in super::super) fn use_log(
         Vec::new()
     };
     reading.cancel.leave_if_set();
-    let prepared = prepare(&log, names.len(), reading.preprocess).map_err(|e| invalid(e.to_string()))?;
+    let prepared = prepare_until(&log, names.len(), reading.preprocess, reading.cancel).map_err(|e| invalid(e.to_string()))?;
+    reading.cancel.leave_if_set();
     let stretch = Stretch::new(&prepared, &log);
     let used = UsedLog {
         report,

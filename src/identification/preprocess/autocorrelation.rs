@@ -1,6 +1,6 @@
 //! How much a record differs from itself some time later.
 
-use crate::identification::Log;
+use crate::identification::{CancelFlag, Log};
 use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -18,7 +18,7 @@ pub(super) fn moments(q: &[f64]) -> (f64, f64) {
 /// record and a few more; `None` when nothing moves.
 ///
 /// The sum over joints is taken before the transform back. Zeros behind the record keep its end from meeting its start at any of those lags.
-pub(super) fn lag_difference(log: &Log) -> Option<Vec<f64>> {
+pub(super) fn lag_difference(log: &Log, cancel: &CancelFlag) -> Option<Vec<f64>> {
     let n = log.samples();
     let lags = n.min(3 * n / 4 + 5);
     let moving: Vec<Moving> = log.q.par_iter().filter_map(|q| Moving::of(q)).collect();
@@ -28,16 +28,21 @@ pub(super) fn lag_difference(log: &Log) -> Option<Vec<f64>> {
     let length = smooth_length(n + lags);
     let forward = RealFftPlanner::<f64>::new().plan_fft_forward(length);
     // Always the same joints together, so that sums do not depend on the number of threads.
-    let spectra: Vec<Vec<f64>> = moving.par_chunks(2).map(|pair| power(pair, length, &*forward)).collect();
+    let spectra: Vec<Vec<f64>> = moving
+        .par_chunks(2)
+        .map(|pair| power(pair, length, &*forward, cancel))
+        .collect();
     let mut lines: Vec<Complex64> = (0..=length / 2)
         .map(|l| Complex64::new(spectra.iter().map(|power| power[l]).sum(), 0.0))
         .collect();
     drop(spectra);
+    cancel.leave_if_set();
     let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
     let mut correlation = inverse.make_output_vec();
     inverse
         .process(&mut lines, &mut correlation)
         .expect("lengths come from the plan");
+    cancel.leave_if_set();
     let mut squares = Vec::with_capacity(n + 1);
     squares.push(0.0);
     let mut sum = 0.0;
@@ -75,7 +80,7 @@ impl<'a> Moving<'a> {
 }
 
 /// `Σ |X_l|²` of some joints over a record of `length`, zeros behind theirs.
-fn power(joints: &[Moving], length: usize, forward: &dyn RealToComplex<f64>) -> Vec<f64> {
+fn power(joints: &[Moving], length: usize, forward: &dyn RealToComplex<f64>, cancel: &CancelFlag) -> Vec<f64> {
     let (mut x, mut lines, mut scratch) = (
         forward.make_input_vec(),
         forward.make_output_vec(),
@@ -83,6 +88,7 @@ fn power(joints: &[Moving], length: usize, forward: &dyn RealToComplex<f64>) -> 
     );
     let mut power = vec![0.0; length / 2 + 1];
     for joint in joints {
+        cancel.leave_if_set();
         let n = joint.q.len();
         x[..n].iter_mut().enumerate().for_each(|(s, v)| *v = joint.at(s));
         x[n..].fill(0.0);
@@ -127,7 +133,7 @@ mod tests {
             usable: vec![true; 203],
             q,
         };
-        let found = lag_difference(&log).unwrap();
+        let found = lag_difference(&log, &CancelFlag::default()).unwrap();
         assert_eq!(found.len(), 157);
         let by_definition = |lag: usize| {
             let of = |q: &Vec<f64>| {

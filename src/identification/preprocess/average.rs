@@ -2,7 +2,7 @@
 
 use super::period::{at, repeating_stretch};
 use super::spectrum::forward_of;
-use crate::identification::Log;
+use crate::identification::{CancelFlag, Log};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -25,13 +25,13 @@ const ALMOST_WHOLE: f64 = 0.01;
 
 impl Periods {
     /// Whole periods of `period_s` in the stretch of `log` that repeats; `None` when there is none.
-    pub(super) fn find(log: &Log, period_s: f64) -> Option<Self> {
+    pub(super) fn find(log: &Log, period_s: f64, cancel: &CancelFlag) -> Option<Self> {
         let lag = period_s * log.rate_hz;
         let n = log.samples() as f64;
         if !(lag >= 8.0 && lag <= n * (1.0 + ALMOST_WHOLE)) {
             return None;
         }
-        let stretch = repeating_stretch(log, lag);
+        let stretch = repeating_stretch(log, lag, cancel);
         // A single period and a bit: nothing to compare, the log is taken from its start.
         let (first, length) = if n < 1.5 * lag {
             (0, n)
@@ -138,7 +138,13 @@ pub struct Scatter {
 
 impl Scatter {
     /// From torques unfolded into K ≥ 2 periods and their means. Unusable samples count as equal to the mean.
-    pub(super) fn new(periods: &Periods, torque: Vec<Vec<f64>>, mean: &[Vec<f64>], usable: Vec<bool>) -> Self {
+    pub(super) fn new(
+        periods: &Periods,
+        torque: Vec<Vec<f64>>,
+        mean: &[Vec<f64>],
+        usable: Vec<bool>,
+        cancel: &CancelFlag,
+    ) -> Self {
         let (k, n) = (periods.count, periods.samples);
         let of_joint = |(tau, mean): (&Vec<f64>, &Vec<f64>)| {
             let used = usable.iter().filter(|&&u| u).count() as f64;
@@ -147,6 +153,7 @@ impl Scatter {
             let std_dev = (periods.scatter_square(tau, mean, &usable) / freedom).sqrt();
             let mut lines = vec![0.0; n / 2 + 1];
             for (period, usable) in tau.chunks_exact(n).zip(usable.chunks_exact(n)) {
+                cancel.leave_if_set();
                 let values = period.iter().zip(mean).zip(usable);
                 let deviation = values.map(|((v, m), &used)| if used { v - m } else { 0.0 }).collect();
                 lines

@@ -1,7 +1,7 @@
 //! How far up the positions of a log are signal.
 
 use super::spectrum::{forward, median, smoothed};
-use crate::identification::Log;
+use crate::identification::{CancelFlag, Log};
 
 /// A hundred times the noise power: differences taken up to there carry one per cent of noise in power.
 const ABOVE_NOISE: f64 = 100.0;
@@ -20,8 +20,12 @@ const LEAST_HZ: f64 = 2.0;
 /// Cut-off [Hz] for a log that does not repeat: one and a half times the highest frequency at which some joint's position stands
 /// 20 dB above its own noise floor, so that the filter's roll-off stays clear of it, but no less than ten times that of the speeds (the joint in the middle), which does not
 /// go with the number of digits; at most [`RIGID_LIMIT_HZ`] and a fifth of the rate.
-pub(super) fn signal_cutoff(log: &Log) -> f64 {
-    let lines: Vec<Lines> = log.q.iter().map(|q| Lines::of(q, log.rate_hz)).collect();
+pub(super) fn signal_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
+    let of = |q: &Vec<f64>| {
+        cancel.leave_if_set();
+        Lines::of(q, log.rate_hz)
+    };
+    let lines: Vec<Lines> = log.q.iter().map(of).collect();
     let highest = lines.iter().map(Lines::highest).fold(0.0, f64::max);
     let speed = median(lines.iter().map(Lines::of_speed).collect());
     let slowest = 5.0 / log.duration_s();

@@ -2,7 +2,7 @@
 
 use super::autocorrelation::{lag_difference, moments};
 use super::spectrum::{median, smoothed};
-use crate::identification::Log;
+use crate::identification::{CancelFlag, Log};
 use rayon::prelude::*;
 
 /// A lag is a candidate when the mean square difference between the record and itself that much later is below this fraction of
@@ -22,12 +22,17 @@ const LEFT: f64 = 0.3;
 /// The stretch that really repeats is then looked at alone, because a robot that starts late pulls the minimum aside, and a period
 /// within a fiftieth of a sample of a whole number of samples is taken to be that: a controller counts samples.
 pub fn detect_period(log: &Log) -> Option<f64> {
-    let rough = period_in_samples(log)?;
-    let stretch = repeating_stretch(log, rough);
+    detect_period_until(log, &CancelFlag::default())
+}
+
+/// The same, left when `cancel` is set, as by [`CancelFlag::leave_if_set`].
+pub(super) fn detect_period_until(log: &Log, cancel: &CancelFlag) -> Option<f64> {
+    let rough = period_in_samples(log, cancel)?;
+    let stretch = repeating_stretch(log, rough, cancel);
     let end = (stretch.end + rough.ceil() as usize).min(log.samples());
     let whole_stretch = stretch.start > 0 || end < log.samples();
     let lag = if whole_stretch {
-        period_in_samples(&log.slice(stretch.start..end)).unwrap_or(rough)
+        period_in_samples(&log.slice(stretch.start..end), cancel).unwrap_or(rough)
     } else {
         rough
     };
@@ -35,16 +40,16 @@ pub fn detect_period(log: &Log) -> Option<f64> {
     Some(lag / log.rate_hz)
 }
 
-fn period_in_samples(log: &Log) -> Option<f64> {
+fn period_in_samples(log: &Log, cancel: &CancelFlag) -> Option<f64> {
     let n = log.samples();
-    let difference = lag_difference(log)?;
+    let difference = lag_difference(log, cancel)?;
     // The record may end a few samples short of the second period.
     let limit = (n / 2 + n / 100 + 1).min(difference.len());
     let left = (1..limit).find(|&l| difference[l] > LEFT)?;
     let candidate = (left..limit).find(|&l| {
         let d = difference[l];
         let lowest = d < CANDIDATE && d <= difference[l - 1] && difference.get(l + 1).is_none_or(|&next| d <= next);
-        lowest && mostly_repeats(log, l)
+        lowest && mostly_repeats(log, l, cancel)
     })?;
     let mut lag = refine(&difference, candidate);
     for count in 2.. {
@@ -62,7 +67,7 @@ fn period_in_samples(log: &Log) -> Option<f64> {
 
 /// Whether the median of `|q(t + L) − q(t)|²` over time, all joints together, is next to nothing beside the variance: whether more than half
 /// of the samples are below that.
-fn mostly_repeats(log: &Log, lag: usize) -> bool {
+fn mostly_repeats(log: &Log, lag: usize, cancel: &CancelFlag) -> bool {
     /// Samples of all joints that stay in the cache together.
     const STRETCH: usize = 1024;
     let count = log.samples() - lag;
@@ -70,6 +75,7 @@ fn mostly_repeats(log: &Log, lag: usize) -> bool {
     let most = REPEATS * 2.0 * variance;
     let starts: Vec<usize> = (0..count).step_by(STRETCH).collect();
     let repeating = |&start: &usize| {
+        cancel.leave_if_set();
         let mut squares = [0.0; STRETCH];
         let squares = &mut squares[..STRETCH.min(count - start)];
         for q in &log.q {
@@ -82,12 +88,12 @@ fn mostly_repeats(log: &Log, lag: usize) -> bool {
 }
 
 /// Whether the log repeats after `period_s`; `None` where it is too short to tell: less than half of a second period.
-pub(super) fn repeats_with(log: &Log, period_s: f64) -> Option<bool> {
+pub(super) fn repeats_with(log: &Log, period_s: f64, cancel: &CancelFlag) -> Option<bool> {
     let lag = period_s * log.rate_hz;
     if !(lag >= 1.0 && 1.5 * lag <= log.samples() as f64) {
         return None;
     }
-    Some(mostly_repeats(log, lag.round() as usize))
+    Some(mostly_repeats(log, lag.round() as usize, cancel))
 }
 
 /// Minimum of the parabola through a point and its neighbours.
@@ -110,7 +116,7 @@ fn refine(d: &[f64], at: usize) -> f64 {
 /// A robot that starts late, a transient before the motion has settled, or an early end show as samples that do not repeat. The
 /// difference is smoothed over a hundredth of the period; it may be four times its median (noise is steady, a transient is not),
 /// and in any case a thousandth of the joint's travel, which is below what tracking errors do to the torque.
-pub(super) fn repeating_stretch(log: &Log, lag: f64) -> std::ops::Range<usize> {
+pub(super) fn repeating_stretch(log: &Log, lag: f64, cancel: &CancelFlag) -> std::ops::Range<usize> {
     let n = log.samples();
     let whole = lag.round() as usize;
     if whole >= n {
@@ -119,10 +125,12 @@ pub(super) fn repeating_stretch(log: &Log, lag: f64) -> std::ops::Range<usize> {
     let count = n - whole;
     let half = (whole / 200).max(2);
     let of_joint = |q: &Vec<f64>| -> Option<Vec<bool>> {
+        cancel.leave_if_set();
         let (low, high) = q
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         let smooth = smoothed(&differences(q, lag, count), half);
+        cancel.leave_if_set();
         let always = (1e-3 * (high - low)).powi(2);
         // Where that allows all of them the median has no say, and nothing breaks the stretch.
         if smooth.iter().all(|&d| d <= always) {

@@ -8,6 +8,7 @@ use super::reading::{degrees, read_otherwise};
 use super::sign::Physics;
 use super::{DataFault, FaultKind, Remedy};
 use crate::dynamics::Motion;
+use crate::identification::CancelFlag;
 use crate::model::{Robot, decimals};
 
 /// Samples that carry the question of a whole column: some hundred, spread over the motion.
@@ -18,6 +19,11 @@ const SAMPLES: usize = 500;
 ///
 /// `torque`: n × N. Of long motions every so many samples are taken.
 pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec<DataFault> {
+    column_faults_until(robot, motion, torque, &CancelFlag::default())
+}
+
+/// The same, left when `cancel` is set, as by [`CancelFlag::leave_if_set`]: within [`CancelFlag::run`].
+pub fn column_faults_until(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], cancel: &CancelFlag) -> Vec<DataFault> {
     let found = degrees(robot, motion);
     if !found.is_empty() {
         return found;
@@ -27,7 +33,7 @@ pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec
         motion.get(j, s * step)
     });
     let torque = torque.iter().map(|t| t.iter().step_by(step).copied().collect()).collect();
-    let sampled = Sampled::new(robot, thinned, torque);
+    let sampled = Sampled::new(robot, thinned, torque, cancel);
     if !sampled.active.contains(&true) {
         return Vec::new();
     }

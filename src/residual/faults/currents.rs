@@ -25,7 +25,7 @@ pub(super) fn other_units(sampled: &Sampled, plain: f64) -> Option<DataFault> {
     }
     let scaled = |(torque, factor): (&Vec<f64>, &Option<f64>)| torque.iter().map(|t| t / factor.unwrap_or(1.0)).collect();
     let torque = sampled.torque.iter().zip(&factors).map(scaled).collect();
-    let there = Sampled::new(robot, sampled.motion.clone(), torque);
+    let there = Sampled::new(robot, sampled.motion.clone(), torque, &sampled.cancel);
     let (projection, order, signs) = (Projection::new(&there, &[]), (0..n).collect::<Vec<_>>(), vec![1.0; n]);
     let rest = projection.rest(&order, &signs);
     if plain <= CLEARLY * (rest + projection.floor()) || !projection.explains(&order, &signs) {

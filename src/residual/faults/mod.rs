@@ -18,7 +18,7 @@ mod samples;
 mod seen;
 mod sign;
 
-pub use columns::column_faults;
+pub use columns::{column_faults, column_faults_until};
 pub use samples::{LostRows, leave_out, lost_rows, sample_faults};
 
 use super::ReportedParameter;

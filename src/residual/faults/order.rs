@@ -3,7 +3,7 @@
 use super::columns::CLEARLY;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::identification::preprocess::{exclusions, resolution};
-use crate::identification::{folds_in_time, shares, with_constant};
+use crate::identification::{CancelFlag, folds_in_time, shares, with_constant};
 use crate::model::Robot;
 use crate::parameters::Layout;
 use crate::residual::AugmentedModel;
@@ -30,10 +30,12 @@ pub(super) struct Sampled<'a> {
     /// n × N.
     pub torque: Vec<Vec<f64>>,
     pub active: Vec<bool>,
+    /// Looked at with every hypothesis.
+    pub cancel: CancelFlag,
 }
 
 impl<'a> Sampled<'a> {
-    pub fn new(robot: &'a Robot, motion: Motion, torque: Vec<Vec<f64>>) -> Self {
+    pub fn new(robot: &'a Robot, motion: Motion, torque: Vec<Vec<f64>>, cancel: &CancelFlag) -> Self {
         let still = |j: usize| motion.velocities(j).iter().all(|v| *v == 0.0);
         let still: Vec<bool> = (0..robot.joint_count()).map(still).collect();
         let excluded = exclusions(&torque, &vec![true; motion.samples()], &still);
@@ -42,6 +44,7 @@ impl<'a> Sampled<'a> {
             motion,
             torque,
             active: excluded.iter().map(Option::is_none).collect(),
+            cancel: cancel.clone(),
         }
     }
 
@@ -52,6 +55,7 @@ impl<'a> Sampled<'a> {
             motion,
             torque: self.torque.clone(),
             active: self.active.clone(),
+            cancel: self.cancel.clone(),
         }
     }
 
@@ -62,6 +66,7 @@ impl<'a> Sampled<'a> {
             motion: self.motion.clone(),
             torque: self.torque.clone(),
             active: self.active.clone(),
+            cancel: self.cancel.clone(),
         }
     }
 }
@@ -87,6 +92,7 @@ pub(super) struct Projection {
 impl Projection {
     /// With further columns beside the rigid body.
     pub fn new(sampled: &Sampled, extra: &[Extra]) -> Self {
+        sampled.cancel.leave_if_set();
         let (robot, motion, torque) = (sampled.robot, &sampled.motion, &sampled.torque);
         let n = robot.joint_count();
         let kept = AugmentedModel::declared(robot).base.kept;

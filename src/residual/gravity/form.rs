@@ -5,6 +5,7 @@
 
 use super::super::AugmentedModel;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
+use crate::identification::CancelFlag;
 use crate::identification::preprocess::{Exclusion, exclusions};
 use crate::model::Robot;
 use crate::parameters::{Layout, ParameterKind};
@@ -48,11 +49,13 @@ pub(super) struct Form {
     pub(super) torque: DMatrix<f64>,
     /// Inverse root mean square of every torque: strong joints do not drown weak ones.
     pub weight: Vec<f64>,
+    /// Looked at with every direction.
+    cancel: CancelFlag,
 }
 
 impl Form {
     /// `None` where a torque is missing altogether or nothing was measured.
-    pub fn new(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])]) -> Option<Self> {
+    pub fn new(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &CancelFlag) -> Option<Self> {
         let (motion, torque) = picked(robot.joint_count(), logs);
         let (n, samples) = (motion.joints(), motion.samples());
         let size = robot.gravity().norm();
@@ -127,11 +130,13 @@ impl Form {
             rows,
             torque: tau,
             weight,
+            cancel: cancel.clone(),
         })
     }
 
     /// The normal matrix scaled to a unit diagonal, factorised, and the scales.
     fn factorised(&self, direction: Vector3<f64>) -> (Cholesky<f64, Dyn>, DVector<f64>) {
+        self.cancel.leave_if_set();
         factorised(&self.normal_along(direction))
     }
 

@@ -15,6 +15,7 @@ use self::evidence::Gain;
 use self::form::Form;
 use self::vote::Bodies;
 use crate::dynamics::Motion;
+use crate::identification::CancelFlag;
 use crate::model::Robot;
 use nalgebra::Vector3;
 
@@ -56,12 +57,17 @@ const REFINED: usize = 3;
 ///
 /// `None` too for a robot declared without gravity, and where the data do not decide.
 pub fn mounting(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])]) -> Option<Mounting> {
+    mounting_until(robot, logs, &CancelFlag::default())
+}
+
+/// The same, left when `cancel` is set, as by [`CancelFlag::leave_if_set`]: within [`CancelFlag::run`].
+pub fn mounting_until(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &CancelFlag) -> Option<Mounting> {
     let size = robot.gravity().norm();
     if size.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
         return None;
     }
     let declared = robot.gravity() / size;
-    let form = Form::new(robot, logs)?;
+    let form = Form::new(robot, logs, cancel)?;
     let level = Fitted::near(&form, declared);
     let mut found: Vec<Fitted> = starts().iter().map(|&u| Fitted::at(&form, u)).collect();
     found.sort_by(|a, b| a.rest.total_cmp(&b.rest));

@@ -45,7 +45,10 @@ impl Chain<'_> {
             .q
             .par_iter()
             .enumerate()
-            .map(|(j, q)| fourier_fit(q, periods.period_s, variance(j), record.order))
+            .map(|(j, q)| {
+                self.cancel.leave_if_set();
+                fourier_fit(q, periods.period_s, variance(j), record.order)
+            })
             .collect();
         let motion = Motion::from_fn(fits.len(), record.usable.len(), |j, s| {
             [fits[j].q[s], fits[j].qd[s], fits[j].qdd[s]]
@@ -97,7 +100,9 @@ impl Chain<'_> {
         };
         let mut motion = Motion::zeros(record.q.len(), record.usable.len());
         let of_joint = |raw: &Vec<f64>| {
+            self.cancel.leave_if_set();
             let q = zero_phase(&filter, raw, padding, filter.settling_samples());
+            self.cancel.leave_if_set();
             let qd = difference(&q, step);
             let qdd = difference(&qd, step);
             (velocity_noise(raw, &q, &filter), [q, qd, qdd])
@@ -157,7 +162,7 @@ impl Chain<'_> {
     fn position_default(&self) -> FilterSpec {
         FilterSpec {
             order: POSITION_ORDER,
-            cutoff_hz: signal_cutoff(self.log) * (2.0 / ABOVE_SIGNAL),
+            cutoff_hz: signal_cutoff(self.log, self.cancel) * (2.0 / ABOVE_SIGNAL),
         }
     }
 }

@@ -8,8 +8,9 @@ use super::autocorrelation::{NO_MOTION, moments};
 use super::torque_column::{exclusions, resolution};
 use super::{Choice, Exclusion, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, Scatter};
 use crate::dynamics::Motion;
-use crate::identification::Log;
 use crate::identification::filter::{LowPass, Padding};
+use crate::identification::{CancelFlag, Log};
+use crate::model::INPUT_LIMITS;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -23,6 +24,19 @@ const SIGN_SIGMAS: f64 = 3.0;
 /// # Errors
 /// Wrong number of joints, a period that the log does not hold, filters that the sample rate does not allow, options out of range.
 pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<PreparedLog, PreprocessError> {
+    prepare_until(log, joints, options, &CancelFlag::default())
+}
+
+/// The same, left when `cancel` is set, as by [`CancelFlag::leave_if_set`]: within [`CancelFlag::run`].
+///
+/// # Errors
+/// As [`prepare`].
+pub fn prepare_until(
+    log: &Log,
+    joints: usize,
+    options: &PreprocessOptions,
+    cancel: &CancelFlag,
+) -> Result<PreparedLog, PreprocessError> {
     if log.joints() != joints || log.tau.len() != joints {
         return Err(PreprocessError::WrongJoints {
             log: log.name.clone(),
@@ -30,7 +44,7 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
             actual: log.joints().min(log.tau.len()),
         });
     }
-    let chain = Chain { log, options };
+    let chain = Chain { log, options, cancel };
     chain.check()?;
     chain.check_positions()?;
     let mut choices = Vec::new();
@@ -38,6 +52,7 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
     let (mut motion, velocity_std) = chain.differentiate(&record, &mut choices)?;
     let still = hold_still(&mut motion, &velocity_std, log);
     let excluded = chain.excluded(&still, &mut choices)?;
+    cancel.leave_if_set();
     let row_filter = chain.row_filter(&record, &mut choices)?;
     let dead_zone = chain.dead_zone(&velocity_std, &still, &mut choices);
     let samples = record.usable.len();
@@ -49,6 +64,11 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
             samples,
         });
     }
+    let recorded = |tau: &Vec<f64>| {
+        cancel.leave_if_set();
+        resolution(tau, &log.usable)
+    };
+    let recorded = log.tau.iter().map(recorded).collect();
     let first = record.periods.as_ref().map_or(0, |p| p.first);
     Ok(PreparedLog {
         name: log.name.clone(),
@@ -62,7 +82,7 @@ pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<
         row_filter,
         dead_zone,
         excluded,
-        resolution: log.tau.iter().map(|tau| resolution(tau, &log.usable)).collect(),
+        resolution: recorded,
         choices,
     })
 }
@@ -88,8 +108,8 @@ fn moves(q: &[f64]) -> bool {
     moments(q).1 >= NO_MOTION * NO_MOTION
 }
 
-/// Positions beyond this are none: a hundred thousand turns, or a thousand kilometres [rad or m].
-const FARTHEST: f64 = 1e6;
+/// Positions beyond this are none [rad or m].
+const FARTHEST: f64 = INPUT_LIMITS.measured_position;
 
 /// One stretch or one mean period, before derivatives.
 struct Record<'a> {
@@ -110,6 +130,8 @@ struct Record<'a> {
 struct Chain<'a> {
     log: &'a Log,
     options: &'a PreprocessOptions,
+    /// Leaves the preparation when it is set.
+    cancel: &'a CancelFlag,
 }
 
 impl Chain<'_> {

@@ -1,9 +1,9 @@
 //! From a log to one stretch, or to one mean period where the torques repeat as well as the positions.
 
 use super::{Chain, Record};
-use crate::identification::preprocess::period::{detect_period, repeats_with};
+use crate::identification::preprocess::period::{detect_period_until, repeats_with};
 use crate::identification::preprocess::spectrum::forward;
-use crate::identification::preprocess::{Choice, Period, Periods, PreprocessError, Scatter};
+use crate::identification::preprocess::{Choice, Period, Periods, PreprocessError, Scatter, exclusions, rounded_alike, step_of};
 use crate::model::shortest;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -17,7 +17,7 @@ impl<'a> Chain<'a> {
             source,
             stated,
         } = self.chosen_period();
-        let periods = period.and_then(|p| Periods::find(self.log, p));
+        let periods = period.and_then(|p| Periods::find(self.log, p, self.cancel));
         match periods {
             Some(periods) if periods.count == 1 && !stated => {
                 choices.push(Choice::new(
@@ -53,7 +53,7 @@ impl<'a> Chain<'a> {
     /// The period that this log has: a stated one is that of the trajectory that somebody had in mind, which need not be this log's.
     fn chosen_period(&self) -> Chosen {
         let found = |otherwise: &str| {
-            let period = detect_period(self.log);
+            let period = detect_period_until(self.log, self.cancel);
             let source = match period {
                 Some(_) => "found in the positions' autocorrelation",
                 None => "nothing in the positions repeats twice",
@@ -87,7 +87,7 @@ impl<'a> Chain<'a> {
                         shortest(period_s)
                     ))
                 };
-                match repeats_with(self.log, period_s) {
+                match repeats_with(self.log, period_s, self.cancel) {
                     Some(true) => given,
                     Some(false) => own(),
                     None if imposed => given,
@@ -117,19 +117,26 @@ impl<'a> Chain<'a> {
         let mean = |columns: &[Vec<f64>]| {
             columns
                 .par_iter()
-                .map(|x| periods.mean(&periods.unfold(x), &usable))
+                .map(|x| {
+                    self.cancel.leave_if_set();
+                    periods.mean(&periods.unfold(x), &usable)
+                })
                 .collect::<Vec<_>>()
         };
         let (q, tau) = (mean(&self.log.q), mean(&self.log.tau));
         let position_variance = (k > 1).then(|| {
             let variance = |(x, mean): (&Vec<f64>, &Vec<f64>)| {
+                self.cancel.leave_if_set();
                 let sum = periods.scatter_square(&periods.unfold(x), mean, &usable);
-                sum / ((k - 1) * n) as f64 / k as f64
+                let single = sum / ((k - 1) * n) as f64;
+                // An encoder without noise rounds every period alike, and so their mean.
+                let alike = step_of(x, &self.log.usable).map_or(0.0, |step| rounded_alike(step, single.sqrt()));
+                single / k as f64 + alike
             };
             self.log.q.par_iter().zip(&q).map(variance).collect()
         });
         let torque = || self.log.tau.par_iter().map(|x| periods.unfold(x).into_owned()).collect();
-        let scatter = (k > 1).then(|| Scatter::new(&periods, torque(), &tau, usable.clone()));
+        let scatter = (k > 1).then(|| Scatter::new(&periods, torque(), &tau, usable.clone(), self.cancel));
         let left = self.log.duration_s() - k as f64 * periods.period_s;
         choices.push(Choice::new("period", format!("{:.6} s", periods.period_s), source));
         choices.push(Choice::new(
@@ -172,7 +179,9 @@ struct Chosen {
 fn torques_repeat(record: &Record) -> bool {
     let Some(scatter) = &record.scatter else { return true };
     let power = |tau: &Vec<f64>| tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
-    (0..record.tau.len()).all(|j| {
+    // A column that is no torque says nothing of the others.
+    let dead = exclusions(&record.tau, &record.usable, &vec![false; record.tau.len()]);
+    (0..record.tau.len()).filter(|&j| dead[j].is_none()).all(|j| {
         let torque = power(&record.tau[j]);
         // Spectra are of the mean: periods scatter K times as much.
         let single: Vec<f64> = scatter.spectrum[j].iter().map(|s| s * scatter.periods as f64).collect();

@@ -52,7 +52,7 @@ impl Chain<'_> {
     fn parallel_default(&self) -> FilterSpec {
         FilterSpec {
             order: PARALLEL_ORDER,
-            cutoff_hz: signal_cutoff(self.log),
+            cutoff_hz: signal_cutoff(self.log, self.cancel),
         }
     }
 
