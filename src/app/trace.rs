@@ -8,7 +8,8 @@ use crate::identification::preprocess::Exclusion;
 use crate::io::log::{FindingKind, LogReport};
 use crate::model::Robot;
 use crate::residual::{
-    DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Verdict, column_faults_until, mounting_until,
+    DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Verdict, column_faults_until,
+    mounting_until,
 };
 use nalgebra::Vector3;
 use serde_json::Value;
