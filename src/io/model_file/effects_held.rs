@@ -3,7 +3,7 @@
 use super::{FinalModel, ModelFormat};
 use crate::dynamics::inverse_dynamics;
 use crate::effects::{by_code, tilted};
-use crate::model::{Joint, Robot};
+use crate::model::{Joint, ModelError, Robot};
 use crate::parameters::Layout;
 use crate::residual::Term;
 use crate::spatial::Transform;
@@ -83,13 +83,16 @@ impl FinalModel {
     /// The robot with gravity as a tilted base has it, and with every encoder's offset in the frame behind it: the same torques at the positions that
     /// the encoders show.
     pub(super) fn absorbed(&self) -> Robot {
+        self.try_absorbed().expect("models are read only where this is a robot")
+    }
+
+    /// # Errors
+    /// Offsets that put joints where none can be.
+    pub(super) fn try_absorbed(&self) -> Result<Robot, ModelError> {
         let robot = self.tilted();
-        let joints = robot
-            .joints()
-            .iter()
-            .enumerate()
-            .map(|(j, joint)| offset(joint, self.encoder_offset(j)));
-        Robot::new(robot.name(), robot.gravity(), joints.collect(), robot.friction()).expect("only frames have moved")
+        let joints = robot.joints().iter().enumerate();
+        let joints = joints.map(|(j, joint)| offset(joint, self.encoder_offset(j))).collect();
+        Robot::new(robot.name(), robot.gravity(), joints, robot.friction())
     }
 
     /// The robot with gravity as a tilted base has it.

@@ -121,7 +121,7 @@ impl FinalModel {
         xml.open("actuator", &[]);
         for (j, joint) in robot.joints().iter().enumerate() {
             let [gain, offset] = [
-                number(1.0 / self.gain(j)),
+                number(1.0 / Some(self.gain(j)).filter(|g| *g > 0.0).unwrap_or(1.0)),
                 triple(&[-self.sum("torque_offset", j, 0), 0.0, 0.0]),
             ];
             let mut list = vec![

@@ -197,13 +197,17 @@ fn read(cursor: &Cursor) -> Option<FinalModel> {
         }
         list
     })?;
-    Some(FinalModel {
+    let model = FinalModel {
         base_parameters: rows.into_iter().flatten().map(|c| base_row(c.value())).collect(),
         robot,
         terms,
         deviations,
         missing,
-    })
+    };
+    if let Err(e) = model.try_absorbed() {
+        cursor.complain(format!("has effects that make no robot of it: {e}"));
+    }
+    Some(model)
 }
 
 fn deviations(effect: &Value) -> Vec<Option<f64>> {
