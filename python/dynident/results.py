@@ -75,21 +75,31 @@ class Design:
     def period_s(self) -> float:
         return 1.0 / self.fundamental_hz
 
-    def samples(self, *, rate_hz: float | None = None, periods: int = 1) -> dict[str, Array]:
-        """`time` (N) and `q`, `qd`, `qdd` (N × n)."""
-        table = self._client._json("GET", self._address("json", rate_hz, periods))
+    def samples(
+        self,
+        *,
+        rate_hz: float | None = None,
+        periods: int = 1,
+        from_pose: Any = None,
+        run_in_s: float | None = None,
+        run_out_s: float | None = None,
+    ) -> dict[str, Array]:
+        """`time` (N) and `q`, `qd`, `qdd` (N × n); with a pose, the ways into the motion and out of it, within all limits."""
+        table = self._client._json("GET", self._address("json", rate_hz, periods, from_pose, run_in_s, run_out_s))
         rows = np.array(table["rows"])
         n = (rows.shape[1] - 1) // 3
         return {"time": rows[:, 0], "q": rows[:, 1 : 1 + n], "qd": rows[:, 1 + n : 1 + 2 * n], "qdd": rows[:, 1 + 2 * n :]}
 
-    def save(self, path: str, format: str, *, rate_hz: float | None = None, periods: int = 1) -> None:
+    def save(self, path: str, format: str, *, rate_hz: float | None = None, periods: int = 1, from_pose: Any = None) -> None:
         """Writes the trajectory: csv, json, joint_trajectory, yaml, urscript, mcap or npz."""
-        content = self._client._send("GET", self._address(format, rate_hz, periods))[1]
+        content = self._client._send("GET", self._address(format, rate_hz, periods, from_pose, None, None))[1]
         with open(path, "wb") as file:
             file.write(content)
 
-    def _address(self, format: str, rate_hz: float | None, periods: int) -> str:
-        query = {"format": format, "periods": periods, "rate_hz": rate_hz}
+    def _address(self, format: str, rate_hz: Any, periods: int, pose: Any, run_in_s: Any, run_out_s: Any) -> str:
+        query = {"format": format, "periods": periods, "rate_hz": rate_hz, "run_in_s": run_in_s, "run_out_s": run_out_s}
+        if pose is not None:
+            query["from"] = ",".join(repr(float(q)) for q in pose)
         stated = "&".join(f"{name}={value}" for name, value in query.items() if value is not None)
         return f"/excitation/{self.id}/trajectory?{stated}"
 

@@ -1,11 +1,15 @@
 //! Design an excitation trajectory.
 
+use super::{Code, Error};
 use crate::excitation::{
-    Backoff, Control, Design, Found, Given, Halt, Point, Problem, ProblemSpec, Progress, first_run, search_from,
+    Backoff, Control, Design, Found, Given, Halt, NoRun, Point, Problem, ProblemSpec, Progress, RunSpec, first_run, run_in,
+    run_out, search_from,
 };
 use crate::identification::CancelFlag;
-use crate::io::{DesignDocument, ExcitationRequest};
+use crate::io::{DesignDocument, ExcitationRequest, significant};
+use crate::model::FieldProblem;
 use crate::trajectory::FourierSeries;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -17,6 +21,88 @@ pub struct Excited {
     pub series: Option<FourierSeries>,
     /// Smaller amplitudes, where they were asked for.
     pub first_run: Option<FourierSeries>,
+}
+
+/// The ways into a periodic motion and out of it that are asked for.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Runs {
+    /// Positions at rest before and after [rad or m]; where the motion begins if left out.
+    pub from: Option<Vec<f64>>,
+    /// (s); 0 for none. The shortest gentle one within all limits where `None` and a pose is given, else none.
+    pub run_in_s: Option<f64>,
+    /// As `run_in_s`.
+    pub run_out_s: Option<f64>,
+}
+
+impl Runs {
+    /// Whether neither is asked for.
+    pub fn is_none(&self) -> bool {
+        let wanted = |s: Option<f64>| s.map_or(self.from.is_some(), |s| s > 0.0);
+        !wanted(self.run_in_s) && !wanted(self.run_out_s)
+    }
+}
+
+/// Run-in and run-out of `series` within all limits of the problem, each the first half of the period of a series and a whole number of samples at `rate_hz`.
+///
+/// # Errors
+/// `invalid_document` for a pose of another robot or beyond its limits; `no_trajectory` where a limit does not hold on the way.
+pub fn runs(problem: &Problem, series: &FourierSeries, asked: &Runs, rate_hz: f64) -> Result<[Option<FourierSeries>; 2], Error> {
+    use crate::trajectory::Trajectory;
+    let start = || (0..series.joints()).map(|j| series.state(j, 0.0)[0]).collect();
+    let pose: Vec<f64> = asked.from.clone().unwrap_or_else(start);
+    let one = |name: &str, seconds: Option<f64>, out: bool| {
+        if !seconds.map_or(asked.from.is_some(), |s| s > 0.0) {
+            return Ok(None);
+        }
+        let spec = RunSpec {
+            pose: pose.clone(),
+            duration_s: seconds,
+            rate_hz,
+        };
+        let found = if out {
+            run_out(problem, series, &spec)
+        } else {
+            run_in(problem, series, &spec)
+        };
+        found.map(Some).map_err(|why| no_run(problem, name, &spec, why))
+    };
+    Ok([
+        one("run_in_s", asked.run_in_s, false)?,
+        one("run_out_s", asked.run_out_s, true)?,
+    ])
+}
+
+fn no_run(problem: &Problem, name: &str, spec: &RunSpec, why: NoRun) -> Error {
+    let joints = problem.robot().joints();
+    let of_pose = |detail: String| Error::invalid("the pose", vec![FieldProblem::new("/from", detail)]);
+    match why {
+        NoRun::Joints => of_pose(format!(
+            "has {} positions, and the robot has {} joints",
+            spec.pose.len(),
+            joints.len()
+        )),
+        NoRun::Pose(j) => {
+            let [low, high] = joints[j].limits.position.unwrap_or_default().map(|v| significant(v, 6));
+            let value = significant(spec.pose[j], 6);
+            of_pose(format!(
+                "joint {} at {value} is not within its limits, {low} to {high} {}",
+                joints[j].name,
+                joints[j].position_unit()
+            ))
+        }
+        NoRun::Limits => {
+            let tried = spec
+                .duration_s
+                .map_or("any duration".to_string(), |s| format!("{} s", significant(s, 4)));
+            Error::new(
+                Code::NoTrajectory,
+                format!("a limit does not hold on the way between the pose and the motion in {tried}"),
+            )
+            .with_hint(format!(
+                "take a longer {name}, or a pose from which the straight way of all joints is free"
+            ))
+        }
+    }
 }
 
 /// What connects a search with its earlier life and with those beside it; see [`Control::found`] and [`Control::others`].

@@ -15,7 +15,7 @@ mod validate;
 
 pub use crate::identification::CancelFlag;
 pub use error::{Code, Error};
-pub use excite::{Exchange, Excited, excite, excite_beside};
+pub use excite::{Exchange, Excited, Runs, excite, excite_beside, runs};
 pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};
 pub use inspect::inspect;
 pub use motion::motion;

@@ -2,8 +2,8 @@
 
 use super::plots::{PictureKind, write_picture};
 use super::{Ending, files, render};
-use crate::app::{CancelFlag, Code, Error, Excited, excite};
-use crate::excitation::Progress;
+use crate::app::{CancelFlag, Code, Error, Excited, Runs, excite, runs};
+use crate::excitation::{Backoff, LONGEST_RUN_IN_S, Problem, Progress, first_run};
 use crate::io::shipped::Shipped;
 use crate::io::{ExcitationRequest, Parsed, TrajectoryFile, TrajectoryFormat, read_excitation_request};
 use crate::model::FieldProblem;
@@ -44,12 +44,31 @@ pub struct Arguments {
     /// Periods of that file.
     #[arg(long, value_name = "NUMBER", requires = "trajectory", default_value_t = 1)]
     periods: usize,
+    /// Pose at rest that the trajectory file begins and ends at: positions of the joints (rad or m), comma-separated. The ways into the motion and out of it keep every
+    /// limit of the design.
+    #[arg(
+        long,
+        value_name = "Q1,Q2,…",
+        requires = "trajectory",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    from: Option<Vec<f64>>,
+    /// Duration of the way into the motion (s); 0 for none. With --from chosen if left out.
+    #[arg(long, value_name = "S", requires = "trajectory", value_parser = run_duration)]
+    run_in_s: Option<f64>,
+    /// Duration of the way out of the motion (s); 0 for none. With --from chosen if left out.
+    #[arg(long, value_name = "S", requires = "trajectory", value_parser = run_duration)]
+    run_out_s: Option<f64>,
     /// Also write a first run, in the format of the name's ending: smaller amplitudes around where the motion starts.
     #[arg(long, value_name = "FILE", requires = "backoff")]
     first_run: Option<PathBuf>,
     /// Factor on the amplitudes of the first run, above 0 to 1; replaces the one in the request.
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
     backoff: Option<f64>,
+    /// Factor on the time that the first run takes, 1 to 100.
+    #[arg(long, value_name = "FACTOR", requires = "first_run", value_parser = slowness)]
+    slow: Option<f64>,
     /// Also draw positions, velocities and accelerations: SVG, or PNG if the name ends so.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -64,6 +83,23 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+fn run_duration(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
+    match (0.0..=LONGEST_RUN_IN_S).contains(&value) {
+        true => Ok(value),
+        false => Err(format!("must be from 0 to {LONGEST_RUN_IN_S}")),
+    }
+}
+
+fn slowness(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
+    if (1.0..=100.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("must be from 1 to 100".into())
+    }
+}
+
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let request = read_request(arguments)?;
     let cancel = cancel_on_interrupt()?;
@@ -73,7 +109,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     if let (Some(path), Some(series)) = (&arguments.plot, &excited.series) {
         write_picture(path, PictureKind::of(path), &design_figure(request.problem.robot(), series))?;
     }
-    write_results(arguments, json, &excited)?;
+    write_results(arguments, json, &excited, &request.problem)?;
     Ok(match excited.document.status {
         "Infeasible" => Ending::Infeasible,
         "Cancelled" => Ending::Cancelled,
@@ -178,11 +214,14 @@ fn write_motion(
     series: &FourierSeries,
     path: &Path,
     periods: usize,
+    [run_in, run_out]: [Option<FourierSeries>; 2],
 ) -> Result<(), Error> {
     let file = TrajectoryFile {
+        run_in,
+        run_out,
         joints: &excited.document.joints,
         series,
-        rate_hz: arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz),
+        rate_hz: rate(arguments, excited),
         periods: periods.max(1),
     };
     let parts = file.parts(TrajectoryFormat::of_file(path));
@@ -190,17 +229,41 @@ fn write_motion(
     files::write(path, parts.flatten().collect::<Vec<u8>>())
 }
 
-fn write_results(arguments: &Arguments, json: bool, excited: &Excited) -> Result<(), Error> {
+fn rate(arguments: &Arguments, excited: &Excited) -> f64 {
+    arguments.rate_hz.unwrap_or(excited.document.sample_rate_hz)
+}
+
+/// The first run, smaller and as much slower as was asked for.
+fn first_run_of(arguments: &Arguments, excited: &Excited, problem: &Problem) -> Result<Option<FourierSeries>, Error> {
+    let (Some(slowness), Some(amplitude), Some(series)) = (
+        arguments.slow,
+        excited.first_run.as_ref().and(arguments.backoff),
+        &excited.series,
+    ) else {
+        return Ok(excited.first_run.clone());
+    };
+    let run = first_run(problem, series, Backoff { amplitude, slowness });
+    let none = || Error::new(Code::NoTrajectory, "no part of this motion keeps every limit along the path");
+    Ok(Some(run.ok_or_else(none)?.series))
+}
+
+fn write_results(arguments: &Arguments, json: bool, excited: &Excited, problem: &Problem) -> Result<(), Error> {
     let document = files::pretty(&excited.document);
     match &arguments.out {
         Some(out) => files::write(out, &document)?,
         None => files::print(&document)?,
     }
     if let (Some(path), Some(series)) = (&arguments.trajectory, &excited.series) {
-        write_motion(arguments, excited, series, path, arguments.periods)?;
+        let asked = Runs {
+            from: arguments.from.clone(),
+            run_in_s: arguments.run_in_s,
+            run_out_s: arguments.run_out_s,
+        };
+        let ways = runs(problem, series, &asked, rate(arguments, excited))?;
+        write_motion(arguments, excited, series, path, arguments.periods, ways)?;
     }
-    if let (Some(path), Some(series)) = (&arguments.first_run, &excited.first_run) {
-        write_motion(arguments, excited, series, path, 1)?;
+    if let (Some(path), Some(series)) = (&arguments.first_run, first_run_of(arguments, excited, problem)?) {
+        write_motion(arguments, excited, &series, path, 1, [None, None])?;
     }
     if arguments.out.is_none() {
         return Ok(());

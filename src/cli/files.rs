@@ -1,13 +1,13 @@
 //! Reading and writing files, with errors that name them.
 
-use crate::app::{Code, Error};
+use crate::app::{Code, Error, LogFile};
 use crate::io::shipped::Shipped;
 use crate::io::{NamedRobots, Parsed, RobotDocument, parse, robot_document, robot_file};
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
     std::fs::read(path).map_err(|e| Error::new(Code::FileUnreadable, format!("cannot read {}: {e}", path.display())))
@@ -118,6 +118,55 @@ pub fn read_robot(name_or_file: &str, chain: &ChainArguments) -> Result<RobotDoc
             .ok_or_else(|| Error::new(Code::UnknownRobot, format!("there is no robot `{name}`"))),
         _ => robot_document(&parsed).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors)),
     }
+}
+
+/// Logs at these paths; a folder is a rosbag2 recording, every file of which is a log.
+pub fn logs(paths: &[PathBuf]) -> Result<Vec<LogFile>, Error> {
+    let of = |path: &PathBuf| match path.is_dir() {
+        true => bag_files(path),
+        false => Ok(vec![LogFile::at(path)]),
+    };
+    let all: Vec<Vec<LogFile>> = paths.iter().map(of).collect::<Result<_, _>>()?;
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// Files of a rosbag2 folder, in the order of its `metadata.yaml`.
+fn bag_files(folder: &Path) -> Result<Vec<LogFile>, Error> {
+    let listed = folder.join("metadata.yaml");
+    let text = std::fs::read_to_string(&listed).map_err(|e| {
+        let error = Error::new(Code::FileUnreadable, format!("cannot read {}: {e}", listed.display()));
+        error.with_hint("a folder is read where it is a rosbag2 recording; name the log in it otherwise")
+    })?;
+    let files: Vec<LogFile> = listed_files(&text)
+        .iter()
+        .map(|name| LogFile::at(&folder.join(name)))
+        .collect();
+    match files.is_empty() {
+        true => Err(Error::new(
+            Code::InvalidLog,
+            format!("{} names no files of the recording", listed.display()),
+        )),
+        false => Ok(files),
+    }
+}
+
+/// The list `relative_file_paths`, as rosbag2 writes it: a name per line. Only names within the folder.
+fn listed_files(metadata: &str) -> Vec<String> {
+    let lines = metadata
+        .lines()
+        .map(str::trim)
+        .skip_while(|line| *line != "relative_file_paths:")
+        .skip(1);
+    let names = lines
+        .map_while(|line| line.strip_prefix("- "))
+        .map(|name| name.trim().trim_matches(['"', '\'']).to_string());
+    names
+        .filter(|name| {
+            Path::new(name)
+                .components()
+                .all(|c| matches!(c, std::path::Component::Normal(_)))
+        })
+        .collect()
 }
 
 /// What to know about how something was read, to standard error.

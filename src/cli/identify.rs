@@ -4,7 +4,7 @@ use super::excite::{cancel_on_interrupt, put_robot};
 use super::model::OwnUrdf;
 use super::plots::{PictureKind, pictures, write_picture};
 use super::{Ending, files, model, render};
-use crate::app::{Code, Error, Identified, LogFile, drawn, identify};
+use crate::app::{Code, Error, Identified, drawn, identify};
 use crate::io::shipped::Shipped;
 use crate::io::{IdentifyRequest, ModelFormat, NoExcitations, Parsed, read_identify_request};
 use crate::web::figures::Figure;
@@ -20,7 +20,7 @@ pub struct Arguments {
     robot: Option<String>,
     #[command(flatten)]
     chain: files::ChainArguments,
-    /// Log to identify from (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are); may be given several times.
+    /// Log to identify from (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
     /// Log to validate with, which the fit does not see; may be given several times.
@@ -62,11 +62,10 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let cancel = cancel_on_interrupt()?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
     let bar = ProgressBar::new(1).with_style(style);
-    let logs = |paths: &[PathBuf]| paths.iter().map(|p| LogFile::at(p)).collect::<Vec<_>>();
     let found = identify(
         &request,
-        &logs(&arguments.log),
-        &logs(&arguments.validation),
+        &files::logs(&arguments.log)?,
+        &files::logs(&arguments.validation)?,
         &cancel,
         &|step| {
             bar.set_length(step.of as u64);

@@ -1,7 +1,7 @@
 //! `dynident log`: what is understood of a log's file.
 
 use super::{Ending, files};
-use crate::app::{Code, Error, LogFile};
+use crate::app::{Code, Error};
 use crate::io::log::{Columns, FoundColumns, LogColumn, LogError, LogOverview, found_columns, log_overview};
 use serde::Serialize;
 use std::fmt::Write;
@@ -29,7 +29,7 @@ struct Understood {
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let invalid = |e: LogError| Error::new(Code::InvalidLog, e.to_string());
-    let log = LogFile::at(&arguments.log);
+    let log = files::logs(std::slice::from_ref(&arguments.log))?.swap_remove(0);
     let overview = log_overview(&log.path, &log.name).map_err(invalid)?;
     let taken = match &arguments.robot {
         Some(robot) => {

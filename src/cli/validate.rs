@@ -2,7 +2,7 @@
 
 use super::excite::cancel_on_interrupt;
 use super::{Ending, files, render};
-use crate::app::{Error, LogFile, validate};
+use crate::app::{Error, validate};
 use crate::io::shipped::Shipped;
 use crate::io::{NoExcitations, Parsed, read_validate_request, robot_file};
 use crate::model::FieldProblem;
@@ -16,7 +16,7 @@ pub struct Arguments {
     model: PathBuf,
     #[command(flatten)]
     chain: files::ChainArguments,
-    /// Log to predict (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are); may be given several times.
+    /// Log to predict (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
     /// Request: a JSON file with `columns`, `preprocess`, `period_s`; all defaults if left out.
@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let request = read_validate_request(&parsed, &Shipped, &NoExcitations)
         .map_err(|errors| files::in_file(&arguments.model, Error::invalid("the validation request", errors)))?;
     files::print_notes(&request.notes);
-    let logs: Vec<LogFile> = arguments.log.iter().map(|p| LogFile::at(p)).collect();
+    let logs = files::logs(&arguments.log)?;
     let mut found = validate(&request, &logs, &cancel_on_interrupt()?)?;
     // The errors are safe before anything is made for pictures.
     files::write_early(arguments.out.as_deref(), &found.document)?;

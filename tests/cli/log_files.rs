@@ -42,6 +42,26 @@ fn the_columns_of_a_log_are_printed_with_what_they_are_taken_for() {
     );
 }
 
+/// A recording of rosbag2 is a folder with a description.
+#[test]
+fn a_folder_of_rosbag2_is_read_by_its_metadata() {
+    let folder = Folder::new("bag");
+    let bag = folder.file("bag");
+    std::fs::create_dir(&bag).unwrap();
+    std::fs::copy(log("joint_states.mcap"), format!("{bag}/bag_0.mcap")).unwrap();
+    let missing = run(&["log", &bag]);
+    assert!(
+        missing.status.code() != Some(0) && stderr(&missing).contains("metadata.yaml"),
+        "{}",
+        stderr(&missing)
+    );
+    let metadata = "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - ../bag_0.mcap\n    - \"bag_0.mcap\"\n  duration:\n    nanoseconds: 1\n";
+    folder.write("bag/metadata.yaml", metadata);
+    let (whole, alone) = (run(&["log", &bag]), run(&["log", &log("joint_states.mcap")]));
+    assert_eq!(whole.status.code(), Some(0), "{}", stderr(&whole));
+    assert_eq!(stdout(&whole), stdout(&alone));
+}
+
 #[test]
 fn shells_and_manuals_know_every_command() {
     let output = run(&["completions", "bash"]);

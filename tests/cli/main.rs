@@ -93,6 +93,73 @@ fn excite_writes_the_result_and_the_trajectory() {
     );
 }
 
+/// From rest at a pose into a motion that begins at speed, and back: continuous, and within the limits of the arm.
+#[test]
+fn a_trajectory_begins_and_ends_at_a_pose() {
+    let folder = Folder::new("run-in");
+    let mut document = quick();
+    document["constraints"] = json!({"form": "exact", "start": "free"});
+    let request = folder.write("request.json", &document.to_string());
+    let excite = |more: &[&str]| {
+        let (out, csv) = (folder.file("design.json"), folder.file("motion.csv"));
+        let mut arguments = vec![
+            "excite",
+            "--request",
+            &request,
+            "--out",
+            &out,
+            "--trajectory",
+            &csv,
+            "--rate-hz",
+            "200",
+        ];
+        arguments.extend(more);
+        run(&arguments)
+    };
+    let output = excite(&["--periods", "2", "--from", "-1.2,0.9", "--run-out-s", "4"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = folder.read("motion.csv");
+    let rows: Vec<Vec<f64>> = table
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').map(|v| v.parse().unwrap()).collect())
+        .collect();
+    let (first, last) = (&rows[0], rows.last().unwrap());
+    for row in [first, last] {
+        let rest = [-1.2, 0.9, 0.0, 0.0, 0.0, 0.0];
+        row[1..]
+            .iter()
+            .zip(rest)
+            .for_each(|(v, r)| assert!((v - r).abs() < 1e-9, "{row:?}"));
+    }
+    // Two periods of 5 s and 4 s at 200 Hz, and a run-in of at least a second.
+    assert!(rows.len() > 2801 + 200 && (last[0] - (rows.len() - 1) as f64 / 200.0).abs() < 1e-9);
+    let begun = rows.len() - 2801;
+    assert!(rows[begun][3].abs() > 1e-3, "the motion begins at speed");
+    assert_eq!(rows[begun][1..], rows[begun + 1000][1..]);
+    for (k, pair) in rows.windows(2).enumerate() {
+        for j in 0..2 {
+            let state = |row: &[f64]| [row[1 + j], row[3 + j], row[5 + j]];
+            let ([q0, v0, a0], [q1, v1, a1]) = (state(&pair[0]), state(&pair[1]));
+            let h = 0.005;
+            // Hermite's rule; the fourth derivative of these motions is below 10^3.
+            let expected = h * (v0 + v1) / 2.0 + h * h * (a0 - a1) / 12.0;
+            assert!((q1 - q0 - expected).abs() < 1e-8, "row {k}, joint {j}");
+            assert!((v1 - v0 - h * (a0 + a1) / 2.0).abs() < 1e-4, "row {k}, joint {j}");
+            assert!(q0.abs() < 2.618 && v0.abs() <= 2.0 && a0.abs() <= 10.0, "row {k}, joint {j}");
+        }
+    }
+    for (more, words) in [
+        (["--from", "1,2,3"], "3 positions, and the robot has 2 joints"),
+        (["--from", "1,2.7"], "J2 at 2.7 is not within its limits"),
+        (["--run-in-s", "0.02"], "in 0.02 s"),
+    ] {
+        let output = excite(&more);
+        assert_ne!(output.status.code(), Some(0));
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
+}
+
 #[test]
 fn the_same_seed_and_evaluations_give_the_same_answer_whatever_the_threads() {
     let folder = Folder::new("repeat");

@@ -23,6 +23,8 @@ fn names(joints: usize) -> Vec<String> {
 
 fn written(joints: usize, format: TrajectoryFormat) -> Result<Vec<u8>, String> {
     let file = TrajectoryFile {
+        run_in: None,
+        run_out: None,
         joints: &names(joints),
         series: &series(joints),
         rate_hz: 125.0,

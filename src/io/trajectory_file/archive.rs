@@ -1,18 +1,16 @@
 //! Trajectories as NumPy arrays.
 
-use super::table::{State, row, rows, states};
-use crate::trajectory::{FourierSeries, Trajectory};
+use super::table::{Course, State, states};
+use crate::trajectory::Trajectory;
 use npyz::WriterBuilder;
 use std::io::{Cursor, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 /// `time` (N), and `q`, `qd`, `qdd` (N × n).
-pub(super) fn npz(series: &FourierSeries, rate_hz: f64, periods: usize) -> Result<Vec<u8>, String> {
-    let all: Vec<State> = (0..rows(series, rate_hz, periods))
-        .map(|k| states(row(series, rate_hz, k)))
-        .collect();
-    let (count, joints) = (all.len() as u64, series.joints() as u64);
+pub(super) fn npz(course: &Course) -> Result<Vec<u8>, String> {
+    let all: Vec<State> = (0..course.rows()).map(|k| states(course.row(k))).collect();
+    let (count, joints) = (all.len() as u64, course.series.joints() as u64);
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     let mut put = |name: &str, shape: &[u64], values: &mut dyn Iterator<Item = f64>| -> Result<(), String> {
         let wrong = |e: &dyn std::fmt::Display| e.to_string();

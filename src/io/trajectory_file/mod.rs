@@ -8,6 +8,7 @@ mod ros;
 mod table;
 mod urscript;
 
+use self::table::Course;
 use crate::trajectory::FourierSeries;
 use std::path::Path;
 pub use table::{MOST_ROWS, trajectory_csv, trajectory_csv_parts, trajectory_json_parts};
@@ -79,12 +80,16 @@ impl TrajectoryFormat {
     }
 }
 
-/// `periods` periods of a trajectory of these joints at `rate_hz`, with the first sample of the period after them: the motion ends where it began.
+/// `periods` periods of a trajectory of these joints at `rate_hz`, with the first sample of the period after them: the motion ends where it began. Before them a run-in, after
+/// them a run-out.
 pub struct TrajectoryFile<'a> {
     pub joints: &'a [String],
     pub series: &'a FourierSeries,
     pub rate_hz: f64,
     pub periods: usize,
+    /// Series whose first half periods are the ways into the motion and out of it, whole numbers of samples ([`run_in`](crate::excitation::run_in)).
+    pub run_in: Option<FourierSeries>,
+    pub run_out: Option<FourierSeries>,
 }
 
 /// Bytes of a file, part by part: the whole may be gigabytes.
@@ -96,8 +101,14 @@ impl TrajectoryFile<'_> {
     /// # Errors
     /// Why the format does not hold this robot's motion, in words.
     pub fn parts(&self, format: TrajectoryFormat) -> Result<Parts, String> {
-        let (series, rate_hz, periods) = (self.series.clone(), self.rate_hz, self.periods);
-        if table::rows(&series, rate_hz, periods) > format.most_rows() {
+        let course = Course {
+            series: self.series.clone(),
+            rate_hz: self.rate_hz,
+            periods: self.periods,
+            run_in: self.run_in.clone(),
+            run_out: self.run_out.clone(),
+        };
+        if course.rows() > format.most_rows() {
             return Err(format!(
                 "has more than {} rows; take a lower rate or fewer periods",
                 format.most_rows()
@@ -105,15 +116,15 @@ impl TrajectoryFile<'_> {
         }
         let text = |parts: Box<dyn Iterator<Item = String> + Send>| Box::new(parts.map(String::into_bytes)) as Parts;
         Ok(match format {
-            TrajectoryFormat::Csv => text(Box::new(trajectory_csv_parts(series, rate_hz, periods))),
-            TrajectoryFormat::Json => text(Box::new(trajectory_json_parts(series, rate_hz, periods))),
-            TrajectoryFormat::JointTrajectory => text(Box::new(ros::json_parts(self.joints, series, rate_hz, periods))),
-            TrajectoryFormat::Yaml => text(Box::new(ros::yaml_parts(self.joints, series, rate_hz, periods))),
-            TrajectoryFormat::Urscript => text(Box::new(urscript::parts(series, rate_hz, periods)?)),
+            TrajectoryFormat::Csv => text(Box::new(table::csv_parts(course))),
+            TrajectoryFormat::Json => text(Box::new(table::json_parts(course))),
+            TrajectoryFormat::JointTrajectory => text(Box::new(ros::json_parts(self.joints, course))),
+            TrajectoryFormat::Yaml => text(Box::new(ros::yaml_parts(self.joints, course))),
+            TrajectoryFormat::Urscript => text(Box::new(urscript::parts(course)?)),
             #[cfg(feature = "formats")]
-            TrajectoryFormat::Mcap => one(recording::mcap(self.joints, &series, rate_hz, periods)?),
+            TrajectoryFormat::Mcap => one(recording::mcap(self.joints, &course)?),
             #[cfg(feature = "formats")]
-            TrajectoryFormat::Npz => one(archive::npz(&series, rate_hz, periods)?),
+            TrajectoryFormat::Npz => one(archive::npz(&course)?),
             #[cfg(not(feature = "formats"))]
             TrajectoryFormat::Mcap | TrajectoryFormat::Npz => return Err("this build lacks the feature `formats`".into()),
         })

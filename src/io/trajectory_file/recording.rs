@@ -1,8 +1,7 @@
 //! Trajectories as recordings: one `sensor_msgs/msg/JointState` for every sample.
 
 use super::ros::stamp;
-use super::table::{row, rows, states};
-use crate::trajectory::FourierSeries;
+use super::table::{Course, states};
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
 use serde::Serialize;
@@ -26,7 +25,7 @@ struct JointState<'a> {
     effort: &'a [f64],
 }
 
-pub(super) fn mcap(joints: &[String], series: &FourierSeries, rate_hz: f64, periods: usize) -> Result<Vec<u8>, String> {
+pub(super) fn mcap(joints: &[String], course: &Course) -> Result<Vec<u8>, String> {
     let wrong = |e: mcap::McapError| e.to_string();
     let mut writer = mcap::WriteOptions::new()
         .profile("ros2")
@@ -36,8 +35,8 @@ pub(super) fn mcap(joints: &[String], series: &FourierSeries, rate_hz: f64, peri
         .add_schema("sensor_msgs/msg/JointState", "ros2msg", SCHEMA.as_bytes())
         .map_err(wrong)?;
     let channel = writer.add_channel(schema, TOPIC, "cdr", &BTreeMap::new()).map_err(wrong)?;
-    for index in 0..rows(series, rate_hz, periods) {
-        let state = states(row(series, rate_hz, index));
+    for index in 0..course.rows() {
+        let state = states(course.row(index));
         let (sec, nanosec) = stamp(state.time);
         let [position, velocity, _] = &state.of;
         let message = JointState {

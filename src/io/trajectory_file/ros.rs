@@ -1,7 +1,6 @@
 //! Trajectories of ROS 2: `trajectory_msgs/msg/JointTrajectory` as JSON, and the goal of `control_msgs/action/FollowJointTrajectory` as YAML.
 
-use super::table::{State, decimal, parts, states};
-use crate::trajectory::FourierSeries;
+use super::table::{Course, State, decimal, parts, states};
 use serde_json::json;
 use std::fmt::Write;
 
@@ -15,12 +14,7 @@ fn list(values: &[f64]) -> String {
     values.iter().map(|&v| decimal(v)).collect::<Vec<_>>().join(",")
 }
 
-pub(super) fn json_parts(
-    joints: &[String],
-    series: FourierSeries,
-    rate_hz: f64,
-    periods: usize,
-) -> impl Iterator<Item = String> + Send + 'static {
+pub(super) fn json_parts(joints: &[String], course: Course) -> impl Iterator<Item = String> + Send + 'static {
     let header = json!({"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""});
     let head = format!("{{\"header\":{header},\"joint_names\":{},\"points\":[\n", json!(joints));
     let write = |text: &mut String, index: usize, state: State| {
@@ -34,20 +28,13 @@ pub(super) fn json_parts(
         )
         .expect("writing to a string cannot fail");
     };
-    let points = parts(series, rate_hz, periods, move |text, index, row| {
-        write(text, index, states(row))
-    });
+    let points = parts(course, move |text, index, row| write(text, index, states(row)));
     std::iter::once(head)
         .chain(points)
         .chain(std::iter::once("\n]}\n".to_string()))
 }
 
-pub(super) fn yaml_parts(
-    joints: &[String],
-    series: FourierSeries,
-    rate_hz: f64,
-    periods: usize,
-) -> impl Iterator<Item = String> + Send + 'static {
+pub(super) fn yaml_parts(joints: &[String], course: Course) -> impl Iterator<Item = String> + Send + 'static {
     // JSON strings are YAML strings.
     let head = format!(
         "# Goal of control_msgs/action/FollowJointTrajectory. The arm has to be at the first point when it begins.\ntrajectory:\n  joint_names: {}\n  points:\n",
@@ -62,6 +49,6 @@ pub(super) fn yaml_parts(
         )
         .expect("writing to a string cannot fail");
     };
-    let points = parts(series, rate_hz, periods, move |text, _, row| write(text, states(row)));
+    let points = parts(course, move |text, _, row| write(text, states(row)));
     std::iter::once(head).chain(points)
 }

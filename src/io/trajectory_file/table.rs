@@ -7,10 +7,93 @@ use std::fmt::Write;
 /// Rows beyond this would be gigabytes; an hour at 1 kHz is 3.6 million.
 pub const MOST_ROWS: usize = 4_000_000;
 
-/// Rows of `periods` periods at `rate_hz`, with the first sample of the period after them: the motion ends where it began.
-pub fn rows(series: &FourierSeries, rate_hz: f64, periods: usize) -> usize {
-    // A product beyond usize saturates, which is above every bound.
-    sample_count(series.duration() * periods as f64, rate_hz).saturating_add(1)
+/// A motion to be sampled: a run-in, so many periods, a run-out.
+#[derive(Debug, Clone)]
+pub(super) struct Course {
+    pub series: FourierSeries,
+    pub rate_hz: f64,
+    pub periods: usize,
+    /// Half a period of each is taken, a whole number of samples.
+    pub run_in: Option<FourierSeries>,
+    pub run_out: Option<FourierSeries>,
+}
+
+impl Course {
+    pub fn periodic(series: FourierSeries, rate_hz: f64, periods: usize) -> Self {
+        Self {
+            series,
+            rate_hz,
+            periods,
+            run_in: None,
+            run_out: None,
+        }
+    }
+
+    /// Samples before the first period.
+    fn before(&self) -> usize {
+        self.run_in
+            .as_ref()
+            .map_or(0, |way| sample_count(0.5 * way.duration(), self.rate_hz))
+    }
+
+    /// Samples of the periods; the next is the first of what comes after.
+    fn within(&self) -> usize {
+        // A product beyond usize saturates, which is above every bound.
+        sample_count(self.series.duration() * self.periods as f64, self.rate_hz)
+    }
+
+    /// Rows with the last one: the motion ends where it began, or where the run-out ends.
+    pub fn rows(&self) -> usize {
+        let after = self.run_out.as_ref().map_or(0, |way| {
+            // Where the periods are no whole number of samples, the run-out begins between two.
+            let rest = self.series.duration() * self.periods as f64 - self.within() as f64 / self.rate_hz;
+            sample_count(0.5 * way.duration() + rest, self.rate_hz)
+        });
+        self.before()
+            .saturating_add(self.within())
+            .saturating_add(after)
+            .saturating_add(1)
+    }
+
+    /// One row; numbers of a whole period are computed at the same phases in every period, so that periods are equal to the last bit
+    /// when the period is a whole number of samples.
+    pub fn row(&self, index: usize) -> Vec<f64> {
+        let (before, within) = (self.before(), self.within());
+        let states = match (&self.run_in, &self.run_out) {
+            (Some(way), _) if index < before => along(way, index as f64 / self.rate_hz),
+            (_, Some(way)) if index >= before + within => {
+                let begun = self.series.duration() * self.periods as f64;
+                along(way, (index - before) as f64 / self.rate_hz - begun)
+            }
+            _ => self.periodic_states(index - before),
+        };
+        let of = |k: usize| states.iter().map(move |s| s[k]);
+        std::iter::once(index as f64 / self.rate_hz)
+            .chain(of(0))
+            .chain(of(1))
+            .chain(of(2))
+            .collect()
+    }
+
+    fn periodic_states(&self, index: usize) -> Vec<[f64; 3]> {
+        let per_period = self.series.duration() * self.rate_hz;
+        let whole = per_period.round();
+        // As in `sample_count`: whole up to rounding.
+        let phase = if (per_period - whole).abs() <= 1e-9 * whole {
+            index % whole as usize
+        } else {
+            index
+        };
+        (0..self.series.joints())
+            .map(|j| self.series.state(j, phase as f64 / self.rate_hz))
+            .collect()
+    }
+}
+
+/// States of all joints along a run, at rest at its outer end.
+fn along(way: &FourierSeries, t: f64) -> Vec<[f64; 3]> {
+    let t = t.clamp(0.0, 0.5 * way.duration());
+    (0..way.joints()).map(|j| way.state(j, t)).collect()
 }
 
 /// Columns `time, q1 … qn, qd1 … qdn, qdd1 … qddn` [s, rad or m, and per second].
@@ -20,28 +103,6 @@ fn header(joints: usize) -> Vec<String> {
         .chain(of("q"))
         .chain(of("qd"))
         .chain(of("qdd"))
-        .collect()
-}
-
-/// One row; numbers of a whole period are computed at the same phases in every period, so that periods are equal to the last bit
-/// when the period is a whole number of samples.
-pub(super) fn row(series: &FourierSeries, rate_hz: f64, index: usize) -> Vec<f64> {
-    let per_period = series.duration() * rate_hz;
-    let whole = per_period.round();
-    // As in `sample_count`: whole up to rounding.
-    let phase = if (per_period - whole).abs() <= 1e-9 * whole {
-        index % whole as usize
-    } else {
-        index
-    };
-    let states: Vec<[f64; 3]> = (0..series.joints())
-        .map(|j| series.state(j, phase as f64 / rate_hz))
-        .collect();
-    let of = |k: usize| states.iter().map(move |s| s[k]);
-    std::iter::once(index as f64 / rate_hz)
-        .chain(of(0))
-        .chain(of(1))
-        .chain(of(2))
         .collect()
 }
 
@@ -77,16 +138,14 @@ const ROWS_OF_A_PART: usize = 256;
 
 /// Texts of the rows, so many at a time.
 pub(super) fn parts(
-    series: FourierSeries,
-    rate_hz: f64,
-    periods: usize,
+    course: Course,
     write: impl Fn(&mut String, usize, Vec<f64>) + Send + 'static,
 ) -> impl Iterator<Item = String> + Send + 'static {
-    let count = rows(&series, rate_hz, periods);
+    let count = course.rows();
     (0..count).step_by(ROWS_OF_A_PART).map(move |first| {
         let mut text = String::new();
         for index in first..count.min(first + ROWS_OF_A_PART) {
-            write(&mut text, index, row(&series, rate_hz, index));
+            write(&mut text, index, course.row(index));
         }
         text
     })
@@ -98,7 +157,11 @@ pub fn trajectory_csv_parts(
     rate_hz: f64,
     periods: usize,
 ) -> impl Iterator<Item = String> + Send + 'static {
-    let head = header(series.joints()).join(",") + "\n";
+    csv_parts(Course::periodic(series, rate_hz, periods))
+}
+
+pub(super) fn csv_parts(course: Course) -> impl Iterator<Item = String> + Send + 'static {
+    let head = header(course.series.joints()).join(",") + "\n";
     let write = |text: &mut String, _, row: Vec<f64>| {
         for (column, value) in row.iter().enumerate() {
             let separator = if column == 0 { "" } else { "," };
@@ -106,7 +169,7 @@ pub fn trajectory_csv_parts(
         }
         text.push('\n');
     };
-    std::iter::once(head).chain(parts(series, rate_hz, periods, write))
+    std::iter::once(head).chain(parts(course, write))
 }
 
 /// As comma-separated values with a header; numbers have ten decimals at most.
@@ -120,16 +183,21 @@ pub fn trajectory_json_parts(
     rate_hz: f64,
     periods: usize,
 ) -> impl Iterator<Item = String> + Send + 'static {
-    let columns = json!(header(series.joints()));
+    json_parts(Course::periodic(series, rate_hz, periods))
+}
+
+pub(super) fn json_parts(course: Course) -> impl Iterator<Item = String> + Send + 'static {
+    let columns = json!(header(course.series.joints()));
     let head = format!(
-        "{{\"columns\":{columns},\"rate_hz\":{},\"periods\":{periods},\"rows\":[",
-        json!(rate_hz)
+        "{{\"columns\":{columns},\"rate_hz\":{},\"periods\":{},\"rows\":[",
+        json!(course.rate_hz),
+        course.periods
     );
     let write = |text: &mut String, index, row: Vec<f64>| {
         let separator = if index == 0 { "" } else { "," };
         write!(text, "{separator}{}", json!(row)).expect("writing to a string cannot fail");
     };
-    let rows = parts(series, rate_hz, periods, write);
+    let rows = parts(course, write);
     std::iter::once(head).chain(rows).chain(std::iter::once("]}".to_string()))
 }
 

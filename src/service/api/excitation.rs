@@ -5,8 +5,8 @@ use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
 use super::schemas::{ExcitationRequestSchema, TrajectoryFormatSchema};
-use crate::app::{Code, Error, Problem};
-use crate::excitation::Backoff;
+use crate::app::{Code, Error, Problem, Runs};
+use crate::excitation::{Backoff, LONGEST_RUN_IN_S};
 use crate::io::{DesignDocument, Parts, TrajectoryFile, TrajectoryFormat};
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
@@ -112,6 +112,10 @@ pub async fn get(
         ("index" = Option<usize>, Query, description = "Which of several trajectories that complement each other, from 0"),
         ("backoff" = Option<f64>, Query, description = "For a first run: factor on the amplitudes around where the motion starts, above 0 to 1. Limits that \
             bind several joints are looked at again; where one does not hold, the amplitudes are smaller than asked for", maximum = 1),
+        ("from" = Option<String>, Query, description = "Pose at rest before and after the motion: positions of the joints (rad or m), comma-separated; where the motion begins if left out"),
+        ("run_in_s" = Option<f64>, Query, description = "Duration of the way from that pose into the motion (s), within all limits of the design; 0 for none. With `from` chosen if left out",
+            minimum = 0, maximum = 120),
+        ("run_out_s" = Option<f64>, Query, description = "Duration of the way out of the motion to that pose, likewise", minimum = 0, maximum = 120),
         ("slow" = Option<f64>, Query, description = "For a first run: factor on the time that the motion takes, at least 1", minimum = 1, maximum = 100),
     ),
     responses(
@@ -119,8 +123,9 @@ pub async fn get(
             (String = "application/yaml"), (String = "text/plain"), (String = "application/octet-stream"))),
         (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "No trajectory: not finished, cancelled early, or infeasible", body = Problem,
+        (status = 409, description = "No trajectory: not finished, cancelled early, or infeasible; no way into it within the limits", body = Problem,
             content_type = "application/problem+json"),
+        (status = 422, description = "A pose that the robot cannot take", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn trajectory(
@@ -160,6 +165,26 @@ pub async fn trajectory(
     let rate_hz = query.take("rate_hz", rate_hz, "a number of samples per second", |t| {
         t.parse().ok().filter(|r: &f64| rates.contains(r))
     });
+    let duration = |t: &str| {
+        t.parse()
+            .ok()
+            .filter(|s: &f64| (0.0..=LONGEST_RUN_IN_S).contains(s))
+            .map(Some)
+    };
+    let [run_in_s, run_out_s] =
+        ["run_in_s", "run_out_s"].map(|name| query.take(name, None, &format!("seconds from 0 to {LONGEST_RUN_IN_S}"), duration));
+    let from = query.take("from", None, "positions of the joints, comma-separated", |t| {
+        let read: Option<Vec<f64>> = t
+            .split(',')
+            .map(|v| v.trim().parse().ok().filter(|q: &f64| q.is_finite()))
+            .collect();
+        read.map(Some)
+    });
+    let runs = Runs {
+        from,
+        run_in_s,
+        run_out_s,
+    };
     let most = format.most_rows() as f64;
     let periods = query.take(
         "periods",
@@ -172,6 +197,7 @@ pub async fn trajectory(
         },
     );
     query.finish()?;
+    let [run_in, run_out] = runs_of(&service, &job, &series, runs, rate_hz).await?;
     let (content_type, ending) = format.kind();
     // Some formats are made as a whole.
     let write = move || {
@@ -180,6 +206,8 @@ pub async fn trajectory(
             series: &series,
             rate_hz,
             periods,
+            run_in,
+            run_out,
         };
         file.parts(format)
     };
@@ -237,6 +265,29 @@ async fn first_run_of(
     let run: Option<Series> = service.compute_document(task, REQUEST).await?;
     let none = || Error::new(Code::NoTrajectory, "no part of this motion keeps every limit along the path");
     Ok(run.ok_or_else(none)?.into())
+}
+
+/// The ways into the motion and out of it, within the limits of its request.
+async fn runs_of(
+    service: &Service,
+    job: &JobRow,
+    series: &FourierSeries,
+    runs: Runs,
+    rate_hz: f64,
+) -> Result<[Option<FourierSeries>; 2], Failure> {
+    if runs.is_none() {
+        return Ok([None, None]);
+    }
+    let file = job.input.as_ref().ok_or_else(internal_error)?;
+    let input: Input = read_stored(service.files().read(file).await?).await?;
+    let task = Task::Runs {
+        input,
+        series: series.clone().into(),
+        runs,
+        rate_hz,
+    };
+    let ways: [Option<Series>; 2] = service.compute_document(task, REQUEST).await?;
+    Ok(ways.map(|way| way.map(FourierSeries::from)))
 }
 
 async fn motion_of(service: &Service, job: &JobRow) -> Result<(Motion, f64), Failure> {

@@ -5,7 +5,7 @@ use super::fault;
 use super::message::{
     Advance, Document, FromChild, JobTask, Latest, Named, RobotRead, Series, Spot, Task, ToChild, receive, send,
 };
-use crate::app::{CancelFlag, Code, Error, Exchange, LogFile, inspect, motion};
+use crate::app::{CancelFlag, Code, Error, Exchange, LogFile, inspect, motion, runs};
 use crate::excitation::{Backoff, Found, Point, first_run};
 use crate::io::log::log_overview;
 use crate::io::{BaseParametersDocument, Parsed, RobotDocument, read_identify_request, read_motion_request, robot_document};
@@ -153,6 +153,18 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             let id = Some(id);
             let page = report(&result, &Circumstances { id, ended, design });
             Ok(FromChild::Answer(page.into_bytes()))
+        }
+        Task::Runs {
+            input,
+            series,
+            runs: asked,
+            rate_hz,
+        } => {
+            let ways = match Request::of(Kind::Excitation, &input)? {
+                Request::Excite(request) => runs(&request.problem, &series.into(), &asked, rate_hz)?,
+                Request::Identify(_) | Request::Validate(_) => [None, None],
+            };
+            answer(&ways.map(|way| way.map(Series::from)))
         }
         Task::FirstRun {
             input,

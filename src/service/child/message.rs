@@ -1,6 +1,6 @@
 //! What goes through the socket between a server and a child, as MessagePack: each value says where it ends, and numbers keep every bit.
 
-use crate::app::LogFile;
+use crate::app::{LogFile, Runs};
 use crate::excitation::Point;
 use crate::io::{Parsed, RobotDocument, RobotReport};
 use crate::model::FieldProblem;
@@ -121,6 +121,13 @@ pub enum Task {
         id: String,
         ended: Option<String>,
         design: Option<Value>,
+    },
+    /// Ways into the motion of a design and out of it. Answers with two [`Series`], null where none is asked for.
+    Runs {
+        input: Input,
+        series: Series,
+        runs: Runs,
+        rate_hz: f64,
     },
     /// A first run of a design: smaller, slower. Answers with its [`Series`], or null where no part of the motion keeps every limit.
     FirstRun {
