@@ -93,7 +93,7 @@ fn excite_writes_the_result_and_the_trajectory() {
     );
 }
 
-/// From rest at a pose into a motion that begins at speed, and back: continuous, and within the limits of the arm.
+/// From rest at a pose into the motion, and back: continuous, and within the limits of the arm.
 #[test]
 fn a_trajectory_begins_and_ends_at_a_pose() {
     let folder = Folder::new("run-in");
@@ -135,7 +135,6 @@ fn a_trajectory_begins_and_ends_at_a_pose() {
     // Two periods of 5 s and 4 s at 200 Hz, and a run-in of at least a second.
     assert!(rows.len() > 2801 + 200 && (last[0] - (rows.len() - 1) as f64 / 200.0).abs() < 1e-9);
     let begun = rows.len() - 2801;
-    assert!(rows[begun][3].abs() > 1e-3, "the motion begins at speed");
     assert_eq!(rows[begun][1..], rows[begun + 1000][1..]);
     for (k, pair) in rows.windows(2).enumerate() {
         for j in 0..2 {
@@ -150,9 +149,9 @@ fn a_trajectory_begins_and_ends_at_a_pose() {
         }
     }
     for (more, words) in [
-        (["--from", "1,2,3"], "3 positions, and the robot has 2 joints"),
-        (["--from", "1,2.7"], "J2 at 2.7 is not within its limits"),
-        (["--run-in-s", "0.02"], "in 0.02 s"),
+        (vec!["--from", "1,2,3"], "3 positions, and the robot has 2 joints"),
+        (vec!["--from", "1,2.7"], "J2 at 2.7 is not within its limits"),
+        (vec!["--from", "1,2", "--run-in-s", "0.02"], "in 0.02 s"),
     ] {
         let output = excite(&more);
         assert_ne!(output.status.code(), Some(0));
