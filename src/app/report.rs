@@ -104,7 +104,7 @@ impl Answer<'_> {
     }
 }
 
-/// The findings as effects of the model.
+/// The findings as effects of the model, then what else the model has.
 pub(super) fn effects(report: &ResidualReport) -> Vec<EffectValue> {
     let parameter = |p: &ReportedParameter| EffectParameter {
         name: p.name.clone(),
@@ -119,7 +119,15 @@ pub(super) fn effects(report: &ResidualReport) -> Vec<EffectValue> {
             joints: f.joints.clone(),
             parameters: f.parameters.iter().map(parameter).collect(),
             in_model: f.in_model,
+            finding: true,
         })
+        .chain(report.undetected.iter().filter(|u| u.in_model).map(|u| EffectValue {
+            effect: u.effect.clone(),
+            joints: vec![u.joint.clone()],
+            parameters: vec![parameter(&u.parameter)],
+            in_model: true,
+            finding: false,
+        }))
         .collect()
 }
 

@@ -89,6 +89,9 @@ pub struct EffectValue {
     pub parameters: Vec<EffectParameter>,
     /// Whether it is a part of the model that is handed out; otherwise held-out data speak against it, or it is nothing that lasts.
     pub in_model: bool,
+    /// Whether it is a finding. A nuisance offset is none: it is a part of the model because an offset was found on another joint and all of them together
+    /// predict better, though its own value is not beyond chance.
+    pub finding: bool,
 }
 
 /// A parameter of an effect, with one standard deviation.

@@ -19,6 +19,8 @@ pub(super) struct Searched<'a> {
     pub data: Data<'a>,
     /// Fitted to them.
     pub system: System,
+    /// Terms before the effects: those that the search began with, then nuisance offsets.
+    pub fixed: usize,
     pub accepted: Vec<Accepted>,
     /// One per effect of `accepted`.
     pub contests: Vec<Contest>,
@@ -34,10 +36,10 @@ pub(super) fn searched<'a>(
     candidates: &[Candidate],
     threshold: &Threshold,
 ) -> Searched<'a> {
-    let fixed = start.terms.len();
     let mut open = candidates.to_vec();
     let mut selected = select(coarse, start, &open, threshold);
     loop {
+        let fixed = selected.fixed;
         let (settled, mut contests) = settled(coarse, selected, fixed, &open, threshold);
         let data = coarse.with_noise(settled.noise.clone());
         let (examined, remainder) = remainder::examine(&data, settled, fixed, &open, threshold);
@@ -53,6 +55,7 @@ pub(super) fn searched<'a>(
                 remainder: remainder.or_else(|| unaccounted(&fine, &system)),
                 data: fine,
                 system,
+                fixed,
                 accepted,
                 contests,
             };
@@ -63,7 +66,7 @@ pub(super) fn searched<'a>(
             accepted,
             ..examined
         };
-        selected = extend(&data, left, fixed, &open, threshold);
+        selected = extend(&data, left, &open, threshold);
     }
 }
 

@@ -41,6 +41,8 @@ pub(super) struct Told<'a> {
     pub estimator: Estimator,
     /// The model without the effects, and the final one.
     pub declared: &'a AugmentedModel,
+    /// Offsets that are estimated beside the effects without being findings.
+    pub nuisance: &'a [Term],
     pub last: &'a AugmentedModel,
     /// Covariances of the effects' parameters: of those that stay by the final estimate, of the others by the fit that had them.
     pub covariances: Vec<DMatrix<f64>>,
@@ -55,8 +57,15 @@ pub(super) struct Told<'a> {
 /// One finding per effect; before and after by fitting the model with the effects up to it, and of those that do not stay with all that stay and it. `measured`
 /// are the stretches that errors are of, and the held-out ones.
 pub(super) fn findings(told: &Told, measured: [&[Stretch]; 2]) -> Vec<Finding> {
+    // Nuisance offsets come with the first offset that was found.
+    let first = told.terms[..told.stay]
+        .iter()
+        .position(|t| t.effect.code() == "torque_offset");
     let with = |terms: Vec<Term>| {
         let mut model = told.declared.clone();
+        if terms.len() > first.unwrap_or(0) {
+            model.terms.extend(told.nuisance.iter().cloned());
+        }
         model.terms.extend(terms);
         estimated_model(told.data, model, told.estimator)
     };

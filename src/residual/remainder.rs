@@ -68,6 +68,8 @@ fn withdraw(
             system: data.fit(model),
             accepted,
             noise: data.noise.clone(),
+            fixed,
+            declared: selected.declared,
             given_up: selected.given_up,
         },
         Some(remainder),

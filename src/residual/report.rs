@@ -254,6 +254,10 @@ pub struct Undetected {
     pub joint: String,
     /// Beside the final model and alone; not beyond chance, or it would be a finding.
     pub parameter: ReportedParameter,
+    /// Whether the final model has it all the same: a nuisance offset, estimated because an offset was found on another joint and all of them together predict
+    /// blocks left out better.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub in_model: bool,
 }
 
 /// A joint that takes no part in the tracing.

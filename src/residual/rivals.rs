@@ -87,7 +87,7 @@ pub(crate) fn settled(
         selected.accepted.remove(at);
         selected.accepted.push(better.accepted);
         selected.system = better.system;
-        selected = extend(&data, selected, fixed, candidates, threshold);
+        selected = extend(&data, selected, candidates, threshold);
     }
 }
 

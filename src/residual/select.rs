@@ -32,6 +32,10 @@ pub(crate) struct Selected {
     pub accepted: Vec<Accepted>,
     /// Noise that the system's rows are whitened with: what is left, where it is not measured.
     pub noise: Vec<NoiseModel>,
+    /// Terms before the effects: those that the search began with, then nuisance offsets.
+    pub fixed: usize,
+    /// How many of them the search began with.
+    pub declared: usize,
     /// Whether smooth functions account for the data at so much lower a price that the search for further effects was given up.
     pub given_up: bool,
 }
@@ -54,16 +58,19 @@ pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate
         system: data.fit(start),
         accepted: Vec::new(),
         noise: data.noise.clone(),
+        fixed,
+        declared: fixed,
         given_up: false,
     };
-    extend(data, now, fixed, candidates, threshold)
+    extend(data, now, candidates, threshold)
 }
 
-/// Goes on from a selection, whose first `fixed` terms were there before it.
-pub(crate) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) -> Selected {
+/// Goes on from a selection.
+pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     if !now.system.noise_is_measured {
-        return without_periods::extend(data, now, fixed, candidates, threshold);
+        return without_periods::extend(data, now, candidates, threshold);
     }
+    let fixed = now.fixed;
     let data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();
     let mut rivalling = Rivalling::default();
@@ -95,7 +102,7 @@ pub(crate) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &
             }
             _ => break,
         }
-        drop_superfluous(&data, &mut now, fixed, candidates, threshold);
+        drop_superfluous(&data, &mut now, candidates, threshold);
     }
     now.noise = data.noise;
     now
@@ -193,7 +200,8 @@ fn reached(term: &Term, joints: usize) -> Vec<usize> {
 }
 
 /// Takes out effects that later ones have made superfluous.
-pub(super) fn drop_superfluous(data: &Data, now: &mut Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) {
+pub(super) fn drop_superfluous(data: &Data, now: &mut Selected, candidates: &[Candidate], threshold: &Threshold) {
+    let fixed = now.fixed;
     let mut at = now.system.model.terms.len();
     while at > fixed {
         at -= 1;

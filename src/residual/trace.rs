@@ -15,7 +15,7 @@ use super::select::Threshold;
 use super::stretch::spans;
 use super::system::{Data, Prior, System};
 use super::trend::trends;
-use super::undetected::undetected;
+use super::undetected::{nuisance, undetected};
 use super::unsteady::{joined, remainder_of};
 use super::{AugmentedModel, Finding, NoiseModel, NoiseSource, NotTested, ResidualReport, Rival, Stretch, Term, Verdict};
 use crate::identification::{CancelFlag, Estimator, Explained, folds_both_ways, folds_in_time, shares, with_constant};
@@ -76,7 +76,6 @@ pub type Traced = Outcome;
 /// stays in the model.
 pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options: &TraceOptions) -> Traced {
     let start = options.start(robot);
-    let fixed = start.terms.len();
     let prior = options.existing.as_ref().map(|(_, prior)| prior);
     let Separated {
         steady,
@@ -115,6 +114,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let Searched {
         data,
         system: searched,
+        fixed,
         accepted,
         contests,
         remainder: rest,
@@ -166,6 +166,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         data: &data,
         estimator: options.estimator,
         declared: &before.model,
+        nuisance: &system.model.terms[start.terms.len()..fixed],
         last: &system.model,
         covariances: (0..accepted.len())
             .map(|at| match &estimates {
@@ -189,6 +190,12 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
     let told_of = if between.is_empty() { measured } else { &explained[..] };
     let mut all: Vec<Finding> = between_findings(robot, between, &before.model, measured, &explained, held_out);
     all.extend(findings(&told, [told_of, held_out]));
+    let covariance = |at: usize| match &estimates {
+        Some(estimates) => estimates.found.term_covariance(at),
+        None => honest_covariance(&system, at),
+    };
+    let mut not_found = nuisance(&system.model, start.terms.len()..fixed, covariance);
+    not_found.extend(undetected(&data, &system, &list));
     let report = ResidualReport {
         noise_floor: data.noise.iter().map(floor_of).collect(),
         noise_source: source(&data.noise),
@@ -198,7 +205,7 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         data_faults: Vec::new(),
         findings: all,
         remainder: rest,
-        undetected: undetected(&data, &system, &list),
+        undetected: not_found,
         explains_nothing: !explains,
         not_tested,
         lack_of_fit_after: fits(&data, &system),

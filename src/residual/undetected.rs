@@ -1,9 +1,13 @@
 //! What every robot may have and the data did not show: how large it could be all the same.
 
+use super::AugmentedModel;
 use super::candidate::{Candidate, columns_of};
 use super::dependence::estimate;
+use super::findings::reported_parameters;
 use super::report::{ReportedParameter, Undetected};
 use super::system::{Data, System};
+use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// Torque offset and rotor inertia of every joint that the model does not have, each by itself beside it. Nothing is told of one that base parameters hide.
 pub(super) fn undetected(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Undetected> {
@@ -22,7 +26,27 @@ pub(super) fn undetected(data: &Data, system: &System, candidates: &[Candidate])
             effect: c.effect.code().into(),
             joint: robot.joints()[joint].name.clone(),
             parameter,
+            in_model: false,
         })
     };
     candidates.iter().filter(is_open).filter_map(told).collect()
+}
+
+/// The nuisance offsets of the model, terms `range`, with what is known of each.
+pub(super) fn nuisance(
+    model: &AugmentedModel,
+    range: Range<usize>,
+    covariance: impl Fn(usize) -> DMatrix<f64>,
+) -> Vec<Undetected> {
+    let of = |at: usize| {
+        let term = &model.terms[at];
+        let parameter = reported_parameters(&model.robot, term, &covariance(at)).pop()?;
+        Some(Undetected {
+            effect: term.effect.code().into(),
+            joint: model.robot.joints()[*term.joints.first()?].name.clone(),
+            parameter,
+            in_model: true,
+        })
+    };
+    range.filter_map(of).collect()
 }

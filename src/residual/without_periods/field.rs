@@ -2,6 +2,7 @@
 
 use super::blocks::{Blocks, Partial, residual};
 use super::contender::{Contender, Validated, deviation_of_sum, side_by_side};
+use super::nuisance::OFFSET;
 use super::stability::{Subsamples, share_of_choices};
 use crate::effects::Effect;
 use crate::identification::f_tail;
@@ -130,6 +131,35 @@ impl<'a> Field<'a> {
             .filter(|&i| least(&&found[i]))
             .min_by_key(|&i| found[i].members.len())?;
         found.into_iter().nth(at)
+    }
+
+    /// Offsets of all joints that have none yet, as terms; none where together they do not predict blocks left out better.
+    pub fn nuisance_offsets(&self) -> Vec<Term> {
+        let members: Vec<&Scored> = self.scored.iter().filter(|s| s.candidate.effect.code() == OFFSET).collect();
+        if members.is_empty() {
+            return Vec::new();
+        }
+        let contender = Contender::of(self.data, self.system, &self.blocks, members);
+        let own = contender.validated(&self.blocks, &self.folds, &self.all);
+        match own.held_out() > 0.0 {
+            true => chosen(contender.members, &own, 1.0).terms(),
+            false => Vec::new(),
+        }
+    }
+
+    /// What the only candidate has shown, where it would be a member of a family of as many as there are joints.
+    pub fn beyond_doubt(&self) -> Option<Accepted> {
+        let contender = Contender::of(self.data, self.system, &self.blocks, vec![self.scored.first()?]);
+        let own = contender.validated(&self.blocks, &self.folds, &self.all);
+        let chance = f_tail(
+            own.coefficients[0].powi(2) / own.covariance[(0, 0)].max(f64::MIN_POSITIVE),
+            [1.0, (self.folds.len() - 1) as f64],
+        );
+        if chance > FALSE_MEMBER / self.system.model.robot.joint_count() as f64 {
+            return None;
+        }
+        let p_value = self.passes(&contender, &own, 3.0)?;
+        chosen(contender.members, &own, p_value).accepted.pop()
     }
 
     /// Members go, the weakest first, until each is beyond chance beside the others.

@@ -8,6 +8,7 @@
 mod blocks;
 mod contender;
 mod field;
+mod nuisance;
 mod rivals;
 mod settle;
 mod stability;
@@ -23,8 +24,8 @@ use super::scan::scan;
 use super::select::{Selected, Threshold, drop_superfluous};
 use super::system::Data;
 
-/// Goes on from a selection, whose first `fixed` terms were there before it.
-pub(super) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &[Candidate], threshold: &Threshold) -> Selected {
+/// Goes on from a selection.
+pub(super) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     let mut data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();
     for _ in 0..2 * threshold.most_effects {
@@ -35,24 +36,33 @@ pub(super) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &
         let Some(field) = Field::of(&data, &now.system, &open, &scored, threshold) else {
             break;
         };
-        let chosen = field.families().map_or_else(|| field.singles(), |family| vec![family]);
-        if chosen.is_empty() {
-            break;
-        }
-        match fitted(&data, &now, fixed, &chosen) {
-            Ok(next) => now = next,
-            Err(refused) => {
-                // The fit to all rows says otherwise: it has no further turn.
-                open.retain(|c| !refused.iter().any(|r| r.0 == c.effect.code() && r.1 == c.joints));
-                continue;
+        let nuisance = match nuisance::is_open(&now) {
+            true => field.nuisance_offsets(),
+            false => Vec::new(),
+        };
+        if !nuisance.is_empty() {
+            nuisance::add(&data, &mut now, nuisance);
+        } else {
+            let chosen = field.families().map_or_else(|| field.singles(), |family| vec![family]);
+            if chosen.is_empty() {
+                break;
+            }
+            match fitted(&data, &now, &chosen) {
+                Ok(next) => now = next,
+                Err(refused) => {
+                    // The fit to all rows says otherwise: it has no further turn.
+                    open.retain(|c| !refused.iter().any(|r| r.0 == c.effect.code() && r.1 == c.joints));
+                    continue;
+                }
             }
         }
         data = data.with_noise(data.left_as_noise(&now.system));
         now.system = data.fit(now.system.model.clone());
         now.noise = data.noise.clone();
-        drop_superfluous(&data, &mut now, fixed, candidates, threshold);
+        drop_superfluous(&data, &mut now, candidates, threshold);
     }
-    settle::settle(&data, &mut now, fixed);
+    settle::settle(&data, &mut now);
+    nuisance::promote(&data, &mut now, candidates, threshold);
     now.noise = data.noise;
     now
 }
@@ -61,16 +71,19 @@ pub(super) fn extend(data: &Data, mut now: Selected, fixed: usize, candidates: &
 type Refused = Vec<(&'static str, Vec<usize>)>;
 
 /// The selection with what was chosen, fitted to all rows.
-fn fitted(data: &Data, now: &Selected, fixed: usize, chosen: &[Chosen]) -> Result<Selected, Refused> {
-    let (mut model, mut accepted) = (now.system.model.clone(), now.accepted.clone());
+fn fitted(data: &Data, now: &Selected, chosen: &[Chosen]) -> Result<Selected, Refused> {
+    let (mut model, mut accepted, mut fixed) = (now.system.model.clone(), now.accepted.clone(), now.fixed);
     let news: Vec<Term> = chosen.iter().flat_map(Chosen::terms).collect();
     // A newcomer that holds another as its limit takes its place.
-    for at in (fixed..model.terms.len()).rev() {
+    for at in (now.declared..model.terms.len()).rev() {
         let known = &model.terms[at];
         let held = |t: &Term| t.joints == known.joints && t.effect.contains().contains(&known.effect.code());
         if news.iter().any(held) {
             model.terms.remove(at);
-            accepted.remove(at - fixed);
+            match at < fixed {
+                true => fixed -= 1,
+                false => drop(accepted.remove(at - now.fixed)),
+            }
         }
     }
     let first = model.terms.len();
@@ -88,6 +101,8 @@ fn fitted(data: &Data, now: &Selected, fixed: usize, chosen: &[Chosen]) -> Resul
         system,
         accepted,
         noise: now.noise.clone(),
+        fixed,
+        declared: now.declared,
         given_up: false,
     })
 }

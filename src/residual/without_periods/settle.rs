@@ -1,5 +1,6 @@
 //! The last word of the search on what it has found: what is not beyond doubt beside all the others goes.
 
+use super::nuisance;
 use crate::effects::Kind;
 use crate::identification::f_tail;
 use crate::residual::confirm::wald;
@@ -12,14 +13,19 @@ use crate::residual::{AugmentedModel, Term};
 const DOUBTFUL: f64 = 1e-2;
 
 /// Takes out what is not beyond doubt, the weakest first. A spring whose stiffness is not gives its place to a torque offset.
-pub(super) fn settle(data: &Data, now: &mut Selected, fixed: usize) {
+pub(super) fn settle(data: &Data, now: &mut Selected) {
     loop {
+        let fixed = now.fixed;
         let weakest = (fixed..now.system.model.terms.len())
             .map(|at| (at, doubt(&now.system, at)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((at, chance)) = weakest else { return };
         if chance < DOUBTFUL {
             return;
+        }
+        if nuisance::demote(now, at) {
+            now.system = data.fit(now.system.model.clone());
+            continue;
         }
         let mut model = now.system.model.clone();
         match offset_in_place(&model, at) {

@@ -67,7 +67,7 @@ function effectsFound(result) {
   if (!rows.length) return null;
   return section('effects', 'Effects beside the declared model', h('p', { class: 'soft' }, 'Estimated together with the base parameters. What is not in the model is reported only.'), table([
     { head: 'Effect', cell: (r) => words(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
-    { head: 'Parameter', cell: (r) => words(r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', cell: (r) => (r.in_model ? 'yes' : 'no') },
+    { head: 'Parameter', cell: (r) => words(r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', cell: (r) => (!r.in_model ? 'no' : r.finding ? 'yes' : 'yes, not beyond chance by itself') },
   ], rows, { caption: 'Effects, with one standard deviation' }));
 }
 
@@ -90,8 +90,9 @@ export function reportLink(result) {
 
 /** What the errors are of. */
 function whichErrors(result) {
-  const effects = result.effects.filter((e) => e.in_model).length;
-  return `Of single measurements, with all their noise, about the model ${effects ? `with the ${effects === 1 ? 'effect' : `${effects} effects`} found; “declared” is the model without, estimated from the same rows with the same weights.` : 'as estimated.'}`;
+  const effects = result.effects.filter((e) => e.in_model && e.finding).length;
+  const nuisance = result.effects.filter((e) => e.in_model && !e.finding).length;
+  return `Of single measurements, with all their noise, about the model ${effects ? `with the ${effects === 1 ? 'effect' : `${effects} effects`} found${nuisance ? ` and ${nuisance} further torque ${nuisance === 1 ? 'offset' : 'offsets'}` : ''}; “declared” is the model without, estimated from the same rows with the same weights.` : 'as estimated.'}`;
 }
 
 function errors(result, effort) {

@@ -131,10 +131,10 @@ function floor({ result, report, effort }) {
 function undetected({ report }) {
   if (!report.undetected?.length) return null;
   const size = (p) => Math.abs(p.value) + 3 * p.std_dev;
-  return section('undetected', 'Looked for and not found', h('p', { class: 'soft' }, 'What every robot may have, each by itself beside the final model. None of these is beyond chance; a value of several deviations may be there all the same, and a longer log would tell. What the base parameters or an effect found hold already is not listed.'), table([
+  return section('undetected', 'Looked for and not found', h('p', { class: 'soft' }, 'What every robot may have, each by itself beside the final model. None of these is beyond chance; a value of several deviations may be there all the same, and a longer log would tell. What the base parameters or an effect found hold already is not listed. Offsets marked as part of the model are estimated all the same: where one joint has an offset, the others have one, and together they predict better.'), table([
     { head: 'Effect', cell: (r) => words(r.effect), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
     { head: 'Value', number: true, cell: (r) => number(r.parameter.value, 2), sort: (r) => r.parameter.value }, { head: 'Deviation', number: true, cell: (r) => number(r.parameter.std_dev, 2), sort: (r) => r.parameter.std_dev, title: 'Standard deviation' },
-    { head: 'No larger than', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter), title: 'Its value and three standard deviations' }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) },
+    { head: 'No larger than', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter), title: 'Its value and three standard deviations' }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) }, ...(report.undetected.some((r) => r.in_model) ? [{ head: 'In the model', cell: (r) => (r.in_model ? 'yes' : 'no') }] : []),
   ], report.undetected, { caption: 'Not beyond chance' }));
 }
 

@@ -184,7 +184,12 @@ fn effects(page: &mut Html, list: &Value) {
                 text(&p["value"]),
                 text(&p["std_dev"]),
                 unit(&text(&p["unit"])),
-                if effect["in_model"] == true { "yes" } else { "no" }.into(),
+                match (effect["in_model"] == true, effect["finding"] == false) {
+                    (true, true) => "yes, not beyond chance by itself",
+                    (true, false) => "yes",
+                    (false, _) => "no",
+                }
+                .into(),
             ]
         };
         items(&effect["parameters"]).map(row).collect()

@@ -87,13 +87,22 @@ fn undetected(page: &mut Html, list: &Value) {
             text(&parameter["std_dev"]),
             text(&(value.abs() + 3.0 * deviation).into()),
             unit(parameter["unit"].as_str().unwrap_or_default()),
+            if one["in_model"] == true { "yes" } else { "no" }.into(),
         ]
     };
     let rows: Vec<Vec<String>> = items(list).map(row).collect();
     if !rows.is_empty() {
         page.table(
             "Looked for and not found: not beyond chance, each by itself beside the final model",
-            &["Effect", "Joint", "#Value", "#Deviation", "#No larger than", "Unit"],
+            &[
+                "Effect",
+                "Joint",
+                "#Value",
+                "#Deviation",
+                "#No larger than",
+                "Unit",
+                "In the model",
+            ],
             rows.into_iter(),
         );
     }
