@@ -33,7 +33,7 @@ pub use log::Log;
 pub use noise::NoiseSpectrum;
 pub use normal::{JointNormal, normal_equations};
 pub use observation::{JointRows, Observation};
-pub use preprocess::{PreparedLog, PreprocessOptions, prepare, prepare_until};
+pub use preprocess::{PreparedLog, PreprocessOptions, prepare, prepare_until, signal_cutoff};
 pub use quality::{Quality, Verdict, quality};
 pub use solution::{RANK_TOLERANCE, Solution};
 pub(crate) use tail::{chi_square_tail, f_tail};

@@ -167,7 +167,7 @@ pub(super) fn boolean(cursor: &Cursor) -> Option<bool> {
     value
 }
 
-fn positive(cursor: &Cursor) -> Option<f64> {
+pub(super) fn positive(cursor: &Cursor) -> Option<f64> {
     let value = cursor.number()?;
     if value > 0.0 {
         return Some(value);
@@ -234,6 +234,7 @@ pub(super) fn read_preprocess(fields: &Fields, period: Period) -> PreprocessOpti
         method: field("method").and_then(|c| c.choice(METHODS)).unwrap_or_default(),
         position_filter: field("position_filter").and_then(|c| read_filter(&c)),
         torque_filter: field("torque_filter").and_then(|c| read_filter(&c)),
+        band_hz: None,
         discard_edges_s: field("discard_edges_s").and_then(|c| not_negative(&c)),
         decimation: field("decimation").and_then(|c| c.whole(1, 1_000_000)).map(|d| d as usize),
         dead_zone: field("dead_zone").and_then(|c| not_negative(&c)),

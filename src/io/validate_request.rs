@@ -4,7 +4,7 @@ use super::augmented_document::read_augmented;
 use super::columns_document::read_columns;
 use super::cursor::{Cursor, Findings};
 use super::identify_document::{JointErrors, LogDocument, PredictionDocument};
-use super::identify_request::{NamedExcitations, boolean, read_period, read_preprocess};
+use super::identify_request::{NamedExcitations, boolean, positive, read_period, read_preprocess};
 use super::json::Parsed;
 use super::log::Columns;
 use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
@@ -40,7 +40,15 @@ pub const VALIDATE_FIELDS: &[&str] = &[
     "prediction_points",
     "trace",
 ];
-pub const MODEL_FIELDS: &[&str] = &["robot", "offsets", "base_parameters", "augmented", "not_in_urdf", "formats"];
+pub const MODEL_FIELDS: &[&str] = &[
+    "robot",
+    "offsets",
+    "base_parameters",
+    "augmented",
+    "not_in_urdf",
+    "formats",
+    "band_hz",
+];
 
 /// Reads a request whose `model` is the JSON model of an identification, or any robot with parameters for every link.
 ///
@@ -66,7 +74,10 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
     let columns = fields
         .nullable("columns")
         .map_or_else(Columns::default, |c| read_columns(&c, joints));
-    let preprocess = read_preprocess(&fields, read_period(&fields, excitations));
+    let preprocess = PreprocessOptions {
+        band_hz: model.as_ref().and_then(|m| m.band_hz),
+        ..read_preprocess(&fields, read_period(&fields, excitations))
+    };
     let points = fields
         .nullable("prediction_points")
         .and_then(|c| c.whole(0, 100_000))
@@ -90,6 +101,7 @@ struct Model {
     notes: Vec<String>,
     offsets: Option<Vec<f64>>,
     augmented: Option<(AugmentedModel, Prior)>,
+    band_hz: Option<f64>,
 }
 
 fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
@@ -104,6 +116,7 @@ fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
                 notes,
                 offsets,
                 augmented,
+                band_hz: fields.nullable("band_hz").and_then(|c| positive(&c)),
             }
         }
         false => {
@@ -113,6 +126,7 @@ fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
                 notes,
                 offsets: None,
                 augmented: None,
+                band_hz: None,
             }
         }
     };

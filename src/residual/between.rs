@@ -61,6 +61,7 @@ impl BetweenFinding {
             },
             held_out: FindingHeldOut::not_tested(),
             in_model: false,
+            survivals: Vec::new(),
             rivals: Vec::new(),
             note: Some(note.into()),
         }

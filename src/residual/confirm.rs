@@ -97,7 +97,7 @@ fn confirmed(
 }
 
 /// Chance of values as large as those of term `at` where there is no such effect.
-fn doubt(system: &System, at: usize) -> f64 {
+pub(super) fn doubt(system: &System, at: usize) -> f64 {
     let (statistic, parameters) = wald(&system.model.terms[at], &honest_covariance(system, at));
     chance(statistic, parameters)
 }

@@ -7,7 +7,9 @@ use super::model::reported;
 use super::rivals::Contest;
 use super::select::Accepted;
 use super::system::Data;
-use super::{AugmentedModel, Change, Evaluated, Evidence, Finding, FindingHeldOut, ReportedParameter, RmsPair, Stretch, Term};
+use super::{
+    AugmentedModel, Change, Evaluated, Evidence, Finding, FindingHeldOut, ReportedParameter, RmsPair, Stretch, Survival, Term,
+};
 use crate::identification::Estimator;
 use crate::model::Robot;
 use nalgebra::DMatrix;
@@ -52,6 +54,8 @@ pub(super) struct Told<'a> {
     pub held_out: Vec<FindingHeldOut>,
     pub accepted: Vec<Accepted>,
     pub contests: Vec<Contest>,
+    /// Of the effects that stay.
+    pub survivals: Vec<Vec<Survival>>,
 }
 
 /// One finding per effect; before and after by fitting the model with the effects up to it, and of those that do not stay with all that stay and it. `measured`
@@ -133,6 +137,7 @@ fn finding(told: &Told, at: usize, rms_before: RmsPair, rms_after: RmsPair) -> F
         held_out: told.held_out[at].clone(),
         in_model: at < told.stay,
         rivals: contest.rivals.clone(),
+        survivals: told.survivals.get(at).cloned().unwrap_or_default(),
     }
 }
 

@@ -34,6 +34,7 @@ mod levels;
 mod misfit;
 mod model;
 mod noise;
+mod perturbation;
 mod price;
 mod product;
 mod projection;
@@ -63,6 +64,7 @@ pub use misfit::PredictionErrors;
 pub(crate) use model::reported;
 pub use model::{AugmentedModel, Term};
 pub use noise::{NoiseModel, NoiseSource};
+pub use perturbation::{Perturbation, Survival};
 pub(crate) use report::of_deviation;
 pub use report::{
     AtRest, Change, Estimates, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,

@@ -1,6 +1,6 @@
 //! What the tracing hands back: the `residual` part of an answer.
 
-use super::{AugmentedModel, DataFault, Fitted, NoiseModel, RivalTerm};
+use super::{AugmentedModel, DataFault, Fitted, NoiseModel, RivalTerm, Survival};
 use crate::effects::ParameterInfo;
 use crate::identification::Explained;
 use nalgebra::DMatrix;
@@ -227,6 +227,9 @@ pub struct Finding {
     /// Whether the effect is a part of the model that is handed out.
     pub in_model: bool,
     pub rivals: Vec<Rival>,
+    /// Under which changes of the data the effect is still beyond doubt; those that the data allow.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub survivals: Vec<Survival>,
     /// In words, where something should be known about it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,

@@ -1,6 +1,7 @@
 //! Measured torque along a motion, as the tracing sees it.
 
 use super::coarse::{Coarse, coarse_filter};
+use super::perturbation::source_of;
 use crate::dynamics::Motion;
 use crate::effects::{Column, Span};
 use crate::identification::preprocess::Exclusion;
@@ -41,6 +42,8 @@ pub struct Stretch {
     pub coarse: Option<Coarse>,
     /// The periods before the filter; `None` where there is no filter, or where nothing repeats.
     pub unfiltered: Option<Unfiltered>,
+    /// The log before the filter, of one that does not repeat.
+    pub(super) source: Option<Arc<PreparedLog>>,
 }
 
 /// Periods as they were measured, and the filter on the way to the rows.
@@ -83,6 +86,9 @@ impl Stretch {
         periods.chain([&mut self.torque[joint]]).flatten().for_each(|v| *v = -*v);
         if let Some(before) = &mut self.unfiltered {
             Arc::make_mut(&mut before.stretch).turn(joint);
+        }
+        if let Some(source) = &mut self.source {
+            Arc::make_mut(source).torque[joint].iter_mut().for_each(|v| *v = -*v);
         }
     }
 
@@ -217,6 +223,7 @@ impl Stretch {
             filter: None,
             coarse: None,
             unfiltered: None,
+            source: None,
         }
     }
 
@@ -266,6 +273,12 @@ impl Stretch {
             periods = (0..p.count).map(rows).collect();
             starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
         }
+        Self::of(prepared, periods, starts)
+    }
+
+    /// From a prepared log with the torques of its periods, if it has any.
+    pub(super) fn of(prepared: &PreparedLog, periods: Vec<Vec<Vec<f64>>>, starts: Vec<f64>) -> Self {
+        let n = prepared.samples();
         let filter = prepared.row_filter.clone();
         let sound: Vec<Vec<bool>> = (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect();
         let rests: Vec<Vec<bool>> = (0..prepared.joints()).map(|j| resting_rows(prepared, j)).collect();
@@ -290,6 +303,7 @@ impl Stretch {
             filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
             coarse: None,
             unfiltered: None,
+            source: source_of(prepared),
         }
     }
 }

@@ -8,6 +8,7 @@ use super::estimate::estimated;
 use super::findings::{Told, between_findings, findings};
 use super::held_out::{Judge, decide};
 use super::misfit::{at_rest, fits, rms};
+use super::perturbation::survivals;
 use super::remainder::unaccounted;
 use super::report::{Estimates, HeldOutVerdict, Outcome};
 use super::rivals::Contest;
@@ -185,6 +186,10 @@ pub fn trace(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options
         held_out: decision.tests,
         accepted: (0..accepted.len()).map(|at| accepted[in_order(at)].clone()).collect(),
         contests: (0..accepted.len()).map(|at| contests[in_order(at)].clone()).collect(),
+        survivals: match prior {
+            None => survivals(stretches, &system.model, fixed, &data.noise, &options.cancel),
+            Some(_) => Vec::new(),
+        },
     };
     // Drift and contacts are explained, though no part of the model. What nothing explains was kept from the fits, and stays in the errors.
     let told_of = if between.is_empty() { measured } else { &explained[..] };

@@ -117,3 +117,43 @@ fn prop_a_delay_is_found_on_logs_without_periods() {
         assert!((value.value - 0.015).abs() < 3.0 * value.std_dev.max(2e-4), "{value:?}");
     }
 }
+
+/// The offset of one joint is beyond doubt and those of the others are not one by one: they are estimated too, are no findings, and no body takes them up.
+#[test]
+fn prop_small_offsets_come_with_a_large_one() {
+    let robot = seven_axes();
+    let offset = |joint: usize, offset: f64| HiddenEffect::TorqueOffset { joint, offset };
+    let sizes = [0.06, -0.06, 0.06, 1.0, -0.06, 0.06, -0.06];
+    let hidden: Vec<HiddenEffect> = sizes.iter().enumerate().map(|(j, &s)| offset(j, s)).collect();
+    let report = once(&robot, &hidden, &sensor_noise(7), 5).report;
+    assert!(
+        report.findings.iter().all(|f| f.effect == "torque_offset"),
+        "{:?}",
+        report.findings
+    );
+    let named = |joint: &str| report.findings.iter().any(|f| f.joints[0] == joint);
+    assert!(named("J4") && report.findings.len() < 7, "{:?}", report.findings);
+    let nuisance: Vec<_> = report.undetected.iter().filter(|u| u.in_model).collect();
+    assert_eq!(nuisance.len() + report.findings.len(), 7, "{:?}", report.undetected);
+    for one in nuisance {
+        let joint: usize = one.joint[1..].parse::<usize>().unwrap() - 1;
+        let p = &one.parameter;
+        assert!((p.value - sizes[joint]).abs() < 4.0 * p.std_dev, "{one:?}");
+    }
+}
+
+/// What is there all the time survives every change of the data.
+#[test]
+fn prop_a_clear_effect_survives_every_change_of_the_data() {
+    use dynident::residual::Perturbation::*;
+    let robot = seven_axes();
+    let hidden = [effect("rotor_inertia", 3, 3.0, &robot)];
+    let changes = |outcome: Outcome| -> Vec<_> {
+        let finding = outcome.report.findings.into_iter().next().expect("it is found");
+        let survivals = finding.survivals;
+        assert!(survivals.iter().all(|s| s.survives), "{survivals:?}");
+        survivals.iter().map(|s| s.perturbation).collect()
+    };
+    let all = [SixDigits, EverySecondRow, FirstHalf, SecondHalf, LowerCutoff, HigherCutoff];
+    assert_eq!(changes(once(&robot, &hidden, &sensor_noise(7), 3)), all);
+}

@@ -13,4 +13,5 @@ mod periods;
 mod physical;
 mod real;
 mod simulated;
+mod splits;
 mod velocities;

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 
 /// The folder of one robot; says so where there is none.
-fn folder(test: &str, name: &str) -> Option<PathBuf> {
+pub fn folder(test: &str, name: &str) -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/real");
     let root = std::env::var_os("DYNIDENT_REAL_DATA").map_or(beside, PathBuf::from);
     let folder = Some(root.join(name)).filter(|p| p.is_dir());
@@ -29,7 +29,7 @@ fn run(mut request: Value, folder: &Path, files: &[&str]) -> Identified {
     identify(&request, &files, &[], &CancelFlag::default(), &|_| {}).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-fn urdf(folder: &Path, name: &str) -> Value {
+pub fn urdf(folder: &Path, name: &str) -> Value {
     json!({"urdf": std::fs::read_to_string(folder.join(name)).unwrap()})
 }
 

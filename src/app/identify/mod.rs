@@ -8,13 +8,14 @@ pub use reading::{LogFile, UsedLog};
 pub(super) use reading::{Reading, split_companions, use_log};
 
 use self::model::{Found, model_files};
+use self::reading::{prepared, raw_log};
 use super::provenance::provenance;
 use super::report::{Answer, effects};
 use super::series::{Predictors, drawn, predictions};
 use super::trace::{beyond_repair, data_faults, mounted, mounting_fault, report_faults, residual_value};
 use super::{CancelFlag, Code, Error};
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
-use crate::identification::{Cancelled, Estimate, PreparedLog, Quality, Verdict, quality};
+use crate::identification::{Cancelled, Estimate, PreparedLog, PreprocessOptions, Quality, Verdict, quality, signal_cutoff};
 use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument, significant};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
@@ -151,6 +152,7 @@ fn identified(
             bodies,
             traced: &traced,
             logs: measured,
+            band_hz: read.band_hz(),
         })
     };
     let model = physical.as_ref().zip(bodies.as_ref()).map(files).transpose()?.flatten();
@@ -283,6 +285,17 @@ pub(in super::super) struct ReadLogs {
 }
 
 impl ReadLogs {
+    fn push(&mut self, (used, stretch): (UsedLog, Stretch)) {
+        self.used.push(used);
+        self.stretches.push(stretch);
+    }
+
+    /// Band of the logs that do not repeat [Hz]: the lowest of them.
+    fn band_hz(&self) -> Option<f64> {
+        let bands = self.used.iter().filter_map(|u| u.prepared.band_hz());
+        bands.min_by(f64::total_cmp)
+    }
+
     /// Turns the torques whose sign is inverted, in all logs.
     pub(in super::super) fn turn(&mut self, robot: &Robot, faults: &[DataFault]) {
         let turned = |name: &String| faults.iter().any(|f| f.remedy == Remedy::Turn && f.joints.contains(name));
@@ -313,24 +326,44 @@ fn read_logs(
         trace: request.trace,
         cancel: progress.cancel,
     };
-    // Validation logs may be of another trajectory: their period is their own.
-    let expected = request.preprocess.for_other_log();
-    let reading_held_out = Reading {
-        preprocess: &expected,
-        ..reading
-    };
     let ((logs, beside_logs), (validation, beside_validation)) = (
         split_companions(&request.columns, logs)?,
         split_companions(&request.columns, validation)?,
     );
     let mut read = ReadLogs::default();
-    let files = logs.iter().map(|&f| (f, &beside_logs));
-    for (done, (file, beside)) in files.chain(validation.iter().map(|&f| (f, &beside_validation))).enumerate() {
+    let mut raws = Vec::new();
+    for (done, file) in logs.iter().enumerate() {
         progress.at("reading logs", done)?;
-        let reading = if done < logs.len() { &reading } else { &reading_held_out };
-        let (used, stretch) = use_log(reading, file, beside)?;
-        read.used.push(used);
-        read.stretches.push(stretch);
+        raws.push(raw_log(&reading, file, &beside_logs)?);
+    }
+    // Errors of two logs compare where they are of one band.
+    let one_band = PreprocessOptions {
+        band_hz: (raws.len() > 1).then(|| {
+            raws.iter()
+                .map(|r| signal_cutoff(&r.log, progress.cancel))
+                .fold(f64::INFINITY, f64::min)
+        }),
+        ..request.preprocess.clone()
+    };
+    let reading = Reading {
+        preprocess: &one_band,
+        ..reading
+    };
+    for raw in raws {
+        read.push(prepared(&reading, raw)?);
+    }
+    // Validation logs may be of another trajectory: their period is their own.
+    let expected = PreprocessOptions {
+        band_hz: read.band_hz(),
+        ..request.preprocess.for_other_log()
+    };
+    let reading = Reading {
+        preprocess: &expected,
+        ..reading
+    };
+    for (done, file) in validation.iter().enumerate() {
+        progress.at("reading logs", logs.len() + done)?;
+        read.push(use_log(&reading, file, &beside_validation)?);
     }
     Ok((read, logs.len()))
 }

@@ -80,6 +80,8 @@ pub(super) struct Found<'a> {
     pub bodies: &'a AugmentedModel,
     pub traced: &'a Traced,
     pub logs: &'a [Stretch],
+    /// Highest cut-off of their row filters [Hz], so that what the model is held against later is of the same band.
+    pub band_hz: Option<f64>,
 }
 
 pub(super) fn model_files(found: &Found) -> Result<Option<ModelFiles>, Error> {
@@ -92,6 +94,9 @@ pub(super) fn model_files(found: &Found) -> Result<Option<ModelFiles>, Error> {
     let mut json = model_value(found.request, &robot_value(&robot), found.fitted);
     json["augmented"] = augmented_value(found);
     json["not_in_urdf"] = model.remarks(ModelFormat::Urdf.name()).into();
+    if let Some(band) = found.band_hz {
+        json["band_hz"] = band.into();
+    }
     json["formats"] = serde_json::to_value(&model.missing).expect("plain numbers and words");
     let files = ModelFiles::of_json(json);
     let internal = |e: Error| Error::new(Code::Internal, format!("the JSON model does not read back: {}", e.detail));

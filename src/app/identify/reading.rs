@@ -77,12 +77,24 @@ pub(in super::super) fn split_companions<'a>(
     Ok((logs, beside.into_iter().map(|f| (f.name.clone(), f.path.clone())).collect()))
 }
 
+/// A log as it was read, before anything is made of it.
+pub(in super::super) struct RawFile {
+    pub log: Log,
+    report: LogReport,
+    sample_faults: Vec<DataFault>,
+}
+
 /// Reads and prepares one log; its rows come beside it.
 pub(in super::super) fn use_log(
     reading: &Reading,
     file: &LogFile,
     beside: &[(String, PathBuf)],
 ) -> Result<(UsedLog, Stretch), Error> {
+    prepared(reading, raw_log(reading, file, beside)?)
+}
+
+/// Reads one log.
+pub(in super::super) fn raw_log(reading: &Reading, file: &LogFile, beside: &[(String, PathBuf)]) -> Result<RawFile, Error> {
     reading.cancel.leave_if_set();
     let names: Vec<String> = reading.robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
@@ -97,13 +109,24 @@ pub(in super::super) fn use_log(
         Vec::new()
     };
     reading.cancel.leave_if_set();
-    let prepared = prepare_until(&log, names.len(), reading.preprocess, reading.cancel).map_err(|e| invalid(e.to_string()))?;
-    reading.cancel.leave_if_set();
-    let stretch = Stretch::new(&prepared, &log);
-    let used = UsedLog {
+    Ok(RawFile {
+        log,
         report,
-        prepared,
         sample_faults,
+    })
+}
+
+/// Makes rows of a log.
+pub(in super::super) fn prepared(reading: &Reading, raw: RawFile) -> Result<(UsedLog, Stretch), Error> {
+    let joints = reading.robot.joint_count();
+    let prepared = prepare_until(&raw.log, joints, reading.preprocess, reading.cancel)
+        .map_err(|e| Error::new(Code::InvalidLog, e.to_string()))?;
+    reading.cancel.leave_if_set();
+    let stretch = Stretch::new(&prepared, &raw.log);
+    let used = UsedLog {
+        report: raw.report,
+        prepared,
+        sample_faults: raw.sample_faults,
     };
     Ok((used, stretch))
 }

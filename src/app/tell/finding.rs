@@ -4,7 +4,7 @@ use super::words::{parameters, phrase, sentence};
 use super::{Teller, is_rejected};
 use crate::effects::{Kind, by_code};
 use crate::io::{listed, significant};
-use crate::residual::{Change, Finding, RmsPair};
+use crate::residual::{Change, Finding, Perturbation, RmsPair};
 
 /// Joints that a sentence names; an effect of the whole robot changes more of them.
 const MOST_JOINTS: usize = 3;
@@ -49,6 +49,7 @@ impl Teller<'_> {
             },
         );
         text += &self.others(f);
+        text += &survives(f);
         if is_rejected(f) {
             text += " Held-out data speak against it: it is not in the model.";
             return text;
@@ -169,4 +170,47 @@ impl Teller<'_> {
         }
         text
     }
+}
+
+/// Which changes of the data the effect survives, and which it does not.
+fn survives(f: &Finding) -> String {
+    let (survived, lost) = (changes(f, true), changes(f, false));
+    let and = listed(&survived, "and");
+    match (survived.is_empty(), lost.is_empty()) {
+        (true, true) => String::new(),
+        (false, true) => format!(" It survives {and}."),
+        (true, false) => format!(" It is in doubt with {}.", listed(&lost, "or")),
+        (false, false) => format!(" It survives {and}; it is in doubt with {}.", listed(&lost, "or")),
+    }
+}
+
+/// The changes of the data that the effect does, or does not, survive; two of a kind in one phrase.
+fn changes(f: &Finding, survives: bool) -> Vec<&'static str> {
+    use Perturbation::*;
+    let has = |p: Perturbation| f.survivals.iter().any(|s| s.perturbation == p && s.survives == survives);
+    let pair = |[first, second]: [Perturbation; 2], [one, other, both]: [&'static str; 3]| match (has(first), has(second)) {
+        (true, true) => Some(both),
+        (true, false) => Some(one),
+        (false, true) => Some(other),
+        (false, false) => None,
+    };
+    let halves = [
+        "the first half of the data",
+        "the second half of the data",
+        "either half of the data alone",
+    ];
+    let cutoffs = [
+        "a cut-off a quarter lower",
+        "a cut-off a quarter higher",
+        "a cut-off a quarter lower or higher",
+    ];
+    [
+        pair([FirstHalf, SecondHalf], halves),
+        pair([LowerCutoff, HigherCutoff], cutoffs),
+        has(EverySecondRow).then_some("every second row"),
+        has(SixDigits).then_some("torques of six digits"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }

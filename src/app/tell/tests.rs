@@ -45,6 +45,7 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
         p_value: if change == Change::Same { 0.5 } else { 1e-9 },
     };
     let finding = Finding {
+        survivals: Vec::new(),
         effect: "joint_spring".into(),
         joints: vec![names[1].clone()],
         parameters: vec![
@@ -191,4 +192,30 @@ fn of_wrong_data_nothing_is_said_of_the_robot() {
         summary.contains("No effect was looked for") && !summary.contains("Nothing is missing"),
         "{summary}"
     );
+}
+
+/// Two halves and two cut-offs are one phrase each, and what does not survive is said.
+#[test]
+fn a_finding_says_which_changes_of_the_data_it_survives() {
+    use crate::residual::{Perturbation, Survival};
+    let robot = robot();
+    let told = |survive: [bool; 6]| {
+        use Perturbation::*;
+        let all = [SixDigits, EverySecondRow, FirstHalf, SecondHalf, LowerCutoff, HigherCutoff];
+        let mut report = report(&robot, true);
+        report.findings[0].survivals = all
+            .into_iter()
+            .zip(survive)
+            .map(|(perturbation, survives)| Survival { perturbation, survives })
+            .collect();
+        let mut document = serde_json::to_value(&report).unwrap();
+        tell(&robot, &report, &mut document);
+        document["findings"][0]["sentence"].as_str().unwrap().to_string()
+    };
+    let all = "It survives either half of the data alone, a cut-off a quarter lower or higher, every second row and torques of six digits.";
+    assert!(told([true; 6]).contains(all), "{}", told([true; 6]));
+    let some = "It survives the second half of the data, every second row and torques of six digits; it is in doubt with the first half of the data \
+                or a cut-off a quarter lower or higher.";
+    let sentence = told([true, true, false, true, false, false]);
+    assert!(sentence.contains(some), "{sentence}");
 }

@@ -20,6 +20,7 @@ pub(crate) mod spectrum;
 mod torque_column;
 
 pub use average::{Periods, Scatter};
+pub use cutoff::signal_cutoff;
 pub use error::PreprocessError;
 pub use options::{Choice, FilterSpec, Method, Period, PreprocessOptions};
 pub use period::detect_period;

@@ -45,6 +45,12 @@ impl PreparedLog {
         self.usable.len()
     }
 
+    /// Cut-off of the filter that torque and columns of a log that does not repeat go through [Hz].
+    pub fn band_hz(&self) -> Option<f64> {
+        let filter = self.row_filter.columns.as_ref().filter(|_| !self.is_periodic());
+        filter.map(|f| f.cutoff_hz)
+    }
+
     /// True when the motion is one period of something that goes round: filters and derivatives then have no ends.
     pub fn is_periodic(&self) -> bool {
         self.periods.is_some()

@@ -27,7 +27,14 @@ impl Chain<'_> {
             (None, Method::ParallelFilter) => (
                 Some(self.options.position_filter.unwrap_or_else(|| self.parallel_default())),
                 true,
-                "as for the positions; the same filter for torque and every regressor column leaves the equation as it is",
+                match self.options.band_hz {
+                    Some(band) if band < signal_cutoff(self.log, self.cancel) => {
+                        "no higher than that of the logs that the model is made from, so that errors compare; the same for torque and every regressor column"
+                    }
+                    _ => {
+                        "as for the positions; the same filter for torque and every regressor column leaves the equation as it is"
+                    }
+                },
             ),
             (None, _) => (
                 None,
@@ -52,7 +59,7 @@ impl Chain<'_> {
     fn parallel_default(&self) -> FilterSpec {
         FilterSpec {
             order: PARALLEL_ORDER,
-            cutoff_hz: signal_cutoff(self.log, self.cancel),
+            cutoff_hz: signal_cutoff(self.log, self.cancel).min(self.options.band_hz.unwrap_or(f64::INFINITY)),
         }
     }
 

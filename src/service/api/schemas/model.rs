@@ -21,6 +21,8 @@ pub struct ModelSchema {
     /// By format, what it does not hold, in torque along the identification logs (N·m or N).
     #[schema(value_type = Option<Vec<Object>>)]
     formats: Option<Vec<String>>,
+    /// Cut-off of the filter that the rows went through that it was identified from [Hz]; logs that it is held against go through none that is higher.
+    band_hz: Option<f64>,
 }
 
 /// Effects with the base parameters they were fitted with, and how well all are known.
