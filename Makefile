@@ -26,7 +26,7 @@ test:
 	cargo clippy --release --locked --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps
 	cargo check --release --locked --lib --no-default-features
-	cargo test --release --locked
+	scripts/run-tests
 
 fuzz:
 	@scripts/setup test
