@@ -109,6 +109,6 @@ fn what_does_not_fit_together_is_found() {
         "{found:?}"
     );
     let name = GOOD.replace("planar_two_link", "iiwa");
-    assert_eq!(findings(&name), ["/robot: is `iiwa` (did you mean `iiwa14`?)"]);
+    assert_eq!(findings(&name), ["/robot: is `iiwa` (did you mean `iiwa7`?)"]);
     assert_eq!(findings("[]"), [": is an array, expected an object"]);
 }
