@@ -156,4 +156,6 @@ fn prop_a_clear_effect_survives_every_change_of_the_data() {
     };
     let all = [SixDigits, EverySecondRow, FirstHalf, SecondHalf, LowerCutoff, HigherCutoff];
     assert_eq!(changes(once(&robot, &hidden, &sensor_noise(7), 3)), all);
+    // A log with periods that goes through no filter has no cut-off.
+    assert_eq!(changes(traced(&robot, &hidden, &sensor_noise(7), 3)), all[..4]);
 }
