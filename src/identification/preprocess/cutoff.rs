@@ -17,9 +17,9 @@ const ABOVE_SPEED: f64 = 10.0;
 /// No row filter is lower [Hz]: joints of arms reverse within a second.
 const LEAST_HZ: f64 = 2.0;
 
-/// Cut-off [Hz] for a log that does not repeat: one and a half times the highest frequency at which some joint's position stands
+/// Cut-off (Hz) for a log that does not repeat: one and a half times the highest frequency at which some joint's position stands
 /// 20 dB above its own noise floor, so that the filter's roll-off stays clear of it, but no less than ten times that of the speeds (the joint in the middle), which does not
-/// go with the number of digits; at most [`RIGID_LIMIT_HZ`] and a fifth of the rate.
+/// go with the number of digits; at most 20 Hz and a fifth of the rate.
 pub fn signal_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
     let of = |q: &Vec<f64>| {
         cancel.leave_if_set();

@@ -22,7 +22,7 @@ pub struct PreprocessOptions {
     pub position_filter: Option<FilterSpec>,
     /// Zero-phase low-pass on torques; with [`Method::ParallelFilter`] on every regressor column as well.
     pub torque_filter: Option<FilterSpec>,
-    /// Highest cut-off of the row filter of a log that does not repeat, where no filter is given [Hz]: that of the logs that a model is made from, for those that it is
+    /// Highest cut-off of the row filter of a log that does not repeat, where no filter is given (Hz): that of the logs that a model is made from, for those that it is
     /// held against. What the fit never saw is no error of the model.
     pub band_hz: Option<f64>,
     /// Time dropped at both ends of a record that was filtered and does not repeat (s).

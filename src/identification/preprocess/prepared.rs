@@ -45,7 +45,7 @@ impl PreparedLog {
         self.usable.len()
     }
 
-    /// Cut-off of the filter that torque and columns of a log that does not repeat go through [Hz].
+    /// Cut-off of the filter that torque and columns of a log that does not repeat go through (Hz).
     pub fn band_hz(&self) -> Option<f64> {
         let filter = self.row_filter.columns.as_ref().filter(|_| !self.is_periodic());
         filter.map(|f| f.cutoff_hz)
