@@ -4,15 +4,12 @@ use super::{Criterion, Given, ProblemSpec};
 use crate::model::{FieldProblem, INPUT_LIMITS, ModelError, shortest};
 use crate::trajectory::{Trajectory, sample_count};
 
-/// Numbers that one evaluation holds: beyond this it takes so long that a search learns nothing and cannot stop within a second, and a thread holds
-/// 72 MB of them. The iiwa 14 has room for 10,300 samples, a period of 10 s at 1 kHz.
+/// Numbers that one evaluation holds: beyond this it takes so long that a search learns nothing and cannot stop within a second, and every thread holds
+/// 72 MB. The iiwa 14 has room for 10,300 samples, a period of 10 s at 1 kHz.
 const LARGEST_EVALUATION: usize = 9_000_000;
 
-/// Numbers that all evaluations at the same time hold: with the rest of the program below 200 MB.
-pub(super) const ALL_EVALUATIONS: usize = 12_000_000;
-
 /// Of one sample: the rows of all joints and their weights, motion and its gradient, and the series with its derivatives.
-pub(super) fn numbers_per_sample(joints: usize, parameters: usize, order: usize) -> usize {
+fn numbers_per_sample(joints: usize, parameters: usize, order: usize) -> usize {
     2 * joints * parameters.max(1) + 6 * joints + 3 * (2 * order + 1)
 }
 

@@ -8,8 +8,7 @@ mod spec;
 pub use spec::{Criterion, Form, Given, Knowledge, ProblemSpec, Start};
 
 use self::checks::{
-    ALL_EVALUATIONS, harmonic_problems, knowledge_problems, limit_problems, noise_problems, numbers_per_sample, series_problems,
-    size_problem, start_position,
+    harmonic_problems, knowledge_problems, limit_problems, noise_problems, series_problems, size_problem, start_position,
 };
 use super::path::TorqueSet;
 use super::space::SpaceSet;
@@ -132,13 +131,6 @@ impl Problem {
     /// Samples in one period.
     pub fn samples(&self) -> usize {
         self.samples
-    }
-
-    /// Evaluations that may run at the same time, for all of them to fit into memory; at least one.
-    pub fn most_at_once(&self) -> usize {
-        let all = self.base.len() + self.spec.knowledge.added.as_ref().map_or(0, |a| a.0.count());
-        let numbers = self.samples * numbers_per_sample(self.spec.robot.joint_count(), all, self.spec.order);
-        (ALL_EVALUATIONS / numbers.max(1)).max(1)
     }
 
     /// Position at the start [rad or m], one per joint.

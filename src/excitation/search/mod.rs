@@ -58,7 +58,6 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
         symmetries: Symmetries::of(problem, &variables),
         descent,
         seed: options.seed,
-        most_at_once: problem.most_at_once(),
         control,
         progress: Mutex::new(progress),
     };

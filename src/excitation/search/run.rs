@@ -17,8 +17,6 @@ pub(super) struct Run<'a> {
     pub(super) symmetries: Symmetries,
     pub(super) descent: Descent<'a>,
     pub(super) seed: u64,
-    /// Jobs that may run at the same time.
-    pub(super) most_at_once: usize,
     pub(super) control: &'a dyn Control,
     pub(super) progress: Mutex<Progress>,
 }
@@ -52,11 +50,7 @@ impl Run<'_> {
     }
 
     pub(super) fn round(&self, epoch: &Epoch, round: usize, jobs: usize) -> Vec<(Result, Option<StartReport>)> {
-        let results = (0..jobs)
-            .into_par_iter()
-            .with_min_len(jobs.div_ceil(self.most_at_once))
-            .map(|index| self.job(epoch, round, index))
-            .collect();
+        let results = (0..jobs).into_par_iter().map(|index| self.job(epoch, round, index)).collect();
         self.progress
             .lock()
             .expect("holders of the lock do not panic")
