@@ -44,7 +44,11 @@ pub fn corrupt(log: &mut RecordedLog, fault: &LogFault, seed: u64) {
             let stuck = log.tau[*joint][0];
             log.tau[*joint].fill(stuck);
         }
-        LogFault::ClippedTorque { joint, limit } => log.tau[*joint].iter_mut().for_each(|t| *t = t.clamp(-limit, *limit)),
+        LogFault::ClippedTorque { joint, limit } => {
+            // A limit holds to both sides, whatever its sign.
+            let limit = limit.abs();
+            log.tau[*joint].iter_mut().for_each(|t| *t = t.clamp(-limit, limit));
+        }
         LogFault::Frozen { start, duration } => {
             let held = log.time.iter().position(|t| t >= start).unwrap_or(samples - 1);
             for s in held..samples {
