@@ -1,7 +1,7 @@
 //! A robot written out again: as a robot document and as URDF, in the frames of the description it came from.
 
 use super::bounds_document::{axis_name, bounds_value};
-use crate::model::{Capsule, Joint, Robot};
+use crate::model::{Capsule, INERTIA_ENTRIES, Joint, Robot};
 use crate::spatial::Transform;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use quick_xml::Writer;
@@ -256,15 +256,7 @@ fn write_link(w: &mut Writer<Vec<u8>>, joint: &Joint, frame: &Described) -> std:
             w.create_element("mass")
                 .with_attribute(("value", number(prior.inertia.mass).as_str()))
                 .write_empty()?;
-            let entries = [
-                ("ixx", 0, 0),
-                ("ixy", 0, 1),
-                ("ixz", 0, 2),
-                ("iyy", 1, 1),
-                ("iyz", 1, 2),
-                ("izz", 2, 2),
-            ];
-            let entries = entries.map(|(name, r, c)| (name, number(i[(r, c)])));
+            let entries = INERTIA_ENTRIES.map(|(name, r, c)| (name, number(i[(r, c)])));
             w.create_element("inertia")
                 .with_attributes(entries.iter().map(|(n, v)| (*n, v.as_str())))
                 .write_empty()?;

@@ -28,5 +28,6 @@ pub use link_tree::{CarriedLinks, ChainEnds};
 pub use mjcf::from_mjcf;
 pub use notes::Notes;
 pub use robot::{Friction, Robot};
+pub(crate) use urdf::INERTIA_ENTRIES;
 pub use urdf::{NewBody, UrdfRobot, body_complaint, from_urdf, from_urdf_rounded, urdf_carried, urdf_with_bodies};
 pub use words::{decimals, readable, scientific, shortest};

@@ -72,7 +72,7 @@ fn stamps_in_any_unit_are_recognised_with_or_without_an_epoch() {
             cases.push(Case::identify(name, text, Expect::Result(hundred_hertz)).asking(request));
         }
     }
-    // A wrong statement is told.
+    // A wrong statement is an error.
     let text = with(|_, row| row[0] *= 1e9);
     let wrong = json!({"columns": {"time_unit": "s"}});
     cases.push(Case::identify("nanoseconds stated as seconds", text, refused(["time_unit"])).asking(wrong));

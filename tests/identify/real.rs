@@ -84,11 +84,8 @@ fn val_emps_gives_its_published_parameters() {
     assert_eq!(found.document.quality.verdict, "good");
 }
 
-#[test]
-fn val_panda_runs_from_its_own_file() {
-    let Some(folder) = folder("val_panda_runs_from_its_own_file", "panda_gaz2019") else {
-        return;
-    };
+/// The Panda of Gaz et al. 2019, from its modified DH table.
+pub fn panda() -> Value {
     let q = FRAC_PI_2;
     let table = [
         (0.0, 0.0, 0.333),
@@ -101,7 +98,15 @@ fn val_panda_runs_from_its_own_file() {
     ];
     let joint = |(k, (alpha, d, r)): (usize, &(f64, f64, f64))| json!({"name": format!("J{}", k + 1), "kind": "revolute", "mdh": {"alpha": alpha, "d": d, "theta": 0, "r": r}});
     let joints: Vec<Value> = table.iter().enumerate().map(joint).collect();
-    let request = json!({"robot": {"name": "Panda", "joints": joints}, "offset": true});
+    json!({"name": "Panda", "joints": joints})
+}
+
+#[test]
+fn val_panda_runs_from_its_own_file() {
+    let Some(folder) = folder("val_panda_runs_from_its_own_file", "panda_gaz2019") else {
+        return;
+    };
+    let request = json!({"robot": panda(), "offset": true});
     let found = run(request, &folder, &["exciting_trajectory_1.csv.gz"]);
     check_sensible(&found, &[8.0, 2.0, 2.0, 2.0, 8.0, 5.0, 25.0]);
     let velocities = found.document.log_report[0]

@@ -2,11 +2,11 @@
 //!
 //! The logs are not part of this repository: `DYNIDENT_REAL_DATA` names the folder that holds them, and without it these tests say that they were skipped.
 
-use crate::real::{folder, urdf};
+use crate::real::{folder, panda, urdf};
 use dynident::app::{CancelFlag, Identified, LogFile, identify};
 use dynident::io::{NoExcitations, Parsed, read_identify_request, shipped::Shipped};
 use serde_json::{Value, json};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
@@ -218,19 +218,6 @@ fn val_panda_predicts_better_with_effects() {
     };
     let log = Measured::read(&data.join("exciting_trajectory_1.csv.gz"), Some("time"), ["q", "tau"], 1, 7);
     let log = log.thinned(|t, s| s == 0 || t[s] - t[s - 1] > 1e-6, 4);
-    let q = FRAC_PI_2;
-    let table = [
-        (0.0, 0.0, 0.333),
-        (-q, 0.0, 0.0),
-        (q, 0.0, 0.316),
-        (q, 0.0825, 0.0),
-        (-q, -0.0825, 0.384),
-        (q, 0.0, 0.0),
-        (q, 0.088, 0.0),
-    ];
-    let joint = |(k, (alpha, d, r)): (usize, &(f64, f64, f64))| json!({"name": format!("J{}", k + 1), "kind": "revolute", "mdh": {"alpha": alpha, "d": d, "theta": 0, "r": r}});
-    let joints: Vec<Value> = table.iter().enumerate().map(joint).collect();
-    let robot = json!({"name": "Panda", "joints": joints});
-    let [before, after] = sums(&identified(robot, &log.split(scratch("panda").path())));
+    let [before, after] = sums(&identified(panda(), &log.split(scratch("panda").path())));
     assert!(after < 0.65 * before, "{before} {after}");
 }

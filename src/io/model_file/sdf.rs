@@ -3,7 +3,7 @@
 use super::FinalModel;
 use super::xml::Xml;
 use crate::io::model_document::{Described, base_name, described, mounting, number, roll_pitch_yaw, triple};
-use crate::model::Joint;
+use crate::model::{INERTIA_ENTRIES, Joint};
 use crate::spatial::Transform;
 use nalgebra::Matrix3;
 
@@ -82,15 +82,7 @@ fn write_link(xml: &mut Xml, joint: &Joint, frame: &Described) {
         xml.text("pose", &[], &triple(&[center.as_slice(), &[0.0; 3]].concat()));
         xml.text("mass", &[], &number(prior.inertia.mass));
         xml.open("inertia", &[]);
-        let entries = [
-            ("ixx", 0, 0),
-            ("ixy", 0, 1),
-            ("ixz", 0, 2),
-            ("iyy", 1, 1),
-            ("iyz", 1, 2),
-            ("izz", 2, 2),
-        ];
-        entries
+        INERTIA_ENTRIES
             .iter()
             .for_each(|(name, r, c)| xml.text(name, &[], &number(i[(*r, *c)])));
         xml.close("inertia");

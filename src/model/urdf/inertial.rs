@@ -99,18 +99,20 @@ fn read_pose(origin: &Element) -> Result<Transform, ModelError> {
     Ok(Transform::from_xyz_rpy(xyz, origin.vector("rpy")?.unwrap_or_default()))
 }
 
+/// Entries of an inertia tensor as URDF and SDF name them, with row and column.
+pub(crate) const INERTIA_ENTRIES: [(&str, usize, usize); 6] = [
+    ("ixx", 0, 0),
+    ("ixy", 0, 1),
+    ("ixz", 0, 2),
+    ("iyy", 1, 1),
+    ("iyz", 1, 2),
+    ("izz", 2, 2),
+];
+
 /// The tensor, and the entries that are missing.
 fn read_inertia(element: &Element) -> Result<(Matrix3<f64>, Vec<&'static str>), ModelError> {
     let (mut inertia, mut missing) = (Matrix3::zeros(), Vec::new());
-    let entries = [
-        ("ixx", 0, 0),
-        ("ixy", 0, 1),
-        ("ixz", 0, 2),
-        ("iyy", 1, 1),
-        ("iyz", 1, 2),
-        ("izz", 2, 2),
-    ];
-    for (name, r, c) in entries {
+    for (name, r, c) in INERTIA_ENTRIES {
         match element.finite(name)? {
             Some(v) => (inertia[(r, c)], inertia[(c, r)]) = (v, v),
             None => missing.push(name),

@@ -16,6 +16,7 @@ use super::{Friction, ModelError, Robot, Rounding};
 use nalgebra::Vector3;
 use roxmltree::{Document, Node};
 
+pub(crate) use self::inertial::INERTIA_ENTRIES;
 pub use self::inertial::body_complaint;
 pub(super) use self::numbers::Element;
 pub use self::patch::{NewBody, urdf_carried, urdf_with_bodies};

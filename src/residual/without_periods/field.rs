@@ -133,9 +133,14 @@ impl<'a> Field<'a> {
         found.into_iter().nth(at)
     }
 
-    /// Offsets of all joints that have none yet, as terms; none where together they do not predict blocks left out better.
+    /// Offsets of all joints that have none yet, as terms; none where together they do not predict blocks left out better. A spring holds the offset of its joint.
     pub fn nuisance_offsets(&self) -> Vec<Term> {
-        let members: Vec<&Scored> = self.scored.iter().filter(|s| s.candidate.effect.code() == OFFSET).collect();
+        let held = |s: &Scored| {
+            let holds = |t: &Term| t.joints == s.candidate.joints && t.effect.contains().contains(&OFFSET);
+            self.system.model.terms.iter().any(holds)
+        };
+        let is_open = |s: &&Scored| s.candidate.effect.code() == OFFSET && !held(s);
+        let members: Vec<&Scored> = self.scored.iter().filter(is_open).collect();
         if members.is_empty() {
             return Vec::new();
         }
