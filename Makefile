@@ -26,7 +26,7 @@ test:
 	cargo clippy --release --locked --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps
 	cargo check --release --locked --lib --no-default-features
-	scripts/run-tests
+	cargo test --release --locked
 
 fuzz:
 	@scripts/setup test
