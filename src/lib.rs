@@ -22,9 +22,10 @@
 //! | [`spatial`], [`model`] | transforms and inertia; the robot: modified DH or URDF, limits, declared friction |
 //! | [`parameters`], [`dynamics`] | names and base parameters; inverse dynamics, regressor and adjoint, batched over samples |
 //! | [`trajectory`], [`excitation`] | Fourier series and others; the problem, the search, its result |
-//! | [`identification`] | from measured logs to base and physical parameters, and their validation |
+//! | [`preparation`], [`regression`] | from measured logs to rows; weighted least squares of a model with or without effects, and its covariance |
+//! | [`identification`] | physically consistent bodies from base parameters; whether a log was good enough |
 //! | [`solver`] | NLopt, behind two functions |
-//! | [`effects`], [`residual`], [`simulate`] | what a rigid model lacks, how it is found in what the model leaves, a virtual robot to try it on |
+//! | [`effects`], [`diagnosis`], [`simulate`] | what a rigid model lacks, how it is found in the residual, a virtual robot to try it on |
 //! | [`io`], [`app`] | documents to and from these; use cases with progress, cancellation and stable error codes |
 //! | `service`, `cli` | the same over HTTP and on the command line (features of the same names, on by default) |
 //!
@@ -69,8 +70,10 @@
 //! ```
 
 pub mod app;
+pub mod cancel;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod diagnosis;
 pub mod docs;
 pub mod dynamics;
 pub mod effects;
@@ -79,7 +82,8 @@ pub mod identification;
 pub mod io;
 pub mod model;
 pub mod parameters;
-pub mod residual;
+pub mod preparation;
+pub mod regression;
 #[cfg(feature = "service")]
 pub mod service;
 pub mod simulate;

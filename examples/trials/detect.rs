@@ -4,8 +4,8 @@ use crate::bench::*;
 use crate::family::traced_case;
 use crate::judge::{Truth, told, truth};
 use crate::visible::Sight;
+use dynident::diagnosis::Diagnosis;
 use dynident::model::Robot;
-use dynident::residual::Outcome;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ fn codes(only: &[String]) -> Vec<&'static str> {
 }
 
 /// Whether the effect is named on its joint, first or as a rival of what is.
-fn found(outcome: &Outcome, truth: &Truth, robot: &Robot) -> bool {
+fn found(outcome: &Diagnosis, truth: &Truth, robot: &Robot) -> bool {
     let names: Vec<&str> = truth.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect();
     let there = |joints: &[String]| names.is_empty() || names.iter().all(|n| joints.iter().any(|j| j == n));
     let report = &outcome.report;

@@ -4,8 +4,8 @@
 use crate::bench::*;
 use crate::judge::{Mark, judge, told};
 use crate::visible::Sight;
+use dynident::diagnosis::{Diagnosis, DiagnosisOptions, diagnose};
 use dynident::model::Robot;
-use dynident::residual::{Outcome, TraceOptions, trace};
 use dynident::simulate::HiddenEffect;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -59,20 +59,20 @@ fn visible(code: &'static str, sight: &Sight, robot: &Robot, rng: &mut ChaCha8Rn
 }
 
 /// The tracing of a log with these effects; a payload only in the second log, against the model of the first.
-pub fn traced_case(robot: &Robot, phi: &[f64], effects: &[HiddenEffect], seed: u64) -> Outcome {
+pub fn traced_case(robot: &Robot, phi: &[f64], effects: &[HiddenEffect], seed: u64) -> Diagnosis {
     let noise = sensor_noise(robot.joint_count());
     let loaded = effects.iter().any(|e| matches!(e, HiddenEffect::Payload { .. }));
     let first = if loaded { &[][..] } else { effects };
     let [identify, validate] = published_logs(robot, phi, [first, effects], &noise, seed);
     let (identify, validate) = ([stretch(&identify, "identify")], [stretch(&validate, "validate")]);
     if !loaded {
-        return trace(robot, &identify, &validate, &TraceOptions::default());
+        return diagnose(robot, &identify, &validate, &DiagnosisOptions::default());
     }
-    let options = TraceOptions {
-        existing: Some(trace(robot, &identify, &[], &TraceOptions::default()).existing()),
-        ..TraceOptions::default()
+    let options = DiagnosisOptions {
+        existing: Some(diagnose(robot, &identify, &[], &DiagnosisOptions::default()).existing()),
+        ..DiagnosisOptions::default()
     };
-    trace(robot, &validate, &[], &options)
+    diagnose(robot, &validate, &[], &options)
 }
 
 struct Case {

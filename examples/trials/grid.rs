@@ -1,13 +1,13 @@
 //! Logs with nothing in them, every effect at three sizes, and pairs: arms with random bodies on moderate motions.
 
 use crate::bench::*;
+use dynident::diagnosis::{Diagnosis, Verdict};
 use dynident::model::Robot;
-use dynident::residual::{Outcome, Verdict};
 use dynident::simulate::{HiddenEffect, Noise};
 use std::collections::BTreeMap;
 
 /// What was found: codes with joints, or `nothing`, or `unexplained`.
-pub fn found(outcome: &Outcome) -> Vec<String> {
+pub fn found(outcome: &Diagnosis) -> Vec<String> {
     let mut list: Vec<String> = outcome
         .report
         .findings
@@ -139,7 +139,7 @@ fn on_joint(finding: &str, robot: &Robot, hidden: &HiddenEffect) -> bool {
 }
 
 /// Values and evidence of everything found, and the lack of fit that stays.
-fn explain(outcome: &Outcome) {
+fn explain(outcome: &Diagnosis) {
     for f in &outcome.report.findings {
         let values: Vec<String> = f
             .parameters

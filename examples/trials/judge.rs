@@ -2,8 +2,8 @@
 //! and nothing else named. The right one among the rivals counts half.
 
 use crate::bench::noise_levels;
+use dynident::diagnosis::{Diagnosis, Finding};
 use dynident::model::Robot;
-use dynident::residual::{Finding, Outcome};
 use dynident::simulate::HiddenEffect;
 
 /// What an answer has to say about a hidden effect.
@@ -136,7 +136,7 @@ pub enum Mark {
 }
 
 /// Mark of the whole log, and why it is no better.
-pub fn judge(outcome: &Outcome, hidden: &[HiddenEffect], robot: &Robot) -> (Mark, Vec<String>) {
+pub fn judge(outcome: &Diagnosis, hidden: &[HiddenEffect], robot: &Robot) -> (Mark, Vec<String>) {
     let (mut worst, mut reasons) = (Mark::Right, Vec::new());
     let mut open: Vec<&Finding> = outcome.report.findings.iter().collect();
     let mut unexplained = outcome.report.remainder.is_some();
@@ -204,7 +204,7 @@ fn off(found: &Finding, truth: &Truth) -> Option<String> {
     (!said.is_empty()).then(|| said.join(", "))
 }
 
-fn remainder(outcome: &Outcome, truth: &Truth) -> (Mark, Option<String>) {
+fn remainder(outcome: &Diagnosis, truth: &Truth) -> (Mark, Option<String>) {
     let Some(rest) = &outcome.report.remainder else {
         return (Mark::Wrong, Some("unexplained missed".into()));
     };
@@ -224,7 +224,7 @@ fn remainder(outcome: &Outcome, truth: &Truth) -> (Mark, Option<String>) {
 
 /// Whether the held-out error of a joint stays more than a tenth above its noise. What is not explained stays; a contact is over, and a drift
 /// begins again with every log.
-fn held_out(outcome: &Outcome, hidden: &[HiddenEffect]) -> Option<String> {
+fn held_out(outcome: &Diagnosis, hidden: &[HiddenEffect]) -> Option<String> {
     let stays = |h: &HiddenEffect| {
         matches!(
             h,
@@ -247,8 +247,8 @@ fn held_out(outcome: &Outcome, hidden: &[HiddenEffect]) -> Option<String> {
 }
 
 /// Findings in a few words.
-pub fn told(outcome: &Outcome) -> String {
-    let value = |p: &dynident::residual::ReportedParameter| format!("{} {:.4} ± {:.4}", p.name, p.value, p.std_dev);
+pub fn told(outcome: &Diagnosis) -> String {
+    let value = |p: &dynident::diagnosis::ReportedParameter| format!("{} {:.4} ± {:.4}", p.name, p.value, p.std_dev);
     let finding = |f: &Finding| {
         let values: Vec<String> = f.parameters.iter().take(4).map(value).collect();
         let rivals: Vec<String> = f

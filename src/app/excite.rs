@@ -1,11 +1,11 @@
 //! Design an excitation trajectory.
 
 use super::{Code, Error};
+use crate::cancel::CancelFlag;
 use crate::excitation::{
     Backoff, Control, Design, Found, Given, Halt, NoRun, Point, Problem, ProblemSpec, Progress, RunSpec, first_run, run_in,
     run_out, search_from,
 };
-use crate::identification::CancelFlag;
 use crate::io::{DesignDocument, ExcitationRequest, significant};
 use crate::model::FieldProblem;
 use crate::trajectory::FourierSeries;

@@ -1,11 +1,11 @@
 //! What is understood of logs, before anything is estimated.
 
 use super::{CancelFlag, Code, Error, LogFile};
-use crate::identification::{Log, PreparedLog, keep_peaks, prepare_until};
+use crate::diagnosis::{DataFault, RawLog, column_faults_until, sample_faults};
 use crate::io::log::{found_columns, read_joined_log_until};
 use crate::io::{FindingDocument, IdentifyRequest, InspectDocument, InspectedJoint, InspectedLog, LogDocument};
 use crate::model::Joint;
-use crate::residual::{DataFault, RawLog, column_faults_until, sample_faults};
+use crate::preparation::{Log, PreparedLog, keep_peaks, prepare_until};
 
 /// Points of every series: as many as a small plot shows.
 const POINTS: usize = 600;

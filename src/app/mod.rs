@@ -1,5 +1,6 @@
 //! Use cases as plain functions: progress and cancellation are handed in, errors carry stable codes.
 
+mod diagnose;
 mod error;
 mod excite;
 mod identify;
@@ -10,10 +11,9 @@ mod provenance;
 mod report;
 mod series;
 mod tell;
-mod trace;
 mod validate;
 
-pub use crate::identification::CancelFlag;
+pub use crate::cancel::CancelFlag;
 pub use error::{Code, Error};
 pub use excite::{Exchange, Excited, Runs, excite, excite_beside, runs};
 pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};

@@ -1,10 +1,11 @@
 //! From the numbers of an identification to its document.
 
 use super::identify::{ReadLogs, reason};
+use crate::diagnosis::{ReportedParameter, ResidualReport};
+use crate::identification::Quality;
 use crate::identification::physical::{
     ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
 };
-use crate::identification::{Estimate, Estimator, Quality};
 use crate::io::{
     BaseValue, DeclaredDocument, Direction, EffectParameter, EffectValue, Feasibility, FitStart, IdentifyDocument,
     IdentifyRequest, InertiaDocument, JointErrors, LogDocument, LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue,
@@ -12,7 +13,7 @@ use crate::io::{
 };
 use crate::model::Robot;
 use crate::parameters::Layout;
-use crate::residual::{AugmentedModel, Fitted, PredictionErrors, ReportedParameter, ResidualReport, Stretch};
+use crate::regression::{AugmentedModel, Estimate, Estimator, Fitted, PredictionErrors, Stretch};
 use crate::spatial::PhysicalInertia;
 use nalgebra::DVector;
 
@@ -331,7 +332,7 @@ pub(super) fn errors(e: PredictionErrors) -> JointErrors {
 }
 
 fn noise(robot: &Robot, found: &Estimate) -> Vec<NoiseDocument> {
-    let one = |(joint, fit): (&crate::model::Joint, &crate::identification::JointFit)| NoiseDocument {
+    let one = |(joint, fit): (&crate::model::Joint, &crate::regression::JointFit)| NoiseDocument {
         joint: joint.name.clone(),
         residual_rms: fit.rms,
         noise_std: fit.noise_std,

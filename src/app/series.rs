@@ -2,10 +2,10 @@
 
 use super::identify::{ReadLogs, UsedLog};
 use super::{Code, Error};
-use crate::identification::keep_peaks;
 use crate::io::PredictionDocument;
 use crate::model::Robot;
-use crate::residual::{AugmentedModel, Stretch};
+use crate::preparation::keep_peaks;
+use crate::regression::{AugmentedModel, Stretch};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What is made for pictures, after the result: if it cannot be made, `what` says so, and the result is as good without it.

@@ -1,13 +1,14 @@
 //! Hold a model against logs.
 
+use super::diagnose::{beyond_repair, data_faults, report_faults, residual_value};
 use super::identify::{LogFile, ReadLogs, Reading, split_companions, stoppable, use_log};
 use super::report::errors;
 use super::series::{Predictors, drawn, predictions};
-use super::trace::{beyond_repair, data_faults, report_faults, residual_value};
 use super::{CancelFlag, Code, Error};
+use crate::diagnosis::{DataFault, DiagnosisOptions, diagnose};
 use crate::io::{LogDocument, ModelEffect, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
 use crate::parameters::Layout;
-use crate::residual::{AugmentedModel, DataFault, Prior, TraceOptions, trace};
+use crate::regression::{AugmentedModel, Prior};
 use serde_json::Value;
 
 /// A finished validation.
@@ -56,7 +57,7 @@ fn validated(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -
     };
     read.turn(robot, &faults);
     let base = request.augmented.as_ref().map(|(model, _)| model);
-    let of_log = |(log, stretch): (&super::UsedLog, &crate::residual::Stretch)| ValidatedLog {
+    let of_log = |(log, stretch): (&super::UsedLog, &crate::regression::Stretch)| ValidatedLog {
         name: log.report.file.clone(),
         errors: errors(bodies.errors(stretch)),
         base: base.map(|model| errors(model.errors(stretch))),
@@ -137,13 +138,13 @@ fn changes(
     faults: Vec<DataFault>,
     cancel: &CancelFlag,
 ) -> Value {
-    let options = TraceOptions {
+    let options = DiagnosisOptions {
         existing: Some(existing.clone()),
         search: !beyond_repair(&faults),
         cancel: cancel.clone(),
-        ..TraceOptions::default()
+        ..DiagnosisOptions::default()
     };
-    let mut report = trace(&request.robot, &read.stretches, &[], &options).report;
+    let mut report = diagnose(&request.robot, &read.stretches, &[], &options).report;
     report_faults(&mut report, faults);
     residual_value(&request.robot, &report)
 }

@@ -1,7 +1,6 @@
 //! A motion sampled in time, laid out so that eight samples are read at once.
 
 use super::LANES;
-use std::ops::Range;
 
 /// How the sign in the Coulomb column is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,18 +59,6 @@ impl Motion {
             qd: zeros.clone(),
             qdd: zeros,
         }
-    }
-
-    /// A part of the samples.
-    pub(crate) fn stretch(&self, range: Range<usize>) -> Self {
-        let mut part = Self::zeros(self.joints, range.len());
-        for j in 0..self.joints {
-            let (from, to) = (j * self.stride + range.start, j * part.stride);
-            for (whole, part) in [(&self.q, &mut part.q), (&self.qd, &mut part.qd), (&self.qdd, &mut part.qdd)] {
-                part[to..to + range.len()].copy_from_slice(&whole[from..from + range.len()]);
-            }
-        }
-        part
     }
 
     /// From functions of (joint, sample).

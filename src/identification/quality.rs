@@ -1,9 +1,10 @@
 //! Whether a log is good enough for the model.
 
-use super::{Estimate, Explained, PreparedLog};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
+use crate::preparation::PreparedLog;
+use crate::regression::{Estimate, Explained};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -54,7 +55,7 @@ const STATES: usize = 400;
 /// Predicts torques with the base parameters of `estimate` at random states: positions anywhere within the limits (all the way
 /// round, or as far as the logs went, where there are none), speeds and accelerations as large as in the logs.
 ///
-/// `explained` is what [`explained`](super::explained()) says of the same rows: a model of noise has no quality.
+/// `explained` is what [`Explained`] says of the same rows: a model of noise has no quality.
 pub fn quality(
     robot: &Robot,
     base: &BaseParameters,

@@ -2,9 +2,10 @@
 //! later log can be asked what has changed since.
 
 use super::cursor::Cursor;
+use crate::diagnosis::{Diagnosis, RivalTerm};
 use crate::effects::by_code;
 use crate::model::{INPUT_LIMITS, Robot};
-use crate::residual::{AugmentedModel, Outcome, Prior, RivalTerm, Term};
+use crate::regression::{AugmentedModel, Prior, Term};
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 
@@ -58,7 +59,7 @@ pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Va
 }
 
 /// [`augmented_value`] with the noise, and with the rivals of every effect.
-pub fn traced_value(traced: &Outcome) -> Value {
+pub fn traced_value(traced: &Diagnosis) -> Value {
     let robot = &traced.model.robot;
     let rows = |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|r| r.iter().copied().collect()).collect() };
     let mut value = augmented_value(&traced.model, &traced.information);

@@ -1,7 +1,7 @@
 //! The answer of an identification.
 
 use super::log::LogReport;
-use crate::residual::of_deviation;
+use crate::diagnosis::of_deviation;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -341,7 +341,7 @@ pub struct LogOrigin {
 }
 
 impl LogDocument {
-    pub fn new(report: &LogReport, role: &'static str, choices: &[crate::identification::preprocess::Choice]) -> Self {
+    pub fn new(report: &LogReport, role: &'static str, choices: &[crate::preparation::Choice]) -> Self {
         let finding = |f: &super::log::Finding| FindingDocument {
             code: f.kind.code(),
             count: f.count,

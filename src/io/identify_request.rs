@@ -7,9 +7,9 @@ use super::json::Parsed;
 use super::log::Columns;
 use super::robot::{NamedRobots, read_robot_or_name};
 use crate::identification::physical::{FeasibleMethod, FeasibleOptions, PaperOptions, Triangle};
-use crate::identification::preprocess::{FilterSpec, Method, Period};
-use crate::identification::{Estimator, PreprocessOptions};
 use crate::model::{FieldProblem, LinkBounds, Robot};
+use crate::preparation::{FilterSpec, Method, Period, PreprocessOptions};
+use crate::regression::Estimator;
 use serde_json::Value;
 
 /// A checked request.

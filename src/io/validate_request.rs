@@ -8,9 +8,9 @@ use super::identify_request::{NamedExcitations, boolean, positive, read_period, 
 use super::json::Parsed;
 use super::log::Columns;
 use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
-use crate::identification::PreprocessOptions;
 use crate::model::{FieldProblem, Robot};
-use crate::residual::{AugmentedModel, Prior};
+use crate::preparation::PreprocessOptions;
+use crate::regression::{AugmentedModel, Prior};
 use serde::Serialize;
 
 /// A checked request.

@@ -1,13 +1,14 @@
 //! Models with effects: written and read, as columns for a design, and as what a later log is held against.
 
 use crate::bench::*;
+use dynident::diagnosis::{Diagnosis, DiagnosisOptions, ResidualReport, diagnose};
 use dynident::dynamics::Motion;
 use dynident::io::{Cursor, Findings, Parsed, augmented_value, parse, read_augmented};
-use dynident::residual::{AugmentedModel, Outcome, Prior, ResidualReport, Stretch, TraceOptions, trace};
+use dynident::regression::{AugmentedModel, Prior, Stretch};
 use dynident::simulate::HiddenEffect;
 
 /// A model with an additive effect that has a shape, and a distortion.
-fn found() -> Outcome {
+fn found() -> Diagnosis {
     let effects = [
         HiddenEffect::StribeckFriction {
             joint: 1,
@@ -115,11 +116,11 @@ fn changed(effects: &[HiddenEffect], seed: u64) -> ResidualReport {
     let before = traced(&robot, &[], &noise, seed);
     let text = augmented_value(&before.model, &before.information).to_string();
     let [_, later] = logs(&robot, effects, &noise, seed);
-    let options = TraceOptions {
+    let options = DiagnosisOptions {
         existing: Some(read_back(&text).unwrap()),
-        ..TraceOptions::default()
+        ..DiagnosisOptions::default()
     };
-    trace(&robot, &[stretch(&later, "later")], &[], &options).report
+    diagnose(&robot, &[stretch(&later, "later")], &[], &options).report
 }
 
 #[test]

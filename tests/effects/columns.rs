@@ -1,11 +1,12 @@
 //! Columns of effects as designs take them and as tracing takes them: two ways to the same derivative of the torque.
 
 use crate::bench::{bodies, excitation, four_axes};
+use dynident::diagnosis::EffectColumns;
 use dynident::dynamics::{Coulomb, Motion};
 use dynident::effects::{Effect, Kind, Span, all};
 use dynident::excitation::{AddedColumns, Course};
 use dynident::model::Robot;
-use dynident::residual::{AugmentedModel, EffectColumns, Stretch, Term};
+use dynident::regression::{AugmentedModel, Stretch, Term};
 use dynident::trajectory::Trajectory;
 use nalgebra::DVector;
 

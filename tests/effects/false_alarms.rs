@@ -1,10 +1,11 @@
 //! Accusations of the data on logs that have no fault: counted over generated logs, of noise and of clean arms without friction.
 
 use crate::bench::*;
-use dynident::identification::{Observation, PreprocessOptions, explained, prepare};
+use dynident::diagnosis::{DataFault, RawLog, column_faults, leave_out, lost_rows, sample_faults};
 use dynident::model::{Friction, Robot};
-use dynident::parameters::{BaseParameters, Layout, ParameterKind};
-use dynident::residual::{DataFault, RawLog, column_faults, leave_out, lost_rows, sample_faults};
+use dynident::parameters::{Layout, ParameterKind};
+use dynident::preparation::{PreprocessOptions, prepare};
+use dynident::regression::{AugmentedModel, Stretch, explained_share};
 use dynident::simulate::{Experiment, Noise, RecordedLog, simulate};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -128,12 +129,10 @@ fn prop_noise_is_not_explained_and_clean_logs_are() {
     let arms = robots();
     for seed in 100..112 {
         let robot = without_friction(&arms[seed as usize % 3]);
-        let base = BaseParameters::exact(&robot);
         let share = |(recorded, rate): &(RecordedLog, f64)| {
             let log = as_log(recorded, "log", *rate);
             let prepared = prepare(&log, robot.joint_count(), &PreprocessOptions::default()).unwrap();
-            let rows = Observation::new(&robot, &base, &prepared);
-            explained(&[rows], &[&prepared])
+            explained_share(&AugmentedModel::declared(&robot), &[Stretch::new(&prepared, &log)])
         };
         let (noise, arm) = (share(&of_noise(&robot, seed)), share(&of_frictionless(&robot, seed)));
         assert!(!noise.is_more_than_a_constant(), "{seed}: {noise:?}");

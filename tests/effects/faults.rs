@@ -1,12 +1,12 @@
 //! Data faults are named as such, on three robots, and no physics is blamed for them.
 
 use crate::bench::*;
-use dynident::identification::{Log, PreprocessOptions, prepare};
-use dynident::model::Robot;
-use dynident::residual::{
-    DataFault, FaultKind, Finding, RawLog, Remedy, Stretch, TraceOptions, column_faults, leave_out, lost_rows, sample_faults,
-    trace,
+use dynident::diagnosis::{
+    DataFault, DiagnosisOptions, FaultKind, Finding, RawLog, Remedy, column_faults, diagnose, leave_out, lost_rows, sample_faults,
 };
+use dynident::model::Robot;
+use dynident::preparation::{Log, PreprocessOptions, prepare};
+use dynident::regression::Stretch;
 use dynident::simulate::{HiddenEffect, LogFault, RecordedLog, corrupt};
 
 /// A log with its faults.
@@ -55,7 +55,7 @@ impl Examined {
         if self.faults.iter().any(|f| f.remedy == Remedy::Nothing) {
             return Vec::new();
         }
-        trace(robot, std::slice::from_ref(&self.stretch), &[], &TraceOptions::default())
+        diagnose(robot, std::slice::from_ref(&self.stretch), &[], &DiagnosisOptions::default())
             .report
             .findings
     }

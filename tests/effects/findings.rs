@@ -1,12 +1,13 @@
 //! The right effect on the right joint with the right value, and nothing where there is nothing.
 
 use crate::bench::*;
-use dynident::identification::{PreprocessOptions, prepare};
-use dynident::residual::{Outcome, ResidualReport, Stretch, TraceOptions, Verdict, trace};
+use dynident::diagnosis::{Diagnosis, DiagnosisOptions, ResidualReport, Verdict, diagnose};
+use dynident::preparation::{PreprocessOptions, prepare};
+use dynident::regression::Stretch;
 use dynident::simulate::{HiddenEffect, Noise};
 
 /// The only finding: its code, joint, and the value of its first parameter within `sigmas` of the truth.
-fn only(outcome: &Outcome, code: &str, joint: &str, truth: f64) {
+fn only(outcome: &Diagnosis, code: &str, joint: &str, truth: f64) {
     let report = &outcome.report;
     let found: Vec<_> = report
         .findings
@@ -32,7 +33,7 @@ fn only(outcome: &Outcome, code: &str, joint: &str, truth: f64) {
     }
 }
 
-fn seven(effects: &[HiddenEffect], seed: u64) -> Outcome {
+fn seven(effects: &[HiddenEffect], seed: u64) -> Diagnosis {
     traced(&seven_axes(), effects, &sensor_noise(7), seed)
 }
 
@@ -198,7 +199,7 @@ fn regress_a_large_offset_is_not_called_a_spring() {
     let offset = [HiddenEffect::TorqueOffset { joint: 0, offset: 1.0 }];
     for seed in [70_001, 70_002] {
         let [log, _] = published_logs(&robot, &phi, [&offset, &[]], &sensor_noise(7), seed);
-        let report = trace(&robot, &[stretch(&log, "log")], &[], &TraceOptions::default()).report;
+        let report = diagnose(&robot, &[stretch(&log, "log")], &[], &DiagnosisOptions::default()).report;
         let found: Vec<(&str, &str)> = report
             .findings
             .iter()
@@ -218,7 +219,7 @@ fn prop_what_goes_with_no_position_is_told_as_unexplained() {
     let hum = |t: f64| 0.4 * (std::f64::consts::TAU * 2.3 * t).sin();
     let time = log.time.clone();
     log.tau[2].iter_mut().zip(time).for_each(|(tau, t)| *tau += hum(t));
-    let report = trace(&robot, &[stretch(&log, "log")], &[], &TraceOptions::default()).report;
+    let report = diagnose(&robot, &[stretch(&log, "log")], &[], &DiagnosisOptions::default()).report;
     assert_eq!(report.verdict, Verdict::Unexplained, "{:?}", report.findings);
     let remainder = report.remainder.unwrap();
     assert_eq!(remainder.joints, ["J3"]);
@@ -238,7 +239,7 @@ fn regress_a_spring_is_not_lost_to_a_tilt_that_is_not_there() {
             rest: 0.254,
         };
         let [log, _] = published_logs(&robot, &phi, [&[spring], &[]], &sensor_noise(7), 70_000);
-        let report = trace(&robot, &[stretch(&log, "log")], &[], &TraceOptions::default()).report;
+        let report = diagnose(&robot, &[stretch(&log, "log")], &[], &DiagnosisOptions::default()).report;
         assert_eq!(report.verdict, Verdict::Explained, "{stiffness}: {:?}", report.findings);
         let [found] = &report.findings[..] else {
             panic!("{stiffness}: {:?}", report.findings)
@@ -312,12 +313,12 @@ fn prop_a_payload_is_found_against_an_existing_model() {
 /// What is traced on a second log with these effects, against the model of a first one without.
 fn against_a_model(effects: &[HiddenEffect], seed: u64) -> ResidualReport {
     let (robot, noise) = (seven_axes(), sensor_noise(7));
-    let options = TraceOptions {
+    let options = DiagnosisOptions {
         existing: Some(traced(&robot, &[], &noise, seed).existing()),
-        ..TraceOptions::default()
+        ..DiagnosisOptions::default()
     };
     let [_, with] = logs(&robot, effects, &noise, seed);
-    trace(&robot, &[stretch(&with, "with")], &[], &options).report
+    diagnose(&robot, &[stretch(&with, "with")], &[], &options).report
 }
 
 #[test]
@@ -352,7 +353,7 @@ fn regress_a_long_log_has_no_more_in_it_than_a_short_one() {
     let (robot, log) = long_log("long", 16.0, 1000.0);
     let prepared = prepare(&log, 7, &PreprocessOptions::default()).unwrap();
     only(
-        &trace(&robot, &[Stretch::new(&prepared, &log)], &[], &TraceOptions::default()),
+        &diagnose(&robot, &[Stretch::new(&prepared, &log)], &[], &DiagnosisOptions::default()),
         "joint_spring",
         "A4",
         1.8,

@@ -1,9 +1,10 @@
 //! Logs measured on real robots, read where they are at hand.
 
-use dynident::identification::{PreprocessOptions, prepare};
+use dynident::diagnosis::{DiagnosisOptions, diagnose};
 use dynident::io::log::{Columns, read_log_file};
 use dynident::model::{Friction, Joint, JointKind, Mdh, Robot};
-use dynident::residual::{Stretch, TraceOptions, trace};
+use dynident::preparation::{PreprocessOptions, prepare};
+use dynident::regression::Stretch;
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +46,7 @@ fn val_emps_has_the_published_offset() {
     let axis = Joint::from_mdh("axis", JointKind::Prismatic, mdh);
     let robot = Robot::new("EMPS", Vector3::zeros(), vec![axis], friction).unwrap();
     let [own, pulses] = ["DATA_EMPS.csv.gz", "DATA_EMPS_PULSES.csv.gz"].map(|f| stretch(&robot, &data.join(f)));
-    let report = trace(&robot, &[own], &[pulses], &TraceOptions::default()).report;
+    let report = diagnose(&robot, &[own], &[pulses], &DiagnosisOptions::default()).report;
     let offset = &report.findings[0];
     assert_eq!(offset.effect, "torque_offset", "{:?}", report.findings);
     assert!(offset.rivals.iter().any(|r| r.effect == "asymmetric_viscous_friction"));

@@ -1,12 +1,13 @@
 //! Arms on walls and ceilings that are declared upright: where gravity points is found before signs are accused.
 
 use crate::bench::*;
+use dynident::diagnosis::{Verdict, mounting};
 use dynident::dynamics::{Motion, inverse_dynamics};
 use dynident::io::NamedRobots;
 use dynident::io::shipped::Shipped;
 use dynident::model::Robot;
 use dynident::parameters::Layout;
-use dynident::residual::{Stretch, Verdict, mounting};
+use dynident::regression::Stretch;
 use dynident::simulate::HiddenEffect;
 use dynident::trajectory::Trajectory;
 use nalgebra::Vector3;

@@ -1,7 +1,7 @@
 //! The model that is handed out is the model that was found: base parameters beside the effects, calibrated, and one set of errors.
 
 use crate::bench::*;
-use dynident::residual::{Change, Estimates, HeldOutVerdict, Outcome, TraceOptions, Verdict, trace};
+use dynident::diagnosis::{Change, Diagnosis, DiagnosisOptions, Estimates, HeldOutVerdict, Verdict, diagnose};
 use dynident::simulate::HiddenEffect;
 
 /// Effects whose neglect bends base parameters, at a size `s` times the usual.
@@ -43,12 +43,12 @@ fn effects(s: f64) -> Vec<HiddenEffect> {
     ]
 }
 
-fn found(outcome: &Outcome) -> &Estimates {
+fn found(outcome: &Diagnosis) -> &Estimates {
     outcome.estimates.as_ref().expect("an identification has estimates")
 }
 
 /// Sum of the squares of the standardised errors of the base parameters, and their number.
-fn standardised(outcome: &Outcome, phi: &[f64]) -> (f64, usize) {
+fn standardised(outcome: &Diagnosis, phi: &[f64]) -> (f64, usize) {
     let found = &found(outcome).found;
     let truth = found.base.project(phi);
     let score = |c: usize| (found.estimate.values[c] - truth[c]) / found.estimate.std_dev(c);
@@ -111,11 +111,11 @@ fn prop_one_estimate_stands_in_every_part_of_an_outcome() {
     let robot = seven_axes();
     let [identify, validate] = logs(&robot, &effects(1.0)[..1], &sensor_noise(7), 5);
     let (identify, validate) = (stretch(&identify, "identify"), stretch(&validate, "validate"));
-    let outcome = trace(
+    let outcome = diagnose(
         &robot,
         std::slice::from_ref(&identify),
         std::slice::from_ref(&validate),
-        &TraceOptions::default(),
+        &DiagnosisOptions::default(),
     );
     let Estimates { found, declared } = found(&outcome);
     let report = &outcome.report;
@@ -158,8 +158,13 @@ fn prop_an_effect_that_held_out_data_contradict_is_not_in_the_model() {
     };
     let [identify, _] = logs(&robot, &ripple(0.5), &sensor_noise(7), 8);
     let [_, validate] = logs(&robot, &ripple(0.5 + std::f64::consts::PI), &sensor_noise(7), 8);
-    let run = |held_out: &[dynident::residual::Stretch]| {
-        trace(&robot, &[stretch(&identify, "identify")], held_out, &TraceOptions::default())
+    let run = |held_out: &[dynident::regression::Stretch]| {
+        diagnose(
+            &robot,
+            &[stretch(&identify, "identify")],
+            held_out,
+            &DiagnosisOptions::default(),
+        )
     };
     let outcome = run(&[stretch(&validate, "validate")]);
     let finding = &outcome.report.findings[0];

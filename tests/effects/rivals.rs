@@ -1,11 +1,11 @@
 //! A residual that could be one of two things, and the experiment that decides it: identified, designed for, simulated, identified again.
 
 use crate::bench::*;
+use dynident::diagnosis::{Change, Diagnosis, DiagnosisOptions, diagnose};
 use dynident::excitation::{Control, Halt, Progress, SearchOptions, search};
 use dynident::io::shipped::Shipped;
 use dynident::io::{DesignDocument, parse, read_excitation_request, robot_value, traced_value};
 use dynident::model::{Limits, Robot};
-use dynident::residual::{Change, Outcome, TraceOptions, trace};
 use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
 use dynident::trajectory::{FourierSeries, Trajectory};
 use serde_json::{Value, json};
@@ -60,19 +60,19 @@ impl Arm<'_> {
     }
 }
 
-fn identified(arm: &Arm, logs: &[&RecordedLog], validation: &dyn Trajectory, seed: u64) -> Outcome {
+fn identified(arm: &Arm, logs: &[&RecordedLog], validation: &dyn Trajectory, seed: u64) -> Diagnosis {
     let held_out = arm.log(validation, 3.0, seed + 1_000_000);
     let names = ["first", "second"];
     let stretches: Vec<_> = logs.iter().zip(names).map(|(l, n)| stretch(l, n)).collect();
-    trace(
+    diagnose(
         arm.robot,
         &stretches,
         &[stretch(&held_out, "validate")],
-        &TraceOptions::default(),
+        &DiagnosisOptions::default(),
     )
 }
 
-fn request(robot: &Robot, traced: &Outcome, rival: &dynident::residual::Rival) -> Value {
+fn request(robot: &Robot, traced: &Diagnosis, rival: &dynident::diagnosis::Rival) -> Value {
     let finding = &traced.report.findings[0];
     let model = json!({"robot": robot_value(robot), "augmented": traced_value(traced)});
     json!({
@@ -147,7 +147,7 @@ fn decide(
         "{findings:?}"
     );
     let other = if truth == found_first { rival } else { found_first };
-    let excluded = |r: &dynident::residual::Rival| !is(other, &r.effect, &r.joints);
+    let excluded = |r: &dynident::diagnosis::Rival| !is(other, &r.effect, &r.joints);
     assert!(findings[0].rivals.iter().all(excluded), "{:?}", findings[0].rivals);
     told.nested
 }

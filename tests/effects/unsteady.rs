@@ -1,7 +1,7 @@
 //! Torque that changes while the log runs, whatever the robot does: nothing in the list of effects does that, and it is a remainder.
 
 use crate::bench::*;
-use dynident::residual::{Remainder, Verdict};
+use dynident::diagnosis::{Remainder, Verdict};
 use dynident::simulate::HiddenEffect;
 
 /// The only remainder: on the third joint, along `variable`, of this size [N·m].

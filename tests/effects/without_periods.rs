@@ -1,11 +1,11 @@
 //! Logs that never come back: effects are judged by blocks of time that the fit has not seen.
 
 use crate::bench::*;
+use dynident::diagnosis::{Diagnosis, Verdict};
 use dynident::model::Robot;
-use dynident::residual::{Outcome, Verdict};
 use dynident::simulate::{HiddenEffect, Noise};
 
-fn found(outcome: &Outcome) -> Vec<(String, Vec<String>)> {
+fn found(outcome: &Diagnosis) -> Vec<(String, Vec<String>)> {
     let findings = outcome.report.findings.iter();
     findings.map(|f| (f.effect.clone(), f.joints.clone())).collect()
 }
@@ -145,10 +145,10 @@ fn prop_small_offsets_come_with_a_large_one() {
 /// What is there all the time survives every change of the data.
 #[test]
 fn prop_a_clear_effect_survives_every_change_of_the_data() {
-    use dynident::residual::Perturbation::*;
+    use dynident::diagnosis::Perturbation::*;
     let robot = seven_axes();
     let hidden = [effect("rotor_inertia", 3, 3.0, &robot)];
-    let changes = |outcome: Outcome| -> Vec<_> {
+    let changes = |outcome: Diagnosis| -> Vec<_> {
         let finding = outcome.report.findings.into_iter().next().expect("it is found");
         let survivals = finding.survivals;
         assert!(survivals.iter().all(|s| s.survives), "{survivals:?}");

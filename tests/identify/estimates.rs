@@ -1,14 +1,13 @@
 //! Base parameters of simulated robots.
 
 use crate::simulated::{POSITION_NOISE, TORQUE_NOISE, Virtual, excitation, noisy};
-use dynident::identification::preprocess::Period;
-use dynident::identification::{Estimate, Estimator, Log, Observation, PreparedLog, PreprocessOptions, estimate, prepare};
+use dynident::preparation::{Log, Period, PreparedLog, PreprocessOptions, prepare};
+use dynident::regression::{Estimate, Estimator, Stretch, estimate};
 
 fn fit(robot: &Virtual, log: &Log, estimator: Estimator) -> (PreparedLog, Estimate) {
     let prepared = prepare(log, 7, &PreprocessOptions::default()).unwrap();
-    let observation = Observation::new(&robot.robot, &robot.base, &prepared);
-    let found = estimate(&[observation], &[&prepared], estimator);
-    (prepared, found)
+    let found = estimate(&robot.robot, &[Stretch::new(&prepared, log)], estimator);
+    (prepared, found.estimate)
 }
 
 #[test]
@@ -31,8 +30,7 @@ fn check_honest(clean: &Log, options: &PreprocessOptions) {
     for seed in 0..50 {
         let log = noisy(clean, POSITION_NOISE, &TORQUE_NOISE, seed);
         let prepared = prepare(&log, 7, options).unwrap();
-        let observation = Observation::new(&robot.robot, &robot.base, &prepared);
-        let found = estimate(&[observation], &[&prepared], Estimator::Weighted);
+        let found = estimate(&robot.robot, &[Stretch::new(&prepared, &log)], Estimator::Weighted).estimate;
         scores.extend((0..truth.len()).map(|c| (found.values[c] - truth[c]) / found.std_dev(c)));
     }
     let variance = scores.iter().map(|z| z * z).sum::<f64>() / scores.len() as f64;
@@ -101,15 +99,14 @@ fn prop_gross_errors_do_the_robust_estimate_no_harm() {
     }
     let error = |estimator| {
         let options = PreprocessOptions {
-            period: dynident::identification::preprocess::Period::Known {
+            period: Period::Known {
                 period_s: 10.0,
                 order: Some(5),
             },
             ..PreprocessOptions::default()
         };
         let prepared = prepare(&log, 7, &options).unwrap();
-        let observation = Observation::new(&robot.robot, &robot.base, &prepared);
-        let found = estimate(&[observation], &[&prepared], estimator);
+        let found = estimate(&robot.robot, &[Stretch::new(&prepared, &log)], estimator).estimate;
         (found.values - robot.truth()).norm()
     };
     let (robust, ordinary) = (error(Estimator::Robust), error(Estimator::Ordinary));

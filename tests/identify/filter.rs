@@ -1,6 +1,6 @@
 //! Filters against SciPy (tests/data/README.md).
 
-use dynident::identification::filter::{LowPass, Padding, zero_phase};
+use dynident::preparation::filter::{LowPass, Padding, zero_phase};
 use serde_json::Value;
 use std::f64::consts::PI;
 

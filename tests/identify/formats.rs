@@ -1,10 +1,10 @@
 //! Logs in the formats that people have: files that NumPy, SciPy, pandas, pyarrow, `rosbags` and `mcap` wrote (`tests/data/ref_log_formats.py`),
 //! columns of well-known programs, and dialects of text.
 
-use dynident::identification::Log;
 use dynident::io::log::{
     Columns, FindingKind, JointColumns, LogColumn, LogError, LogReport, Source, TimeUnit, Transformation, log_overview, read_log,
 };
+use dynident::preparation::Log;
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {

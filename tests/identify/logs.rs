@@ -1,9 +1,9 @@
 //! Reading log files, good and bad.
 
-use dynident::identification::Log;
 use dynident::io::log::{
     Columns, FindingKind, JointColumns, LogError, LogReport, Source, TimeUnit, Transformation, read_joined_log, read_log,
 };
+use dynident::preparation::Log;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use nalgebra::DMatrix;

@@ -1,7 +1,8 @@
 //! The paper's chain at the paper's size, against NumPy, SciPy and Pinocchio (`tests/data/ref_paper_chain.py`, tests/data/README.md).
 
 use crate::simulated::Virtual;
-use dynident::identification::{Estimator, Log, Observation, PreprocessOptions, estimate, prepare, validate};
+use dynident::preparation::{Log, PreprocessOptions, prepare};
+use dynident::regression::{Estimator, Stretch, estimate};
 use dynident::trajectory::FourierSeries;
 use nalgebra::DMatrix;
 use serde_json::Value;
@@ -56,10 +57,11 @@ fn val_the_papers_chain_at_its_size_equals_scipy_and_pinocchio() {
     let reference: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let numbers = |key: &str| serde_json::from_value::<Vec<f64>>(reference[key].clone()).unwrap();
     let robot = Virtual::iiwa14();
-    let prepared = prepare(&log(&robot), 7, &PreprocessOptions::paper(10.0)).unwrap();
+    let log = log(&robot);
+    let prepared = prepare(&log, 7, &PreprocessOptions::paper(10.0)).unwrap();
     assert_eq!(prepared.periods.as_ref().unwrap().count, PERIODS);
-    let observations = [Observation::new(&robot.robot, &robot.base, &prepared)];
-    let found = estimate(&observations, &[&prepared], Estimator::Ordinary);
+    let stretch = Stretch::new(&prepared, &log);
+    let found = estimate(&robot.robot, std::slice::from_ref(&stretch), Estimator::Ordinary).estimate;
     assert_eq!(found.solution.rank as u64, reference["rank"].as_u64().unwrap());
     // Accelerations are second differences over a millisecond: the filters' rounding of 1e-16 becomes 1e-10 there, and the normal equations
     // multiply that by the condition number, 238, and what they round by its square, 6e4. Values are of the order of one.
@@ -70,9 +72,10 @@ fn val_the_papers_chain_at_its_size_equals_scipy_and_pinocchio() {
         close(found.values[c], value, value.abs().max(1.0), &robot.base.names[c]);
         close(found.textbook_std_dev[c], deviation, deviation, &robot.base.names[c]);
     }
-    let errors = validate(&observations[0], &found.values);
     for (j, (&rms, &torque)) in numbers("rms").iter().zip(&numbers("torque_rms")).enumerate() {
-        close(errors.rms[j], rms, rms, "rms");
-        close(errors.percent[j], 100.0 * rms / torque, 1.0, "percent");
+        close(found.joints[j].rms, rms, rms, "rms");
+        let mean = &stretch.torque[j];
+        let size = (mean.iter().map(|t| t * t).sum::<f64>() / mean.len() as f64).sqrt();
+        close(size, torque, torque, "torque");
     }
 }

@@ -1,8 +1,7 @@
 //! Finding and cutting periods.
 
 use crate::simulated::{TORQUE_NOISE, Virtual, excitation, noisy, way_points};
-use dynident::identification::preprocess::{Period, detect_period};
-use dynident::identification::{Log, PreprocessOptions, prepare};
+use dynident::preparation::{Log, Period, PreprocessOptions, detect_period, prepare};
 
 fn stay(log: &Log, samples: usize) -> Log {
     let mut late = log.clone();

@@ -4,8 +4,9 @@ use crate::simulated::{POSITION_NOISE, TORQUE_NOISE, Virtual, excitation, noisy}
 use dynident::identification::physical::{
     ConsistentOptions, Constraint, FitEnding, FitObjective, LinkBounds, PhysicalFit, fit_consistent, margins, priors,
 };
-use dynident::identification::{Estimator, Observation, PreprocessOptions, estimate, normal_equations, prepare};
 use dynident::parameters::{Inertial, Layout};
+use dynident::preparation::{PreprocessOptions, prepare};
+use dynident::regression::{Estimator, Stretch, estimate};
 
 pub fn objective(robot: &Virtual, noise: f64) -> FitObjective {
     let torque = TORQUE_NOISE.map(|t| t * noise);
@@ -16,9 +17,8 @@ pub fn objective(robot: &Virtual, noise: f64) -> FitObjective {
         4,
     );
     let prepared = prepare(&log, 7, &PreprocessOptions::default()).unwrap();
-    let observations = [Observation::new(&robot.robot, &robot.base, &prepared)];
-    let found = estimate(&observations, &[&prepared], Estimator::Weighted);
-    FitObjective::new(&robot.base, &normal_equations(&observations), &found)
+    let found = estimate(&robot.robot, &[Stretch::new(&prepared, &log)], Estimator::Weighted);
+    FitObjective::new(&found.base, &found.normals, &found.estimate.values)
 }
 
 /// Rods with friction: a body that meets every constraint with room to spare.

@@ -2,9 +2,9 @@
 
 use crate::support::{iiwa14, rng, uniform};
 use dynident::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
-use dynident::identification::Log;
 use dynident::model::Robot;
 use dynident::parameters::{BaseParameters, Layout};
+use dynident::preparation::Log;
 use dynident::trajectory::{FourierSeries, QuinticWayPoints, Trajectory};
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;

@@ -1,7 +1,7 @@
 //! Velocities that a log has.
 
 use crate::simulated::{TORQUE_NOISE, Virtual, noisy, way_points};
-use dynident::identification::{Log, PreparedLog, PreprocessOptions, prepare};
+use dynident::preparation::{Log, PreparedLog, PreprocessOptions, prepare};
 use dynident::trajectory::Trajectory;
 
 /// A motion that does not repeat, with coarse positions and good velocities.

@@ -6,7 +6,7 @@ use dynident::effects::by_code;
 use dynident::io::{FinalModel, ModelFormat, Patched};
 use dynident::model::{ChainEnds, Joint, LinkPrior, Robot, Rounding, from_mjcf, from_urdf, from_urdf_rounded};
 use dynident::parameters::Layout;
-use dynident::residual::{AugmentedModel, Stretch, Term};
+use dynident::regression::{AugmentedModel, Stretch, Term};
 use dynident::spatial::PhysicalInertia;
 use nalgebra::{DVector, Matrix3, Vector3};
 use rand::RngExt;

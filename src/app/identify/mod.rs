@@ -9,19 +9,20 @@ pub(super) use reading::{Reading, split_companions, use_log};
 
 use self::model::{Found, model_files};
 use self::reading::{prepared, raw_log};
+use super::diagnose::{beyond_repair, data_faults, mounted, mounting_fault, report_faults, residual_value};
 use super::provenance::provenance;
 use super::report::{Answer, effects};
 use super::series::{Predictors, drawn, predictions};
-use super::trace::{beyond_repair, data_faults, mounted, mounting_fault, report_faults, residual_value};
 use super::{CancelFlag, Code, Error};
+use crate::cancel::Cancelled;
+use crate::diagnosis::{DataFault, Diagnosis, DiagnosisOptions, Estimates, FaultKind, Remedy, diagnose, diagnose_mounted};
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
-use crate::identification::{Cancelled, Estimate, PreparedLog, PreprocessOptions, Quality, Verdict, quality, signal_cutoff};
+use crate::identification::{Quality, Verdict, quality};
 use crate::io::{IdentifyDocument, IdentifyRequest, PredictionDocument, significant};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
-use crate::residual::{
-    AugmentedModel, DataFault, Estimates, FaultKind, Fitted, Remedy, Stretch, TraceOptions, Traced, trace, trace_mounted,
-};
+use crate::preparation::{PreparedLog, PreprocessOptions, signal_cutoff};
+use crate::regression::{AugmentedModel, Estimate, Fitted, Stretch};
 
 /// Where an identification stands, for whoever watches.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -119,15 +120,15 @@ fn identified(
     read.turn(&robot, &faults);
     progress.at("estimating and diagnosing", logs.len() + validation.len())?;
     let (measured, held_out) = read.stretches.split_at(beside);
-    let options = TraceOptions {
+    let options = DiagnosisOptions {
         search: request.trace && !beyond_repair(&faults),
         offsets: request.offset,
         estimator: request.estimator,
         cancel: cancel.clone(),
-        ..TraceOptions::default()
+        ..DiagnosisOptions::default()
     };
     let mounting = moved.then_some(&request.robot);
-    let traced = diagnose(&robot, mounting, [measured, held_out], &faults, &options);
+    let traced = diagnosed(&robot, mounting, [measured, held_out], &faults, &options);
     // Gravity is where the data have it.
     let robot = traced.model.robot.clone();
     let Estimates { found, declared } = traced.estimates.clone().expect("there is no existing model");
@@ -138,7 +139,7 @@ fn identified(
     }
     progress.at("physical parameters", logs.len() + validation.len() + 1)?;
     let physical = request.feasible.as_ref().map(|options| {
-        let objective = FitObjective::beside(&found.base, &found.normals, &found.estimate.values);
+        let objective = FitObjective::new(&found.base, &found.normals, &found.estimate.values);
         fit_feasible(&robot, &objective, options, &|| cancel.is_cancelled())
     });
     progress.stop_if_cancelled()?;
@@ -215,17 +216,17 @@ impl Declared {
 }
 
 /// Searches for effects, unless the options say not to; estimates in any case. `declared` is the robot as declared, where the data have gravity elsewhere.
-fn diagnose(
+fn diagnosed(
     robot: &Robot,
     declared: Option<&Robot>,
     [measured, held_out]: [&[Stretch]; 2],
     faults: &[DataFault],
-    options: &TraceOptions,
-) -> Traced {
+    options: &DiagnosisOptions,
+) -> Diagnosis {
     let (mut traced, mounting) = match declared {
-        None => (trace(robot, measured, held_out, options), None),
+        None => (diagnose(robot, measured, held_out, options), None),
         Some(declared) => {
-            let (traced, gravity) = trace_mounted(robot, measured, held_out, options);
+            let (traced, gravity) = diagnose_mounted(robot, measured, held_out, options);
             (traced, Some(mounting_fault(declared, &gravity)))
         }
     };

@@ -1,12 +1,13 @@
 //! Files of the identified robot, read back and compared.
 
 use crate::app::{Code, Error};
+use crate::diagnosis::Diagnosis;
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::PhysicalFit;
 use crate::io::{FinalModel, IdentifyRequest, ModelFormat, Patched, robot_value, traced_value, urdf, urdf_gravity};
 use crate::model::{ChainEnds, LinkPrior, Robot, Rounding, from_mjcf, from_urdf_rounded};
 use crate::parameters::Layout;
-use crate::residual::{AugmentedModel, Fitted, Stretch, Traced, reported};
+use crate::regression::{AugmentedModel, Fitted, Stretch, reported};
 use nalgebra::DVector;
 use serde_json::{Value, json};
 
@@ -78,7 +79,7 @@ pub(super) struct Found<'a> {
     pub fit: &'a PhysicalFit,
     /// The model with base parameters of the bodies.
     pub bodies: &'a AugmentedModel,
-    pub traced: &'a Traced,
+    pub traced: &'a Diagnosis,
     pub logs: &'a [Stretch],
     /// Highest cut-off of their row filters [Hz], so that what the model is held against later is of the same band.
     pub band_hz: Option<f64>,

@@ -1,10 +1,11 @@
 //! Log files, and how they become rows.
 
 use crate::app::{CancelFlag, Code, Error};
-use crate::identification::{Log, PreparedLog, PreprocessOptions, prepare_until};
+use crate::diagnosis::{DataFault, RawLog, leave_out, lost_rows, sample_faults};
 use crate::io::log::{Columns, LogError, LogReport, read_joined_log_until};
 use crate::model::Robot;
-use crate::residual::{DataFault, RawLog, Stretch, leave_out, lost_rows, sample_faults};
+use crate::preparation::{Log, PreparedLog, PreprocessOptions, prepare_until};
+use crate::regression::Stretch;
 use std::path::{Path, PathBuf};
 
 /// A log file and the name that the answer calls it by.

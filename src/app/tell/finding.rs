@@ -2,9 +2,9 @@
 
 use super::words::{parameters, phrase, sentence};
 use super::{Teller, is_rejected};
+use crate::diagnosis::{Change, Finding, Perturbation, RmsPair};
 use crate::effects::{Kind, by_code};
 use crate::io::{listed, significant};
-use crate::residual::{Change, Finding, Perturbation, RmsPair};
 
 /// Joints that a sentence names; an effect of the whole robot changes more of them.
 const MOST_JOINTS: usize = 3;

@@ -7,10 +7,10 @@ mod tests;
 mod words;
 
 use self::words::{known, phrase, sentence, variable_in_words};
-use super::trace::beyond_repair;
+use super::diagnose::beyond_repair;
+use crate::diagnosis::{Change, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, ResidualReport, Verdict};
 use crate::io::{listed, significant, unit};
 use crate::model::Robot;
-use crate::residual::{Change, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, ResidualReport, Verdict};
 use serde_json::{Value, json};
 
 /// Adds to the document of `report`: `summary`, to every finding `sentence` and `against`, to the remainder `sentence`.

@@ -1,12 +1,12 @@
 //! Sentences as they are read, and that every effect has words.
 
 use super::*;
+use crate::diagnosis::{
+    DataFault, Evaluated, Evidence, FaultKind, FindingHeldOut, HeldOut, JointFit, Remedy, ReportedParameter, Rival, RmsPair,
+};
 use crate::effects::all;
 use crate::io::shipped::Shipped;
 use crate::io::{NamedRobots, RobotDocument};
-use crate::residual::{
-    DataFault, Evaluated, Evidence, FaultKind, FindingHeldOut, HeldOut, JointFit, Remedy, ReportedParameter, Rival, RmsPair,
-};
 
 fn robot() -> Robot {
     let RobotDocument { robot, .. } = Shipped.named("planar_two_link").expect("is shipped");
@@ -183,7 +183,7 @@ fn of_wrong_data_nothing_is_said_of_the_robot() {
         remedy: Remedy::Nothing,
         parameters: Vec::new(),
     };
-    super::super::trace::report_faults(&mut report, vec![fault]);
+    super::super::diagnose::report_faults(&mut report, vec![fault]);
     let mut document = serde_json::to_value(&report).unwrap();
     tell(&robot, &report, &mut document);
     assert_eq!(document["verdict"], "unexplained");
@@ -197,7 +197,7 @@ fn of_wrong_data_nothing_is_said_of_the_robot() {
 /// Two halves and two cut-offs are one phrase each, and what does not survive is said.
 #[test]
 fn a_finding_says_which_changes_of_the_data_it_survives() {
-    use crate::residual::{Perturbation, Survival};
+    use crate::diagnosis::{Perturbation, Survival};
     let robot = robot();
     let told = |survive: [bool; 6]| {
         use Perturbation::*;

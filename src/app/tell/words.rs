@@ -1,7 +1,7 @@
 //! How effects, their parameters and variables are spoken of.
 
+use crate::diagnosis::Finding;
 use crate::io::{listed, measured, unit};
-use crate::residual::Finding;
 
 /// How an effect is spoken of.
 pub(super) struct Known {
@@ -60,7 +60,7 @@ pub(super) fn phrase(code: &str) -> &str {
 }
 
 pub(super) fn parameters(f: &Finding) -> String {
-    let one = |p: &crate::residual::ReportedParameter| {
+    let one = |p: &crate::diagnosis::ReportedParameter| {
         let value = format!(
             "{} {} {}",
             p.name.replace('_', " "),

@@ -1,11 +1,12 @@
 //! The gradient held against differences, through the columns of every effect.
 
 use super::*;
+use crate::diagnosis::EffectColumns;
 use crate::dynamics::{Chain, ColumnSet, MotionGradient, RowBlocks};
 use crate::effects::{Effect, Kind, Span, all};
 use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
 use crate::parameters::Layout;
-use crate::residual::{AugmentedModel, EffectColumns, Term};
+use crate::regression::{AugmentedModel, Term};
 use crate::trajectory::harmonic;
 use nalgebra::{DVector, Vector3};
 use std::f64::consts::TAU;

@@ -1,16 +1,15 @@
 //! The cost of standard parameters: the weighted residual of the log.
 
 use super::consistent::unconstrained_minimum;
-use crate::identification::{Estimate, JointNormal, Solution};
 use crate::parameters::BaseParameters;
+use crate::regression::{JointNormal, Solution};
 use nalgebra::{DMatrix, DVector};
 
-/// `Σ_j ‖τⱼ − Wⱼ θ(φ)‖²/σⱼ²` with `θ = (K φ, extra)`, as a quadratic form in the standard parameters and the extra columns.
+/// `Σ_j ‖τⱼ − Wⱼ K φ‖²/σⱼ²`, as a quadratic form in the standard parameters φ; rows are weighted already.
 #[derive(Debug, Clone)]
 pub struct FitObjective {
     normals: Vec<JointNormal>,
-    sigma: Vec<f64>,
-    /// θ = map · x, x = standard parameters, then extra columns.
+    /// θ = map · x, x = standard parameters.
     pub map: DMatrix<f64>,
     /// Weighted Gram matrix and moment over θ.
     gram: DMatrix<f64>,
@@ -31,38 +30,25 @@ pub struct FitRms {
 }
 
 impl FitObjective {
-    /// From the normal equations that gave `estimate`. Columns behind the base parameters are carried along as they are.
-    pub fn new(base: &BaseParameters, normals: &[JointNormal], estimate: &Estimate) -> Self {
-        let sigma: Vec<f64> = estimate.joints.iter().map(|j| j.sigma).collect();
-        let columns = estimate.values.len();
-        let extra = columns - base.len();
-        let standard = base.map.ncols();
-        let mut map = DMatrix::zeros(columns, standard + extra);
-        map.view_mut((0, 0), (base.len(), standard)).copy_from(&base.map);
-        (0..extra).for_each(|e| map[(base.len() + e, standard + e)] = 1.0);
-        Self::of(normals.to_vec(), sigma, map)
-    }
-
     /// What is left to the bodies beside effects: `values` holds the base parameters, then what belongs to the effects, whose torque is taken off. `normals`
     /// are of rows that are weighted already.
-    pub fn beside(base: &BaseParameters, normals: &[JointNormal], values: &DVector<f64>) -> Self {
+    pub fn new(base: &BaseParameters, normals: &[JointNormal], values: &DVector<f64>) -> Self {
         let mut effects = values.clone();
         effects.rows_mut(0, base.len()).fill(0.0);
         let left = normals.iter().map(|n| n.without(&effects, base.len())).collect();
-        Self::of(left, vec![1.0; normals.len()], base.map.clone())
+        Self::of(left, base.map.clone())
     }
 
-    fn of(normals: Vec<JointNormal>, sigma: Vec<f64>, map: DMatrix<f64>) -> Self {
+    fn of(normals: Vec<JointNormal>, map: DMatrix<f64>) -> Self {
         let columns = map.nrows();
         let (mut gram, mut moment) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
         let mut torque_square = 0.0;
-        for (normal, s) in normals.iter().zip(&sigma) {
-            normal.add_to(1.0 / (s * s), &mut gram, &mut moment);
-            torque_square += normal.torque_square / (s * s);
+        for normal in &normals {
+            normal.add_to(1.0, &mut gram, &mut moment);
+            torque_square += normal.torque_square;
         }
         let mut objective = Self {
             normals,
-            sigma,
             map,
             gram,
             moment,
@@ -84,11 +70,7 @@ impl FitObjective {
     }
 
     fn cost_of_columns(&self, theta: &DVector<f64>) -> f64 {
-        self.normals
-            .iter()
-            .zip(&self.sigma)
-            .map(|(n, s)| n.residual_square(theta) / (s * s))
-            .sum()
+        self.normals.iter().map(|n| n.residual_square(theta)).sum()
     }
 
     /// `(H, g, c)` with cost = xᵀ H x − 2 gᵀ x + c.

@@ -3,7 +3,7 @@
 use super::finite;
 use crate::excitation::{Design, ExpectedEvidence, Problem, RivalReport};
 use crate::io::knowledge_request::DesignTerms;
-use crate::residual::{Term, reported};
+use crate::regression::{Term, reported};
 use nalgebra::DMatrix;
 use serde::Serialize;
 

@@ -5,8 +5,9 @@ use super::report::{FindingKind, Tally};
 use super::table::Table;
 use super::time_unit::{PLAUSIBLE_HZ, is_rate_of, to_seconds};
 use super::{Columns, Finding, LogError, LogReport};
-use crate::identification::{CancelFlag, Log};
+use crate::cancel::CancelFlag;
 use crate::model::INPUT_LIMITS;
+use crate::preparation::Log;
 
 /// Fewer samples than this hold no motion.
 const LEAST_ROWS: usize = 16;

@@ -5,7 +5,7 @@ use crate::dynamics::inverse_dynamics;
 use crate::effects::{by_code, tilted};
 use crate::model::{Joint, ModelError, Robot};
 use crate::parameters::Layout;
-use crate::residual::Term;
+use crate::regression::Term;
 use crate::spatial::Transform;
 use nalgebra::DMatrix;
 

@@ -2,7 +2,7 @@
 
 use super::{FinalModel, ModelFormat};
 use crate::io::significant;
-use crate::residual::{AugmentedModel, Stretch, Term};
+use crate::regression::{AugmentedModel, Stretch, Term};
 use serde::{Deserialize, Serialize};
 
 /// What one format does not hold.

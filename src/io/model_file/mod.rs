@@ -24,7 +24,7 @@ use super::cursor::{Cursor, Findings};
 use super::model_document::{urdf, with_comment};
 use super::robot::read_robot_rounded;
 use crate::model::{FieldProblem, INPUT_LIMITS, Robot, Rounding};
-use crate::residual::Term;
+use crate::regression::Term;
 use serde_json::Value;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::FinalModel;
 use super::effects_held::coupling_ratio;
 use super::source::{literal, one_line};
-use crate::residual::Term;
+use crate::regression::Term;
 
 /// What an effect adds, in terms of `q, qd, qdd` (with encoder offsets in `q`), `rigid` (torques of the bodies) and `declared` (with friction).
 pub(super) struct Statements {

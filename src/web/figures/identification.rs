@@ -21,7 +21,7 @@ pub fn torque_figure(prediction: &Value, effort_unit: &str) -> Figure {
     let (time, measured) = (numbers(&prediction["time"]), numbers(&prediction["measured"]));
     let predicted = numbers(&prediction["base"]);
     let rest: Vec<f64> = measured.iter().zip(&predicted).map(|(m, p)| m - p).collect();
-    let kept = crate::identification::keep_peaks(&[&measured, &rest], POINTS);
+    let kept = crate::preparation::keep_peaks(&[&measured, &rest], POINTS);
     let curve = |name: &str, colour: usize, values: &[f64]| Series {
         name: name.into(),
         mark: Mark::Line,

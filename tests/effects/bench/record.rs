@@ -1,9 +1,10 @@
 //! From a motion to a traced log.
 
 use super::{bodies, excitation, published, validation, wide_excitation, wide_validation};
-use dynident::identification::{Log, PreprocessOptions, prepare};
+use dynident::diagnosis::{Diagnosis, DiagnosisOptions, diagnose, diagnose_mounted, mounting};
 use dynident::model::Robot;
-use dynident::residual::{Outcome, Stretch, TraceOptions, mounting, trace, trace_mounted};
+use dynident::preparation::{Log, PreprocessOptions, prepare};
+use dynident::regression::Stretch;
 use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
 use dynident::trajectory::{QuinticWayPoints, Trajectory};
 use nalgebra::Vector3;
@@ -70,13 +71,13 @@ pub fn logs(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -
 }
 
 /// The tracing of an identification log.
-pub fn traced(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -> Outcome {
+pub fn traced(robot: &Robot, effects: &[HiddenEffect], noise: &Noise, seed: u64) -> Diagnosis {
     let [identify, validate] = logs(robot, effects, noise, seed);
-    trace(
+    diagnose(
         robot,
         &[stretch(&identify, "identify")],
         &[stretch(&validate, "validate")],
-        &TraceOptions::default(),
+        &DiagnosisOptions::default(),
     )
 }
 
@@ -126,25 +127,25 @@ pub fn traced_mounted(
     direction: Vector3<f64>,
     effects: &[HiddenEffect],
     seed: u64,
-) -> (Option<Vector3<f64>>, Outcome) {
+) -> (Option<Vector3<f64>>, Diagnosis) {
     let n = robot.joint_count();
     let there = robot.with_gravity(direction.normalize() * robot.gravity().norm());
     let [identify, validate] = logs(&there, effects, &sensor_noise(n), seed);
     let prepared = prepare(&as_log(&identify, "identify", RATE), n, &PreprocessOptions::default()).unwrap();
     let stretches = [stretch(&identify, "identify")];
     let held_out = [stretch(&validate, "validate")];
-    let options = TraceOptions::default();
+    let options = DiagnosisOptions::default();
     match mounting(robot, &[(&prepared.motion, &prepared.torque)]) {
-        None => (None, trace(robot, &stretches, &held_out, &options)),
+        None => (None, diagnose(robot, &stretches, &held_out, &options)),
         Some(found) => {
-            let (outcome, gravity) = trace_mounted(&robot.with_gravity(found.gravity), &stretches, &held_out, &options);
+            let (outcome, gravity) = diagnose_mounted(&robot.with_gravity(found.gravity), &stretches, &held_out, &options);
             (Some(gravity.value), outcome)
         }
     }
 }
 
 /// A minute of random way-points that never come back, traced.
-pub fn once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) -> Outcome {
+pub fn once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) -> Diagnosis {
     let n = robot.joint_count();
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x3a7);
     let points = (0..31)
@@ -161,5 +162,5 @@ pub fn once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) ->
         noise,
         seed,
     });
-    trace(robot, &[stretch(&log, "once")], &[], &TraceOptions::default())
+    diagnose(robot, &[stretch(&log, "once")], &[], &DiagnosisOptions::default())
 }

@@ -1,0 +1,90 @@
+//! A fault of the data, by name, and what was done about it.
+
+use crate::diagnosis::report::ReportedParameter;
+use serde::Serialize;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    GravityDirection,
+    TorqueSign,
+    JointOrder,
+    UnitMismatch,
+    BadSamples,
+    /// Torques without the part that holds the arm up.
+    GravityCompensatedTorque,
+    /// Torques that are no torques in one unit: currents, counts, or numbers of no size that a joint has.
+    UnitUnknown,
+}
+
+impl FaultKind {
+    /// Name in documents.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::GravityDirection => "gravity_direction",
+            Self::TorqueSign => "torque_sign",
+            Self::JointOrder => "joint_order",
+            Self::UnitMismatch => "unit_mismatch",
+            Self::BadSamples => "bad_samples",
+            Self::GravityCompensatedTorque => "gravity_compensated_torque",
+            Self::UnitUnknown => "unit_unknown",
+        }
+    }
+}
+
+/// A fault, named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DataFault {
+    #[serde(rename = "code")]
+    pub fault: FaultKind,
+    /// Joints whose columns are concerned.
+    pub joints: Vec<String>,
+    /// What was seen, and what to do.
+    pub detail: String,
+    /// What was done about it without asking.
+    pub remedy: Remedy,
+    /// Numbers that put it right, where there are any.
+    pub parameters: Vec<ReportedParameter>,
+}
+
+impl DataFault {
+    pub(crate) fn new(fault: FaultKind, joints: Vec<String>, detail: String, remedy: Remedy) -> Self {
+        Self {
+            fault,
+            joints,
+            detail,
+            remedy,
+            parameters: Vec::new(),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Remedy {
+    /// Turning the sign round.
+    Turn,
+    /// Taking gravity where the data have it.
+    Reorient,
+    /// Leaving the rows out that it has spoiled.
+    LeaveOut,
+    /// Nothing: as the data are, nothing physical can be said.
+    Nothing,
+}
+
+impl Remedy {
+    /// In a sentence.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Turn => "The sign was turned in all logs before anything was estimated.",
+            Self::Reorient => "Everything was estimated with this direction; put it into the robot's description as `gravity`.",
+            Self::LeaveOut => "The rows concerned were left out of the estimate.",
+            Self::Nothing => "Nothing was changed, and no effect was looked for: correct the data and identify again.",
+        }
+    }
+}
+
+impl Serialize for Remedy {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.sentence())
+    }
+}

@@ -1,0 +1,8 @@
+//! What no effect explains: smooth functions of one or two variables stand in for the unknown cause, and compete with the effects found.
+
+mod bic;
+mod matching_pursuit;
+mod remainder;
+
+pub(crate) use bic::Rivalling;
+pub(crate) use remainder::{examine, unaccounted};

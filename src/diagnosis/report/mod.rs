@@ -1,0 +1,17 @@
+//! The `residual` part of an answer: findings, lack of fit, errors, and detection limits of what was not found.
+
+mod detection_limits;
+mod findings;
+mod lack_of_fit;
+mod parameter;
+mod result;
+
+pub(crate) use detection_limits::{nuisance, undetected};
+pub(crate) use findings::{Told, between_findings, findings};
+pub(crate) use lack_of_fit::{at_rest, fits, rms};
+pub use parameter::ReportedParameter;
+pub(crate) use parameter::{is_determined, joint_names, of_deviation};
+pub use result::{
+    AtRest, Change, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut, NotTested,
+    Remainder, ResidualReport, Rival, RmsPair, Undetected, Verdict,
+};

@@ -1,0 +1,271 @@
+//! The `residual` part of an answer.
+
+use super::parameter::ReportedParameter;
+use crate::diagnosis::data_quality::DataFault;
+use crate::diagnosis::stability::Survival;
+use serde::{Serialize, Serializer};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The declared model leaves nothing above the noise.
+    NothingMissing,
+    /// What it leaves is explained by the findings, down to the noise.
+    Explained,
+    /// The findings explain a part; the remainder says what is left.
+    PartlyExplained,
+    /// Something is left that no effect explains.
+    Unexplained,
+}
+
+/// Lack of fit of one joint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointFit {
+    pub joint: String,
+    /// Mean square of the whitened residual over its expectation under pure noise: F with the degrees of freedom below.
+    pub statistic: f64,
+    pub p_value: f64,
+    pub degrees_of_freedom: [f64; 2],
+    /// RMS of the residual of the mean over the periods, and what noise alone would leave there [N·m or N].
+    pub residual_rms: f64,
+    pub expected_rms: f64,
+}
+
+/// RMS per joint [N·m or N], of single measurements.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RmsPair {
+    /// NaN for a joint without rows.
+    #[serde(serialize_with = "of_joints")]
+    pub identification: Vec<f64>,
+    /// Per joint over all held-out logs together; empty where there is none.
+    #[serde(serialize_with = "of_joints")]
+    pub held_out: Vec<f64>,
+}
+
+/// Errors where a joint stands still for half a second and more: locked-in friction holds it there, and those rows take no part in fits and other errors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AtRest {
+    /// Time at rest in the identification logs, per joint (s).
+    pub seconds: Vec<f64>,
+    /// Of the declared model and of the final one; zero for a joint that never rests.
+    pub rms_before: RmsPair,
+    pub rms_after: RmsPair,
+}
+
+/// A figure, or that it was not computed: written as the number, or as `not_evaluated`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Evaluated {
+    Value(f64),
+    NotEvaluated,
+}
+
+impl Evaluated {
+    /// The number, where there is one.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Value(v) => Some(v),
+            Self::NotEvaluated => None,
+        }
+    }
+}
+
+impl From<Option<f64>> for Evaluated {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Self::NotEvaluated, Self::Value)
+    }
+}
+
+impl Serialize for Evaluated {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Value(v) => serializer.serialize_f64(*v),
+            Self::NotEvaluated => serializer.serialize_str("not_evaluated"),
+        }
+    }
+}
+
+/// Whether an error on data that fitted nothing changed beyond chance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    Better,
+    Same,
+    Worse,
+    NotTested,
+}
+
+/// What held-out data say of all effects in the model together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeldOutVerdict {
+    /// The error fell beyond chance.
+    Confirmed,
+    /// It did not.
+    NotConfirmed,
+    /// No effect is in the model.
+    NotTested,
+}
+
+/// The declared model and the final one on held-out data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeldOut {
+    pub verdict: HeldOutVerdict,
+    /// Which data were held out, and how far that can be trusted.
+    pub source: String,
+    /// Chance of a change as large of the error over all joints.
+    pub p_value: Evaluated,
+    pub joints: Vec<JointHeldOut>,
+}
+
+/// One joint on held-out data: RMS of single measurements [N·m or N].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointHeldOut {
+    pub joint: String,
+    /// Of the declared model.
+    pub before: f64,
+    /// Of the final model.
+    pub after: f64,
+    /// Of the noise alone.
+    pub floor: f64,
+    pub change: Change,
+    pub p_value: f64,
+}
+
+/// The model without an effect and with it on held-out data: RMS over its joints [N·m or N].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FindingHeldOut {
+    pub before: Evaluated,
+    pub after: Evaluated,
+    pub change: Change,
+    pub p_value: Evaluated,
+}
+
+impl FindingHeldOut {
+    /// Of what was not held against held-out data.
+    pub fn not_tested() -> Self {
+        Self {
+            before: Evaluated::NotEvaluated,
+            after: Evaluated::NotEvaluated,
+            change: Change::NotTested,
+            p_value: Evaluated::NotEvaluated,
+        }
+    }
+}
+
+/// Why an effect is believed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evidence {
+    /// Decrease of the weighted sum of squares when the effect is added, divided by what is left per degree of freedom.
+    pub gain: f64,
+    /// Twice the log of the evidence ratio against leaving it out, parameters and shapes tried paid for (Schwarz).
+    pub log_evidence_ratio: f64,
+    /// Chance of such a gain without the effect, times the number of hypotheses tried.
+    pub p_value: f64,
+    /// Gain on blocks of time that were left out of the fit.
+    pub held_out_blocks: Evaluated,
+    /// Gain on one half of the periods when fitted to the other.
+    pub held_out_periods: Evaluated,
+}
+
+/// Another effect that the data do not exclude in a finding's place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rival {
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// Twice the log of the evidence ratio in favour of the finding; below zero the rival fits better.
+    pub evidence: f64,
+}
+
+/// An effect found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    pub effect: String,
+    pub joints: Vec<String>,
+    pub parameters: Vec<ReportedParameter>,
+    pub rms_before: RmsPair,
+    pub rms_after: RmsPair,
+    pub evidence: Evidence,
+    pub held_out: FindingHeldOut,
+    /// Whether the effect is a part of the model that is handed out.
+    pub in_model: bool,
+    pub rivals: Vec<Rival>,
+    /// Under which changes of the data the effect is still beyond doubt; those that the data allow.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub survivals: Vec<Survival>,
+    /// In words, where something should be known about it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// What no effect explains.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Remainder {
+    pub joints: Vec<String>,
+    /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the motion: strongest first. Empty where
+    /// more than noise is left and no smooth function accounts for it.
+    pub depends_on: Vec<String>,
+    /// Share of what is left above the noise on those joints that smooth functions of these variables predict; of what changes slowly from period to
+    /// period where they are `time` and `period`, and of all that is left where the log has no periods.
+    pub predicted_share: f64,
+    /// RMS of what is left above the noise, per joint of `joints` [N·m or N].
+    pub rms: Vec<f64>,
+    pub note: String,
+}
+
+/// An effect that every robot may have and that was not found: what the data say of its size all the same.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Undetected {
+    pub effect: String,
+    pub joint: String,
+    /// Beside the final model and alone; not beyond chance, or it would be a finding.
+    pub parameter: ReportedParameter,
+    /// Whether the final model has it all the same: a nuisance offset, estimated because an offset was found on another joint and all of them together predict
+    /// blocks left out better.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub in_model: bool,
+}
+
+/// A joint that takes no part in the tracing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NotTested {
+    pub joint: String,
+    pub reason: String,
+}
+
+/// Numbers of joints, null for a joint that has none.
+fn of_joints<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(values.iter().map(|v| v.is_finite().then_some(*v)))
+}
+
+/// The `residual` part of an answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResidualReport {
+    /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has many more of them than it has turns,
+    /// here as in the errors. NaN for a joint without rows.
+    #[serde(serialize_with = "of_joints")]
+    pub noise_floor: Vec<f64>,
+    /// How the floor was found.
+    pub noise_source: String,
+    pub lack_of_fit: Vec<JointFit>,
+    pub verdict: Verdict,
+    pub held_out: HeldOut,
+    pub data_faults: Vec<DataFault>,
+    pub findings: Vec<Finding>,
+    pub remainder: Option<Remainder>,
+    /// Offsets and rotor inertias that were looked for and not found, with the sizes that the data leave them.
+    pub undetected: Vec<Undetected>,
+    /// Whether the model explains no more of the torques than a constant per joint; no effect is looked for then.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub explains_nothing: bool,
+    /// Joints that no effect was looked for on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_tested: Vec<NotTested>,
+    /// Lack of fit with all findings in the model.
+    pub lack_of_fit_after: Vec<JointFit>,
+    /// RMS of the declared model and of the final one.
+    pub rms_before: RmsPair,
+    pub rms_after: RmsPair,
+    /// The same where joints rest, if any does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_rest: Option<AtRest>,
+}

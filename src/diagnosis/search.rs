@@ -1,0 +1,94 @@
+//! The search for effects, and the last word on each of them, by all samples.
+//!
+//! Effects are looked for on the coarse forms of the data, one sample of the motion to every row. Of long logs that is a tenth of the samples and less, while
+//! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
+
+use crate::diagnosis::alternatives::{Contest, rivals, settled};
+use crate::diagnosis::nonparametric::examine;
+use crate::diagnosis::nonparametric::unaccounted;
+use crate::diagnosis::report::Remainder;
+use crate::diagnosis::selection::{Accepted, Candidate, Selected, Threshold, doubt, extend, select};
+use crate::regression::{AugmentedModel, Data, System, Term};
+
+/// What a search ends with.
+pub(crate) struct Searched<'a> {
+    /// All samples, with the noise that the search ended with.
+    pub data: Data<'a>,
+    /// Fitted to them.
+    pub system: System,
+    /// Terms before the effects: those that the search began with, then nuisance offsets.
+    pub fixed: usize,
+    pub accepted: Vec<Accepted>,
+    /// One per effect of `accepted`.
+    pub contests: Vec<Contest>,
+    pub remainder: Option<Remainder>,
+}
+
+/// Selects on the coarse forms, confirms by all samples, and goes on without the effects that were not confirmed, because they may have stood where another
+/// belongs: every turn has fewer candidates.
+pub(crate) fn searched<'a>(
+    coarse: &Data,
+    fine: &Data<'a>,
+    start: AugmentedModel,
+    candidates: &[Candidate],
+    threshold: &Threshold,
+) -> Searched<'a> {
+    let mut open = candidates.to_vec();
+    let mut selected = select(coarse, start, &open, threshold);
+    loop {
+        let fixed = selected.fixed;
+        let (settled, mut contests) = settled(coarse, selected, fixed, &open, threshold);
+        let data = coarse.with_noise(settled.noise.clone());
+        let (examined, remainder) = examine(&data, settled, fixed, &open, threshold);
+        if remainder.is_some() || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
+            contests = rivals(&data, &examined, fixed, candidates, threshold);
+        }
+        let fine = fine.with_noise(examined.noise.clone());
+        let mut accepted = examined.accepted.clone();
+        let system = fine.fit(examined.system.model.clone());
+        let (system, doubtful) = confirmed(&fine, system, fixed, &mut accepted, &mut contests, threshold.chance);
+        if doubtful.is_empty() || remainder.is_some() {
+            return Searched {
+                remainder: remainder.or_else(|| unaccounted(&fine, &system)),
+                data: fine,
+                system,
+                fixed,
+                accepted,
+                contests,
+            };
+        }
+        open.retain(|c| !doubtful.iter().any(|t| c.is_same_effect(t)));
+        let left = Selected {
+            system: data.fit(system.model),
+            accepted,
+            ..examined
+        };
+        selected = extend(&data, left, &open, threshold);
+    }
+}
+
+/// Takes effects beyond the first `fixed` terms out that the samples do not confirm, the weakest first, until all that are left are: the chance of
+/// `θᵀ C⁻¹ θ` (Wald), θ what the effect adds and C its covariance, is below `limit`. What was tried before is not counted again. Says what went.
+fn confirmed(
+    data: &Data,
+    mut system: System,
+    fixed: usize,
+    accepted: &mut Vec<Accepted>,
+    contests: &mut Vec<Contest>,
+    limit: f64,
+) -> (System, Vec<Term>) {
+    let mut gone = Vec::new();
+    loop {
+        let doubts = (0..accepted.len()).map(|i| (i, doubt(&system, fixed + i)));
+        match doubts.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((i, p)) if p >= limit => {
+                accepted.remove(i);
+                contests.remove(i);
+                let mut model = system.model;
+                gone.push(model.terms.remove(fixed + i));
+                system = data.fit(model);
+            }
+            _ => return (system, gone),
+        }
+    }
+}

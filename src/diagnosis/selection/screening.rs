@@ -1,0 +1,138 @@
+//! The search over all candidates: the best shape of each on its grid, refined, and what it would explain of what is left.
+
+use super::candidate::{Candidate, columns_of, columns_on_grid};
+use super::score::{Scored, appraise};
+use crate::diagnosis::settings::SETTINGS;
+use crate::effects::Shape;
+use crate::regression::{Data, System, reduce};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Scores of all candidates that the model does not have already, best evidence first.
+pub(crate) fn scan(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Scored> {
+    let mut scored = scan_on_grid(data, system, candidates);
+    let refined: Vec<Scored> = scored
+        .par_iter()
+        .take(SETTINGS.selection.refined)
+        .map(|s| refine(data, system, s))
+        .collect();
+    scored.splice(..refined.len(), refined);
+    scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    scored
+}
+
+/// The same with shapes from the grid alone.
+pub(crate) fn scan_on_grid(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Scored> {
+    let open: Vec<&Candidate> = candidates
+        .iter()
+        .filter(|c| !system.model.terms.iter().any(|t| c.is_same_effect(t)))
+        .collect();
+    let mut scored: Vec<Scored> = open.par_iter().filter_map(|c| score(data, system, c)).collect();
+    scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    scored
+}
+
+/// The best shape of a candidate on its grid.
+fn score(data: &Data, system: &System, candidate: &Candidate) -> Option<Scored> {
+    let grid = candidate.grid();
+    let mut best: Option<(f64, usize, DVector<f64>, &Vec<f64>)> = None;
+    for batch in grid.chunks(SETTINGS.selection.batch) {
+        let columns = columns_on_grid(data, system, candidate, batch);
+        let (own, rest, right) = system.projected(&columns);
+        let k = own.nrows() / batch.len();
+        if k == 0 {
+            return None;
+        }
+        for (i, shape) in batch.iter().enumerate() {
+            let part = |m: &DMatrix<f64>| m.view((i * k, i * k), (k, k)).into_owned();
+            let reduced = reduce(&part(&own), &part(&rest), &right.rows(i * k, k).into_owned());
+            if best.as_ref().is_none_or(|b| reduced.gain > b.0) {
+                best = Some((reduced.gain, reduced.rank, reduced.coefficients, shape));
+            }
+        }
+    }
+    let (gain, rank, coefficients, shape) = best?;
+    (rank > 0).then(|| {
+        appraise(
+            system,
+            candidate,
+            candidate.term(coefficients.as_slice(), shape),
+            gain,
+            rank,
+            grid.len(),
+            None,
+        )
+    })
+}
+
+/// Refines the shape of a scored candidate: golden section along each shape in turn, between the neighbours on the grid.
+fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
+    if scored.candidate.shapes.is_empty() {
+        return scored.clone();
+    }
+    let gain_at = |shape: &[f64]| system.reduced(&columns_of(data, system, &scored.candidate, &[shape.to_vec()]));
+    let mut shape = scored.term.shape.clone();
+    for _ in 0..SETTINGS.selection.refinement_rounds {
+        for i in 0..shape.len() {
+            let (low, high) = neighbours(&scored.candidate.shapes[i], shape[i]);
+            let along = |v: f64| {
+                let mut there = shape.clone();
+                there[i] = v;
+                gain_at(&there).gain
+            };
+            let best = golden_section(along, low, high);
+            if along(best) > along(shape[i]) {
+                shape[i] = best;
+            }
+        }
+    }
+    let reduced = gain_at(&shape);
+    if reduced.gain < scored.gain {
+        return scored.clone();
+    }
+    let term = scored.candidate.term(reduced.coefficients.as_slice(), &shape);
+    appraise(
+        system,
+        &scored.candidate,
+        term,
+        reduced.gain,
+        reduced.rank,
+        scored.tried,
+        None,
+    )
+}
+
+fn neighbours(shape: &Shape, value: f64) -> (f64, f64) {
+    let below = shape
+        .grid
+        .iter()
+        .copied()
+        .filter(|&g| g < value * (1.0 - 1e-12 * value.signum()))
+        .fold(shape.low, f64::max);
+    let above = shape
+        .grid
+        .iter()
+        .copied()
+        .filter(|&g| g > value * (1.0 + 1e-12 * value.signum()))
+        .fold(shape.high, f64::min);
+    (below, above)
+}
+
+/// Sixteen steps narrow the bracket to a two-thousandth; Gauss-Newton does the rest.
+fn golden_section(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
+    let (mut fa, mut fb) = (f(a), f(b));
+    for _ in 0..16 {
+        if fa > fb {
+            (high, b, fb) = (b, a, fa);
+            a = high - ratio * (high - low);
+            fa = f(a);
+        } else {
+            (low, a, fa) = (a, b, fb);
+            b = low + ratio * (high - low);
+            fb = f(b);
+        }
+    }
+    if fa > fb { a } else { b }
+}

@@ -1,0 +1,277 @@
+//! One effect, or several at once, beside a fitted model: what they gain on blocks of time that the fit has not seen.
+
+use super::blocks::{Blocks, Partial, residual};
+use crate::diagnosis::selection::{Scored, columns_of, reach};
+use crate::regression::SETTINGS as REGRESSION_SETTINGS;
+use crate::regression::{Data, System, Whitened, jackknife_sum, reduce};
+use nalgebra::{DMatrix, DVector};
+
+/// Effects that come together, with their columns.
+pub(crate) struct Contender<'a> {
+    pub members: Vec<&'a Scored>,
+    pub columns: Whitened,
+    /// Joints that the columns reach.
+    pub joints: Vec<usize>,
+    /// What the fit to all blocks makes of the columns in the model's coordinates, `Hᵀ Jᵀ C`. In what follows columns are without that part, `C − J H a`: what the
+    /// model holds already is no matter of the contender, and may be nearly all of it.
+    along: DMatrix<f64>,
+    /// `CᵀC` of the whole columns.
+    whole: DMatrix<f64>,
+    /// Of every block: the model's coordinates times the columns, the columns times themselves, and times the residual.
+    cross: Vec<DMatrix<f64>>,
+    own: Vec<DMatrix<f64>>,
+    right: Vec<DVector<f64>>,
+    /// Sum of `own`.
+    open: DMatrix<f64>,
+}
+
+/// A contender's coefficients beside the model, and the change of the model's coordinates.
+pub(crate) struct Beside {
+    pub coefficients: DVector<f64>,
+    change: DVector<f64>,
+}
+
+/// A contender held against every block in turn.
+pub(crate) struct Validated {
+    /// Decrease of the sum of squares by the fit to all blocks.
+    pub gain: f64,
+    /// Directions of the columns that the model does not hide.
+    pub rank: usize,
+    /// Per block: decrease of its sum of squares, by fits to all others.
+    pub gains: Vec<f64>,
+    /// Coefficients of the fit to all blocks.
+    pub coefficients: DVector<f64>,
+    /// Covariance of the coefficients by the jackknife over the blocks.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Validated {
+    /// Gain over all blocks left out.
+    pub fn held_out(&self) -> f64 {
+        self.gains.iter().sum()
+    }
+
+    /// Standard deviation of [`held_out`](Self::held_out) by the scatter of the blocks.
+    pub fn deviation(&self) -> f64 {
+        deviation_of_sum(&self.gains)
+    }
+}
+
+/// Standard deviation of a sum by the scatter of its terms.
+pub(crate) fn deviation_of_sum(terms: &[f64]) -> f64 {
+    let count = terms.len() as f64;
+    let mean = terms.iter().sum::<f64>() / count;
+    let scatter: f64 = terms.iter().map(|t| (t - mean).powi(2)).sum();
+    (scatter * count / (count - 1.0).max(1.0)).sqrt()
+}
+
+impl<'a> Contender<'a> {
+    pub fn of(data: &Data, system: &System, blocks: &Blocks, members: Vec<&'a Scored>) -> Self {
+        let shape = |s: &Scored| match s.term.is_distortion() {
+            true => Vec::new(),
+            false => s.term.shape.clone(),
+        };
+        let each = members
+            .iter()
+            .map(|s| columns_of(data, system, &s.candidate, &[shape(s)]))
+            .collect::<Vec<_>>();
+        Self::with_columns(system, blocks, members, side_by_side(&each))
+    }
+
+    pub fn with_columns(system: &System, blocks: &Blocks, members: Vec<&'a Scored>, columns: Whitened) -> Self {
+        let joints = system.model.robot.joint_count();
+        let mut reached: Vec<usize> = members.iter().flat_map(|s| reach(&s.candidate, joints)).collect();
+        reached.sort_unstable();
+        reached.dedup();
+        let size = blocks.root.ncols();
+        let k = width(&columns);
+        let (mut cross, mut own, mut right) = (Vec::new(), Vec::new(), Vec::new());
+        for (time, rows) in blocks.times.iter().zip(&blocks.rows) {
+            let (mut c, mut o, mut r) = (DMatrix::zeros(size, k), DMatrix::zeros(k, k), DVector::zeros(k));
+            for (j, m) in &columns[time.stretch] {
+                let m = m.rows(time.rows.start, time.rows.len());
+                c += rows[*j].tr_mul(&m);
+                o += m.tr_mul(&m);
+                r += m.tr_mul(&residual(system, time, *j));
+            }
+            cross.push(c);
+            own.push(o);
+            right.push(r);
+        }
+        let total = |parts: &[DMatrix<f64>]| parts.iter().fold(DMatrix::zeros(parts[0].nrows(), k), |sum, m| sum + m);
+        let (along, whole) = (total(&cross), total(&own));
+        for b in 0..cross.len() {
+            let inside = &blocks.inside[b] * &along;
+            let through = along.tr_mul(&cross[b]);
+            own[b] += along.tr_mul(&inside) - &through - through.transpose();
+            right[b] -= along.tr_mul(&blocks.gradient[b]);
+            cross[b] -= inside;
+        }
+        Self {
+            open: total(&own),
+            members,
+            columns,
+            joints: reached,
+            along,
+            whole,
+            cross,
+            own,
+            right,
+        }
+    }
+
+    /// Parameters that the members cost: a shape each beside the rank of the columns.
+    pub fn cost(&self) -> usize {
+        self.members.iter().map(|s| s.cost).sum()
+    }
+
+    /// The contender fitted beside the model to all blocks but these.
+    pub fn beside(&self, blocks: &Blocks, partial: &Partial, left_out: &[usize]) -> (Beside, f64, usize) {
+        let sum = |parts: &[DMatrix<f64>]| {
+            let mut all = DMatrix::zeros(parts[0].nrows(), parts[0].ncols());
+            (0..parts.len())
+                .filter(|b| !left_out.contains(b))
+                .for_each(|b| all += &parts[b]);
+            all
+        };
+        let cross = sum(&self.cross);
+        let own = sum(&self.own);
+        let right = (0..blocks.times.len())
+            .filter(|b| !left_out.contains(b))
+            .fold(DVector::zeros(own.nrows()), |all, b| all + &self.right[b]);
+        let through = partial.solve(&cross);
+        let rest = own + &self.open * REGRESSION_SETTINGS.jackknife_ridge - cross.tr_mul(&through);
+        let open = right - cross.tr_mul(&partial.change);
+        let reduced = reduce(&self.whole, &rest, &open);
+        let change = &partial.change - through * &reduced.coefficients;
+        let beside = Beside {
+            coefficients: reduced.coefficients,
+            change,
+        };
+        (beside, reduced.gain, reduced.rank)
+    }
+
+    /// Change of the sum of squares of block `b` from the fit to all of it without the contender to `beside`.
+    fn cost_on(&self, blocks: &Blocks, b: usize, beside: &Beside) -> f64 {
+        let (z, x) = (&beside.change, &beside.coefficients);
+        let model = (z.transpose() * &blocks.inside[b] * z)[0] - 2.0 * z.dot(&blocks.gradient[b]);
+        let own = (x.transpose() * &self.own[b] * x)[0] - 2.0 * x.dot(&self.right[b]);
+        model + own + 2.0 * (z.transpose() * &self.cross[b] * x)[0]
+    }
+
+    /// Every block predicted by fits to all others, with and without the contender.
+    pub fn validated(&self, blocks: &Blocks, folds: &[Partial], all: &Partial) -> Validated {
+        let (full, gain, rank) = self.beside(blocks, all, &[]);
+        let fold = |(b, partial): (usize, &Partial)| {
+            let (beside, _, _) = self.beside(blocks, partial, &[b]);
+            let z = &partial.change;
+            let before = (z.transpose() * &blocks.inside[b] * z)[0] - 2.0 * z.dot(&blocks.gradient[b]);
+            (before - self.cost_on(blocks, b, &beside), beside.coefficients)
+        };
+        let (gains, coefficients): (Vec<f64>, Vec<DVector<f64>>) = folds.iter().enumerate().map(fold).unzip();
+        Validated {
+            gain,
+            rank,
+            gains,
+            covariance: jackknife_sum(&coefficients),
+            coefficients: full.coefficients,
+        }
+    }
+
+    /// Gains of every joint on the blocks left out, one list per joint.
+    pub fn gains_by_joint(&self, system: &System, blocks: &Blocks, folds: &[Partial]) -> Vec<Vec<f64>> {
+        let joints = system.model.robot.joint_count();
+        let mut gains = vec![vec![0.0; folds.len()]; joints];
+        for (b, partial) in folds.iter().enumerate() {
+            let (beside, _, _) = self.beside(blocks, partial, &[b]);
+            let time = &blocks.times[b];
+            for (j, gain) in gains.iter_mut().enumerate() {
+                let r = residual(system, time, j);
+                let before = &r - &blocks.rows[b][j] * &partial.change;
+                let mut after = r - &blocks.rows[b][j] * (&beside.change - &self.along * &beside.coefficients);
+                if let Some((_, m)) = self.columns[time.stretch].iter().find(|(own, _)| *own == j) {
+                    after -= m.rows(time.rows.start, time.rows.len()) * &beside.coefficients;
+                }
+                gain[b] = before.norm_squared() - after.norm_squared();
+            }
+        }
+        gains
+    }
+}
+
+fn width(columns: &Whitened) -> usize {
+    columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0)
+}
+
+/// Columns of several candidates as those of one.
+pub(crate) fn side_by_side(each: &[Whitened]) -> Whitened {
+    let widths: Vec<usize> = each.iter().map(width).collect();
+    let all: usize = widths.iter().sum();
+    let stretch = |s: usize| {
+        let mut joints: Vec<usize> = each.iter().flat_map(|e| e[s].iter().map(|(j, _)| *j)).collect();
+        joints.sort_unstable();
+        joints.dedup();
+        let joint = |j: usize| {
+            let rows = each
+                .iter()
+                .flat_map(|e| &e[s])
+                .find(|(own, _)| *own == j)
+                .map_or(0, |(_, m)| m.nrows());
+            let mut whole = DMatrix::zeros(rows, all);
+            let mut from = 0;
+            for (columns, k) in each.iter().zip(&widths) {
+                if let Some((_, m)) = columns[s].iter().find(|(own, _)| *own == j) {
+                    whole.columns_mut(from, *k).copy_from(m);
+                }
+                from += k;
+            }
+            (j, whole)
+        };
+        joints.into_iter().map(joint).collect()
+    };
+    (0..each.first().map_or(0, Vec::len)).map(stretch).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prop_a_sum_deviates_by_the_scatter_of_its_terms() {
+        assert_eq!(deviation_of_sum(&[2.0; 7]), 0.0);
+        // Four terms at one and minus one: variance 4/3 each, of the sum four times that.
+        let deviation = deviation_of_sum(&[1.0, -1.0, 1.0, -1.0]);
+        assert!((deviation - (16.0f64 / 3.0).sqrt()).abs() < 1e-12, "{deviation}");
+    }
+
+    #[test]
+    fn prop_columns_side_by_side_stay_on_their_joints() {
+        let on = |joint: usize, values: &[f64]| vec![vec![(joint, DMatrix::from_column_slice(2, values.len() / 2, values))]];
+        let all = side_by_side(&[on(3, &[1.0, 2.0]), on(1, &[3.0, 4.0, 5.0, 6.0]), on(3, &[7.0, 8.0])]);
+        let joints: Vec<usize> = all[0].iter().map(|(j, _)| *j).collect();
+        assert_eq!(joints, [1, 3]);
+        assert_eq!(
+            all[0][0].1,
+            DMatrix::from_column_slice(2, 4, &[0.0, 0.0, 3.0, 4.0, 5.0, 6.0, 0.0, 0.0])
+        );
+        assert_eq!(
+            all[0][1].1,
+            DMatrix::from_column_slice(2, 4, &[1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 7.0, 8.0])
+        );
+    }
+
+    /// Estimates without each of n blocks of a mean differ by 1/(n − 1) of what the blocks differ by.
+    #[test]
+    fn prop_the_jackknife_of_a_mean_is_its_variance() {
+        let blocks = [1.0, 4.0, 2.0, 7.0, 3.0];
+        let n = blocks.len() as f64;
+        let sum: f64 = blocks.iter().sum();
+        let without: Vec<DVector<f64>> = blocks
+            .iter()
+            .map(|b| DVector::from_element(1, (sum - b) / (n - 1.0)))
+            .collect();
+        let mean = sum / n;
+        let variance = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / (n - 1.0) / n;
+        assert!((jackknife_sum(&without)[0] - variance).abs() < 1e-12);
+    }
+}

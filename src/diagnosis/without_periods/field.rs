@@ -1,0 +1,391 @@
+//! All contenders beside one fitted model, and which of them have earned their place.
+
+use super::blocks::{Blocks, Partial, residual};
+use super::contender::{Contender, Validated, deviation_of_sum, side_by_side};
+use super::stability::{Subsamples, share_of_choices};
+use crate::diagnosis::held_out::signed_rank_test;
+use crate::diagnosis::selection::{Accepted, Candidate, HeldOutGain, Scored, Threshold, hypotheses, is_plausible, is_simpler};
+use crate::diagnosis::settings::SETTINGS;
+use crate::effects::Effect;
+use crate::regression::{Data, System, Term, chance_of, f_tail};
+use rayon::prelude::*;
+
+pub(crate) const OFFSET: &str = "torque_offset";
+
+/// A single effect with what the blocks say of it.
+struct Weighed<'a> {
+    contender: Contender<'a>,
+    own: Validated,
+    evidence: f64,
+}
+
+/// A contender that has earned its place.
+pub(crate) struct Chosen<'a> {
+    pub members: Vec<&'a Scored>,
+    coefficients: Vec<f64>,
+    pub accepted: Vec<Accepted>,
+    held_out: Vec<f64>,
+}
+
+impl Chosen<'_> {
+    /// The members as terms of a model, at the coefficients that they have beside it.
+    pub fn terms(&self) -> Vec<Term> {
+        let mut from = 0;
+        let term = |scored: &&Scored| {
+            let mut term = scored.term.clone();
+            let k = term.coefficients.len();
+            term.coefficients.copy_from_slice(&self.coefficients[from..from + k]);
+            from += if term.is_distortion() { term.shape.len() } else { k };
+            term
+        };
+        self.members.iter().map(term).collect()
+    }
+}
+
+/// All effects beside one fitted model.
+pub(crate) struct Field<'a> {
+    data: &'a Data<'a>,
+    system: &'a System,
+    candidates: &'a [Candidate],
+    scored: &'a [Scored],
+    threshold: &'a Threshold,
+    blocks: Blocks,
+    /// Fits of the model to all blocks, and to all but each.
+    all: Partial,
+    folds: Vec<Partial>,
+    subsamples: Subsamples,
+}
+
+impl<'a> Field<'a> {
+    /// `None` where the data do not determine the model.
+    pub fn of(
+        data: &'a Data<'a>,
+        system: &'a System,
+        candidates: &'a [Candidate],
+        scored: &'a [Scored],
+        threshold: &'a Threshold,
+    ) -> Option<Self> {
+        let blocks = Blocks::of(data, system);
+        let folds = (0..blocks.times.len())
+            .map(|b| blocks.without(&[b]))
+            .collect::<Option<Vec<_>>>()?;
+        Some(Self {
+            all: blocks.without(&[])?,
+            subsamples: Subsamples::of(&blocks)?,
+            folds,
+            blocks,
+            data,
+            system,
+            candidates,
+            scored,
+            threshold,
+        })
+    }
+
+    /// The best set of effects that every robot may have: offsets, rotor inertias, or both, those members that the data ask for. The smallest whose held-out
+    /// gain is within a standard deviation of the best.
+    pub fn families(&self) -> Option<Chosen<'a>> {
+        let kind = |code: &str| {
+            self.scored
+                .iter()
+                .filter(|s| s.candidate.effect.code() == code)
+                .collect::<Vec<_>>()
+        };
+        let everyday = crate::effects::all().iter().filter(|e| e.is_everyday());
+        let kinds: Vec<Vec<&Scored>> = everyday.map(|e| kind(e.code())).filter(|k| !k.is_empty()).collect();
+        let mut sets = kinds.clone();
+        if kinds.len() > 1 {
+            sets.push(kinds.concat());
+        }
+        let found: Vec<Chosen<'a>> = sets.into_par_iter().filter_map(|set| self.family(set)).collect();
+        let best = found.iter().max_by(|a, b| total(a).total_cmp(&total(b)))?;
+        let least = |c: &&Chosen| {
+            let differences: Vec<f64> = best.held_out.iter().zip(&c.held_out).map(|(b, o)| b - o).collect();
+            differences.iter().sum::<f64>() <= deviation_of_sum(&differences)
+        };
+        let at = (0..found.len())
+            .filter(|&i| least(&&found[i]))
+            .min_by_key(|&i| found[i].members.len())?;
+        found.into_iter().nth(at)
+    }
+
+    /// Offsets of all joints that have none yet, as terms; none where together they do not predict blocks left out better. A spring holds the offset of its joint.
+    pub fn nuisance_offsets(&self) -> Vec<Term> {
+        let held = |s: &Scored| {
+            let holds = |t: &Term| t.joints == s.candidate.joints && t.effect.contains().contains(&OFFSET);
+            self.system.model.terms.iter().any(holds)
+        };
+        let is_open = |s: &&Scored| s.candidate.effect.code() == OFFSET && !held(s);
+        let members: Vec<&Scored> = self.scored.iter().filter(is_open).collect();
+        if members.is_empty() {
+            return Vec::new();
+        }
+        let contender = Contender::of(self.data, self.system, &self.blocks, members);
+        let own = contender.validated(&self.blocks, &self.folds, &self.all);
+        match own.held_out() > 0.0 {
+            true => chosen(contender.members, &own, 1.0).terms(),
+            false => Vec::new(),
+        }
+    }
+
+    /// What the only candidate has shown, where it would be a member of a family of as many as there are joints.
+    pub fn beyond_doubt(&self) -> Option<Accepted> {
+        let contender = Contender::of(self.data, self.system, &self.blocks, vec![self.scored.first()?]);
+        let own = contender.validated(&self.blocks, &self.folds, &self.all);
+        let chance = f_tail(
+            own.coefficients[0].powi(2) / own.covariance[(0, 0)].max(f64::MIN_POSITIVE),
+            [1.0, (self.folds.len() - 1) as f64],
+        );
+        if chance > SETTINGS.without_periods.member_chance / self.system.model.robot.joint_count() as f64 {
+            return None;
+        }
+        let p_value = self.passes(&contender, &own, 3.0)?;
+        chosen(contender.members, &own, p_value).accepted.pop()
+    }
+
+    /// Members go, the weakest first, until each is beyond chance beside the others.
+    fn family(&self, mut members: Vec<&'a Scored>) -> Option<Chosen<'a>> {
+        members.sort_by_key(|s| (s.candidate.effect.code(), s.candidate.joints.clone()));
+        let mut first = true;
+        while members.len() > 1 {
+            let contender = Contender::of(self.data, self.system, &self.blocks, members.clone());
+            let own = contender.validated(&self.blocks, &self.folds, &self.all);
+            let chance = |i: usize| {
+                let variance = own.covariance[(i, i)].max(f64::MIN_POSITIVE);
+                f_tail(own.coefficients[i].powi(2) / variance, [1.0, (self.folds.len() - 1) as f64])
+            };
+            let wrong = |i: &usize| {
+                let positive = members[*i].candidate.effect.positive(members[*i].candidate.form);
+                !positive.is_empty() && own.coefficients[*i] <= 0.0
+            };
+            // Where a family explains nothing as a whole, its members are not asked for one by one.
+            if first && own.held_out() <= 0.0 {
+                return None;
+            }
+            first = false;
+            let weakest = (0..members.len())
+                .map(|i| (i, if wrong(&i) { 2.0 } else { chance(i) }))
+                .max_by(|a, b| a.1.total_cmp(&b.1))?;
+            if weakest.1 > SETTINGS.without_periods.member_chance / members.len() as f64 {
+                members.remove(weakest.0);
+                continue;
+            }
+            return self
+                .passes(&contender, &own, 3.0)
+                .map(|p_value| chosen(contender.members, &own, p_value));
+        }
+        None
+    }
+
+    /// The chance of a contender, where it gains on blocks left out, beyond chance, and no joint pays for it.
+    fn passes(&self, contender: &Contender, own: &Validated, tried: f64) -> Option<f64> {
+        let left: f64 = contender.joints.iter().map(|&j| self.blocks.squares[j]).sum();
+        let held_out = own.held_out();
+        let share = match contender.joints.len() {
+            1 => own.gain / left,
+            // Of many joints, some can have nothing to do with it: the one that it explains most of counts.
+            _ => {
+                let gains = contender.gains_by_joint(self.system, &self.blocks, &self.folds);
+                let share = |(gains, left): (&Vec<f64>, &f64)| gains.iter().sum::<f64>() / left.max(f64::MIN_POSITIVE);
+                gains.iter().zip(&self.blocks.squares).map(share).fold(0.0, f64::max)
+            }
+        };
+        if own.rank == 0 || share < self.threshold.share || held_out < self.threshold.generalises * own.gain {
+            return None;
+        }
+        if held_out <= 0.0 || !self.is_sure(contender, own) {
+            return None;
+        }
+        let p_value = (chance_of(self.system, &contender.columns) * tried).min(1.0);
+        if p_value >= self.threshold.chance || self.a_joint_pays(contender) {
+            return None;
+        }
+        Some(p_value)
+    }
+
+    /// Whether a gain on blocks left out is beyond chance: by its scatter, or, where it comes from few blocks, by ranks.
+    fn is_sure(&self, contender: &Contender, own: &Validated) -> bool {
+        let left = |b: usize| -> f64 {
+            let time = &self.blocks.times[b];
+            contender
+                .joints
+                .iter()
+                .map(|&j| residual(self.system, time, j).norm_squared())
+                .sum()
+        };
+        let relative = own.gains.iter().enumerate().map(|(b, g)| g / left(b).max(f64::MIN_POSITIVE));
+        let (ranks, p_value) = signed_rank_test(&relative.collect::<Vec<_>>());
+        own.held_out() > SETTINGS.without_periods.sure * own.deviation()
+            || ranks > 0.0 && 0.5 * p_value < SETTINGS.without_periods.rank_chance
+    }
+
+    /// Whether some joint is predicted worse on blocks left out, beyond chance and beyond a sliver of what it leaves.
+    fn a_joint_pays(&self, contender: &Contender) -> bool {
+        let gains = contender.gains_by_joint(self.system, &self.blocks, &self.folds);
+        let pays = |(gains, left): (&Vec<f64>, &f64)| {
+            let sum: f64 = gains.iter().sum();
+            let (ranks, p_value) = signed_rank_test(gains);
+            sum < -SETTINGS.without_periods.least_share * left
+                && ranks < 0.0
+                && 0.5 * p_value < SETTINGS.held_out.beyond_chance / self.blocks.squares.len() as f64
+        };
+        gains.iter().zip(&self.blocks.squares).any(pays)
+    }
+
+    /// Single effects that have earned their place and that no rival replaces when some of the blocks are left out: the best, and further ones on joints that
+    /// none before them reaches.
+    pub fn singles(&self) -> Vec<Chosen<'a>> {
+        let near = self
+            .scored
+            .iter()
+            .filter(|s| s.evidence > 0.0)
+            .take(SETTINGS.without_periods.most_contenders)
+            .collect::<Vec<_>>();
+        // What has no physical sense is nobody's rival either.
+        let contenders: Vec<Weighed> = near.into_par_iter().filter_map(|s| self.weighed(s)).collect();
+        let mut order: Vec<usize> = (0..contenders.len()).filter(|&i| contenders[i].evidence > 0.0).collect();
+        order.sort_by(|&a, &b| contenders[b].evidence.total_cmp(&contenders[a].evidence));
+        let mut taken: Vec<usize> = Vec::new();
+        let mut found: Vec<Chosen> = Vec::new();
+        for i in order {
+            if contenders[i].contender.joints.iter().any(|j| taken.contains(j)) {
+                continue;
+            }
+            let places = [self.simpler(&contenders, i), Some(i)].into_iter().flatten();
+            let earned = places.map(|i| (i, self.earned(&contenders, i))).find(|(_, p)| p.is_some());
+            if let Some((at, Some(p_value))) = earned {
+                let Weighed { contender, own, .. } = &contenders[at];
+                taken.extend(&contender.joints);
+                found.push(chosen(contender.members.clone(), own, p_value));
+            }
+        }
+        found
+    }
+
+    fn weighed(&self, scored: &'a Scored) -> Option<Weighed<'a>> {
+        let contender = Contender::of(self.data, self.system, &self.blocks, vec![scored]);
+        let own = contender.validated(&self.blocks, &self.folds, &self.all);
+        let evidence = self.evidence(&contender, own.gain);
+        let weighed = Weighed {
+            contender,
+            own,
+            evidence,
+        };
+        self.is_physical(scored, &weighed.own).then_some(weighed)
+    }
+
+    fn earned(&self, contenders: &[Weighed], i: usize) -> Option<f64> {
+        let Weighed { contender, own, .. } = &contenders[i];
+        let effect = contender.members[0].candidate.effect;
+        let p_value = self.passes(contender, own, hypotheses(self.candidates, effect.code()) * odds(effect))?;
+        let share = self.stability(contenders, i);
+        (share >= SETTINGS.without_periods.stable_share).then_some(p_value)
+    }
+
+    fn stability(&self, contenders: &[Weighed], i: usize) -> f64 {
+        let Weighed { contender, own, .. } = &contenders[i];
+        let rivals: Vec<&Contender> = contenders
+            .iter()
+            .enumerate()
+            .filter(|(o, rival)| *o != i && self.is_rival(&rival.contender, rival.own.gain, contender, own.gain))
+            .map(|(_, rival)| &rival.contender)
+            .collect();
+        share_of_choices(&self.blocks, &self.subsamples, contender, &rivals, |c, gain| {
+            self.evidence(c, gain)
+        })
+    }
+
+    /// Whether a rival explains the same: beside it, the contender loses more than half of its gain.
+    fn is_rival(&self, rival: &Contender, theirs: f64, contender: &Contender, own: f64) -> bool {
+        if !rival.joints.iter().any(|j| contender.joints.contains(j)) {
+            return false;
+        }
+        let columns = side_by_side(&[rival.columns.clone(), contender.columns.clone()]);
+        let both = Contender::with_columns(self.system, &self.blocks, Vec::new(), columns);
+        let (_, together, _) = both.beside(&self.blocks, &self.all, &[]);
+        together - theirs < SETTINGS.without_periods.same_share * own
+    }
+
+    /// Signs and plausibility by what the blocks say of the coefficients.
+    fn is_physical(&self, scored: &Scored, own: &Validated) -> bool {
+        if scored.term.is_distortion() {
+            return true;
+        }
+        let effect = scored.candidate.effect;
+        let k = own.coefficients.len();
+        let of = |i: usize| own.coefficients[i];
+        let signs = effect
+            .positive(scored.candidate.form)
+            .iter()
+            .filter(|&&i| i < k)
+            .all(|&i| of(i) > 0.0);
+        signs
+            && is_plausible(
+                self.system,
+                &scored.candidate.joints,
+                effect,
+                own.coefficients.as_slice(),
+                &own.covariance,
+            )
+    }
+
+    /// What every robot may have, or the same with fewer parameters, that gains nearly as much.
+    fn simpler(&self, contenders: &[Weighed], i: usize) -> Option<usize> {
+        let best = &contenders[i];
+        let of = |w: &Weighed| w.contender.members[0].candidate.clone();
+        (0..contenders.len())
+            .filter(|&o| {
+                let other = &contenders[o];
+                let simpler = is_simpler(&of(other), &of(best));
+                o != i
+                    && other.evidence > 0.0
+                    && simpler
+                    && other.own.held_out() > SETTINGS.without_periods.simpler_share * best.own.held_out()
+            })
+            .max_by(|&a, &b| contenders[a].own.held_out().total_cmp(&contenders[b].own.held_out()))
+    }
+
+    /// Twice the log of the evidence ratio: `−n ln(1 − gain/left)`, n the independent values that the rows are worth, less what parameters, shapes tried and rarity
+    /// cost.
+    fn evidence(&self, contender: &Contender, gain: f64) -> f64 {
+        let sum = |of: &[f64]| contender.joints.iter().map(|&j| of[j]).sum::<f64>();
+        let rows = sum(&self.blocks.effective_rows).max(2.0);
+        let share = (gain / sum(&self.blocks.squares).max(f64::MIN_POSITIVE)).min(1.0 - 1e-12);
+        let tried: f64 = contender.members.iter().map(|s| 2.0 * (s.tried as f64).ln()).sum();
+        let rare: f64 = contender.members.iter().map(|s| 2.0 * odds(s.candidate.effect).ln()).sum();
+        -rows * (-share).ln_1p() - contender.cost() as f64 * rows.ln() - tried - rare
+    }
+}
+
+/// Odds against an effect before the data are seen.
+fn odds(effect: &dyn Effect) -> f64 {
+    if effect.is_rare() {
+        SETTINGS.without_periods.rare_preference
+    } else {
+        1.0
+    }
+}
+
+fn total(chosen: &Chosen) -> f64 {
+    chosen.held_out.iter().sum()
+}
+
+fn chosen<'a>(members: Vec<&'a Scored>, own: &Validated, p_value: f64) -> Chosen<'a> {
+    let share = 1.0 / members.len() as f64;
+    let accepted = |s: &&Scored| Accepted {
+        effect: s.candidate.effect.code(),
+        gain: own.gain * share,
+        evidence: s.evidence,
+        p_value,
+        held_out: HeldOutGain {
+            blocks: own.held_out() * share,
+            periods: None,
+        },
+    };
+    Chosen {
+        accepted: members.iter().map(accepted).collect(),
+        coefficients: own.coefficients.as_slice().to_vec(),
+        held_out: own.gains.clone(),
+        members,
+    }
+}

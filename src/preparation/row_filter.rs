@@ -1,0 +1,57 @@
+//! What torque and regressor columns go through on their way into least squares.
+
+use crate::preparation::filter::{LowPass, Padding, zero_phase};
+
+/// Filter, ends and decimation. Parallel filtering has the same filter in both places; the paper filters torque alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowFilter {
+    pub torque: Option<LowPass>,
+    pub columns: Option<LowPass>,
+    pub padding: Padding,
+    /// Samples dropped at both ends.
+    pub edges: usize,
+    /// Every how-manieth sample becomes a row; at least 1.
+    pub decimation: usize,
+}
+
+impl RowFilter {
+    /// Samples go into rows as they are.
+    pub fn none() -> Self {
+        Self {
+            torque: None,
+            columns: None,
+            padding: Padding::Odd,
+            edges: 0,
+            decimation: 1,
+        }
+    }
+
+    /// Whether every sample of a regressor column becomes a row as it is.
+    pub fn takes_all(&self) -> bool {
+        self.columns.is_none() && self.edges == 0 && self.decimation == 1
+    }
+
+    /// The samples that become rows, of a record of `samples`.
+    pub fn rows(&self, samples: usize) -> impl ExactSizeIterator<Item = usize> + Clone + use<> {
+        let edges = self.edges.min(samples / 2);
+        (edges..samples - edges).step_by(self.decimation)
+    }
+
+    /// Rows of a torque signal of N samples.
+    pub fn torque_rows(&self, x: &[f64]) -> Vec<f64> {
+        self.pass(self.torque.as_ref(), x)
+    }
+
+    /// Rows of a regressor or effect column of N samples.
+    pub fn column_rows(&self, x: &[f64]) -> Vec<f64> {
+        self.pass(self.columns.as_ref(), x)
+    }
+
+    fn pass(&self, filter: Option<&LowPass>, x: &[f64]) -> Vec<f64> {
+        let pick = |y: &[f64]| self.rows(x.len()).map(|s| y[s]).collect();
+        match filter {
+            Some(filter) => pick(&zero_phase(filter, x, self.padding, filter.settling_samples())),
+            None => pick(x),
+        }
+    }
+}

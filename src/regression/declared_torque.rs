@@ -1,0 +1,105 @@
+//! The declared model along a motion: rows of the base parameters, and the rigid and declared torque.
+
+use super::dataset::Stretch;
+use super::jacobian::ShapedRows;
+use super::model::AugmentedModel;
+use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
+use crate::model::Robot;
+use crate::parameters::{Layout, ParameterKind};
+use crate::regression::settings::SETTINGS;
+
+/// Torques along a motion, n × N.
+#[derive(Debug, Clone)]
+pub(crate) struct Torques {
+    pub rigid: Vec<Vec<f64>>,
+    pub declared: Vec<Vec<f64>>,
+}
+
+impl AugmentedModel {
+    /// Rows of the base parameters along the motion as measured.
+    pub(crate) fn base_rows(&self, stretch: &Stretch) -> ShapedRows {
+        let joints = self.robot.joint_count();
+        let layout = Layout::standard(&self.robot);
+        let chain = Chain::new(&self.robot);
+        let batch = (SETTINGS.regressor_numbers / (stretch.motion.samples() * joints).max(1)).max(1);
+        let mut shaped: ShapedRows = vec![Vec::new(); joints];
+        for (first, part) in self.base.kept.chunks(batch).enumerate().map(|(i, part)| (i * batch, part)) {
+            let set = ColumnSet::new(&self.robot, &layout, part);
+            let mut rows = RowBlocks::new(&set, stretch.motion.samples());
+            rows.fill(&chain, &set, &stretch.motion, Coulomb::Sign);
+            for (j, own) in shaped.iter_mut().enumerate() {
+                let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+                own.extend(blocks.map(|(values, &at)| (first + at, stretch.shaped(values[..rows.samples()].to_vec()))));
+            }
+        }
+        shaped
+    }
+
+    pub(crate) fn fill(&self, robot: &Robot, motion: &Motion) -> (ColumnSet, RowBlocks) {
+        let set = self.columns();
+        let mut rows = RowBlocks::new(&set, motion.samples());
+        rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
+        (set, rows)
+    }
+
+    fn columns(&self) -> ColumnSet {
+        ColumnSet::new(&self.robot, &Layout::standard(&self.robot), &self.base.kept)
+    }
+
+    /// Rigid and declared torque along `motion`, from rows where they are there already.
+    pub(crate) fn torques(&self, motion: &Motion, robot: &Robot, rows: Option<(&ColumnSet, &RowBlocks)>) -> Torques {
+        let layout = Layout::standard(robot);
+        let n = robot.joint_count();
+        let mut phi = vec![0.0; layout.len()];
+        self.base
+            .kept
+            .iter()
+            .zip(self.values.iter())
+            .for_each(|(&at, &v)| phi[at] = v);
+        let inertial = |at: usize| matches!(layout.parameters()[at].kind, ParameterKind::Inertial(_));
+        let rigid = match rows {
+            Some((set, rows)) => (0..n)
+                .map(|j| {
+                    let mut sum = vec![0.0; rows.samples()];
+                    let columns = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+                    for (values, &at) in columns.filter(|(_, at)| inertial(self.base.kept[**at])) {
+                        sum.iter_mut().zip(values).for_each(|(s, v)| *s += v * self.values[at]);
+                    }
+                    sum
+                })
+                .collect(),
+            None => {
+                let bare: Vec<f64> = phi
+                    .iter()
+                    .enumerate()
+                    .map(|(at, &v)| if inertial(at) { v } else { 0.0 })
+                    .collect();
+                let flat = crate::dynamics::inverse_dynamics_batch(&Chain::new(robot), &layout, &bare, motion, Coulomb::Sign);
+                (0..n)
+                    .map(|j| flat[j * motion.stride()..j * motion.stride() + motion.samples()].to_vec())
+                    .collect::<Vec<_>>()
+            }
+        };
+        let mut declared: Vec<Vec<f64>> = rigid.clone();
+        for (at, parameter) in layout
+            .parameters()
+            .iter()
+            .enumerate()
+            .filter(|(at, _)| phi[*at] != 0.0 && !inertial(*at))
+        {
+            let speeds = motion.velocities(parameter.link);
+            let column = |v: f64| {
+                if parameter.kind == ParameterKind::Viscous {
+                    v
+                } else {
+                    Coulomb::Sign.value(v)
+                }
+            };
+            declared[parameter.link]
+                .iter_mut()
+                .zip(speeds)
+                .for_each(|(t, &v)| *t += phi[at] * column(v));
+        }
+        Torques { rigid, declared }
+    }
+}

@@ -1,0 +1,111 @@
+//! Effects that distort motion, gravity or gains: the world as the model sees it, and how the torque changes with them.
+
+use super::dataset::Stretch;
+use super::declared_torque::Torques;
+use super::jacobian::ShapedRows;
+use super::model::{AugmentedModel, Term};
+use crate::dynamics::{Coulomb, Motion};
+use crate::effects::{Scene, World};
+use crate::regression::settings::SETTINGS;
+use nalgebra::Vector3;
+
+/// A motion, gravity, and the declared torque that goes with them.
+pub(crate) type KnownTorque<'a> = (&'a Motion, Vector3<f64>, &'a [Vec<f64>]);
+
+impl AugmentedModel {
+    pub(crate) fn push_distortions(&self, jacobian: &mut ShapedRows, stretch: &Stretch, plain: &Torques, known: KnownTorque) {
+        for (t, term) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
+            let columns = self.distortion_columns(stretch, plain, term, Some(t), known);
+            for (i, rows) in columns.into_iter().enumerate() {
+                let at = self.offset_of(t) + i;
+                rows.into_iter()
+                    .enumerate()
+                    .for_each(|(j, v)| jacobian[j].push((at, stretch.shaped(v))));
+            }
+        }
+    }
+
+    /// Derivative of the declared torque by every parameter of a distortion, n × N each, by central differences around its present value
+    /// (zero for a distortion that is not in the model). Where the motion and gravity are those of `known`, so is the torque.
+    pub(crate) fn distortion_columns(
+        &self,
+        stretch: &Stretch,
+        plain: &Torques,
+        term: &Term,
+        at: Option<usize>,
+        known: KnownTorque,
+    ) -> Vec<Vec<Vec<f64>>> {
+        let steps = term.effect.steps();
+        (0..steps.len())
+            .map(|i| {
+                let side = |sign: f64| {
+                    let mut moved = term.clone();
+                    moved.shape[i] += sign * steps[i];
+                    let world = self.world(stretch, plain, Some((at, &moved)));
+                    let mut tau = match (&world.motion, world.gravity) == (known.0, known.1) {
+                        true => known.2.to_vec(),
+                        false => {
+                            self.torques(&world.motion, &self.robot.with_gravity(world.gravity), None)
+                                .declared
+                        }
+                    };
+                    tau.iter_mut()
+                        .zip(&world.gain)
+                        .for_each(|(row, g)| row.iter_mut().for_each(|v| *v *= g));
+                    tau
+                };
+                let (up, down) = (side(1.0), side(-1.0));
+                let difference =
+                    |(u, d): (&Vec<f64>, &Vec<f64>)| u.iter().zip(d).map(|(u, d)| (u - d) / (2.0 * steps[i])).collect();
+                up.iter().zip(&down).map(difference).collect()
+            })
+            .collect()
+    }
+
+    /// All distortions applied in turn; `changed` stands in for the term at that place, or comes on top. Where one depends on the load, the load
+    /// is that of the distorted motion: an elastic joint bends by a few per cent of what its own bending changes, so that `load_rounds` are enough.
+    pub(crate) fn world(&self, stretch: &Stretch, plain: &Torques, changed: Option<(Option<usize>, &Term)>) -> World {
+        let mut list: Vec<&Term> = Vec::new();
+        for (t, own) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
+            list.push(match changed {
+                Some((Some(at), other)) if at == t => other,
+                _ => own,
+            });
+        }
+        if let Some((None, term)) = changed {
+            list.push(term);
+        }
+        let mut world = self.distorted(stretch, &plain.rigid, &plain.declared, &list);
+        // Around zero the derivative is that of the undistorted load.
+        let bends =
+            |t: &&&Term| t.effect.distorts_by_load() && t.shape.iter().zip(t.effect.steps()).any(|(v, h)| v.abs() > 1.5 * h);
+        if list.iter().any(|t| bends(&t)) {
+            for _ in 0..SETTINGS.load_rounds {
+                let there = self.torques(&world.motion, &self.robot.with_gravity(world.gravity), None);
+                world = self.distorted(stretch, &there.rigid, &there.declared, &list);
+            }
+        }
+        world
+    }
+
+    fn distorted(&self, stretch: &Stretch, rigid: &[Vec<f64>], declared: &[Vec<f64>], list: &[&Term]) -> World {
+        let mut world = World {
+            motion: stretch.motion.clone(),
+            gravity: self.robot.gravity(),
+            gain: vec![1.0; self.robot.joint_count()],
+        };
+        let scene = Scene {
+            robot: &self.robot,
+            motion: &stretch.motion,
+            rigid,
+            declared,
+            interval: stretch.interval,
+            periodic: stretch.periodic,
+            coulomb: Coulomb::Sign,
+        };
+        for term in list {
+            term.effect.distort(&scene, &term.joints, &term.shape, &mut world);
+        }
+        world
+    }
+}

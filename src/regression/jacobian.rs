@@ -1,0 +1,164 @@
+//! What the augmented model predicts along a motion, and how that changes with every parameter.
+
+use super::dataset::Stretch;
+use super::model::{AugmentedModel, Term};
+use crate::dynamics::{Coulomb, Motion};
+use crate::effects::{Column, Scene};
+use rayon::prelude::*;
+
+/// A model's rows over one stretch.
+#[derive(Clone)]
+pub(crate) struct Evaluated {
+    /// The motion after all distortions.
+    pub motion: Motion,
+    /// n × M, shaped.
+    pub torque: Vec<Vec<f64>>,
+    pub rigid: Vec<Vec<f64>>,
+    pub declared: Vec<Vec<f64>>,
+    pub gain: Vec<f64>,
+    /// Per joint, `(parameter, values)` of every column that is not zero there; shaped.
+    pub jacobian: ShapedRows,
+}
+
+/// Per joint, `(parameter, values over the rows)` of every column that is not zero there.
+pub(crate) type ShapedRows = Vec<Vec<(usize, Vec<f64>)>>;
+
+impl AugmentedModel {
+    /// Torque of every joint over the rows of a stretch; n × M [N·m or N].
+    pub fn predict(&self, stretch: &Stretch) -> Vec<Vec<f64>> {
+        self.evaluate(stretch, None).torque
+    }
+
+    /// How the torque along a motion changes with every parameter of the effects, per joint: `(parameter, values over the samples)` of every column
+    /// that is not zero there, parameters counted over the terms from 0 (coefficients, then free shapes) [N·m or N per unit of it]. For
+    /// designing a motion that determines the effects beside the base parameters: their columns stand next to the regressor's. The columns of a
+    /// distortion are those of the declared torque.
+    ///
+    /// `interval` is the time between samples (s); `periodic` says whether the sample after the last is the first.
+    pub fn effect_columns(&self, motion: &Motion, interval: f64, periodic: bool) -> Vec<Vec<(usize, Vec<f64>)>> {
+        let stretch = Stretch::of_motion(motion.clone(), interval, periodic);
+        let nothing = vec![Vec::new(); self.robot.joint_count()];
+        let base = self.values.len();
+        let derivatives = self.evaluate(&stretch, Some(&nothing)).jacobian;
+        let own = |columns: Vec<(usize, Vec<f64>)>| {
+            let effects = columns.into_iter().filter(|(at, _)| *at >= base);
+            effects.map(|(at, values)| (at - base, values)).collect()
+        };
+        derivatives.into_iter().map(own).collect()
+    }
+
+    /// Torque over the rows of a stretch, and, where the base parameters' rows along its undistorted motion are handed in, the derivatives.
+    pub(crate) fn evaluate(&self, stretch: &Stretch, base: Option<&ShapedRows>) -> Evaluated {
+        let plain = self.torques(&stretch.motion, &self.robot, None);
+        let distorted = self.terms.iter().any(Term::is_distortion);
+        let world = self.world(stretch, &plain, None);
+        let robot = self.robot.with_gravity(world.gravity);
+        let (mut jacobian, here) = match base {
+            Some(rows) if !distorted => (rows.clone(), plain.clone()),
+            Some(_) => {
+                let (set, rows) = self.fill(&robot, &world.motion);
+                let block = |j: usize| {
+                    let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
+                    let scaled = |v: &f64| v * world.gain[j];
+                    blocks
+                        .map(|(values, &at)| (at, stretch.shaped(values[..rows.samples()].iter().map(scaled).collect())))
+                        .collect()
+                };
+                let jacobian = (0..self.robot.joint_count()).map(block).collect();
+                (jacobian, self.torques(&world.motion, &robot, Some((&set, &rows))))
+            }
+            None if distorted => (Vec::new(), self.torques(&world.motion, &robot, None)),
+            None => (Vec::new(), plain.clone()),
+        };
+        let scene = Scene {
+            robot: &robot,
+            motion: &world.motion,
+            rigid: &here.rigid,
+            declared: &here.declared,
+            interval: stretch.interval,
+            periodic: stretch.periodic,
+            coulomb: Coulomb::Sign,
+        };
+        let mut torque = here.declared.clone();
+        let effects: Vec<usize> = (0..self.terms.len()).filter(|&t| !self.terms[t].is_distortion()).collect();
+        let of = |&t: &usize| self.contribution(t, &scene, stretch, base.map(|_| &world.gain[..]));
+        let contributions: Vec<Contribution> = effects.par_iter().map(of).collect();
+        for (t, (columns, derivatives)) in effects.into_iter().zip(contributions) {
+            add_columns(&mut torque, &columns, &self.terms[t].coefficients);
+            for (j, at, values) in derivatives {
+                jacobian[j].push((at, values));
+            }
+        }
+        let gained = torque.into_iter().zip(&world.gain);
+        let torque = gained
+            .map(|(row, g)| stretch.shaped(row.into_iter().map(|v| v * g).collect()))
+            .collect();
+        if base.is_some() && distorted {
+            let known = (&world.motion, world.gravity, &here.declared[..]);
+            self.push_distortions(&mut jacobian, stretch, &plain, known);
+        }
+        Evaluated {
+            motion: world.motion,
+            torque,
+            rigid: here.rigid,
+            declared: here.declared,
+            gain: world.gain,
+            jacobian,
+        }
+    }
+}
+
+/// Columns of a term over the samples, and per joint and parameter its derivatives over the rows.
+type Contribution = (Vec<Column>, Vec<(usize, usize, Vec<f64>)>);
+
+impl AugmentedModel {
+    /// Columns of term `at`, and with the `gain` of every joint their derivatives.
+    fn contribution(&self, at: usize, scene: &Scene, stretch: &Stretch, gain: Option<&[f64]>) -> Contribution {
+        let term = &self.terms[at];
+        let columns = term.effect.columns(term.form, scene, &term.joints, &term.shape);
+        let derivatives = gain.map_or(Vec::new(), |gain| {
+            let shapes = shape_derivatives(term, scene);
+            let all = columns.iter().chain(&shapes).zip(self.offset_of(at)..);
+            let rows = all.flat_map(|(column, at)| column.rows.iter().map(move |(j, values)| (*j, at, values)));
+            let gained = |(j, at, values): (usize, usize, &Vec<f64>)| {
+                let gained = values.iter().map(|v| v * gain[j]).collect();
+                (j, at, stretch.shaped(gained))
+            };
+            rows.map(gained).collect()
+        });
+        (columns, derivatives)
+    }
+}
+
+fn add_columns(torque: &mut [Vec<f64>], columns: &[Column], coefficients: &[f64]) {
+    for (column, &c) in columns.iter().zip(coefficients) {
+        for (j, values) in &column.rows {
+            torque[*j].iter_mut().zip(values).for_each(|(t, v)| *t += c * v);
+        }
+    }
+}
+
+/// `∂(C c)/∂shape` by central differences; a thousandth of the value is far above rounding and far below the curvature of any column.
+pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
+    (0..term.free_shapes)
+        .map(|i| {
+            let step = 1e-4 * term.shape[i].abs().max(1e-6);
+            let torque = |sign: f64| {
+                let mut shape = term.shape.clone();
+                shape[i] += sign * step;
+                let columns = term.effect.columns(term.form, scene, &term.joints, &shape);
+                let mut sum = vec![vec![0.0; scene.samples()]; scene.robot.joint_count()];
+                add_columns(&mut sum, &columns, &term.coefficients);
+                (sum, columns)
+            };
+            let ((up, columns), (down, _)) = (torque(1.0), torque(-1.0));
+            let mut rows: Vec<usize> = columns.iter().flat_map(|c| c.rows.iter().map(|r| r.0)).collect();
+            rows.sort_unstable();
+            rows.dedup();
+            let values = |j: usize| up[j].iter().zip(&down[j]).map(|(u, d)| (u - d) / (2.0 * step)).collect();
+            Column {
+                rows: rows.into_iter().map(|j| (j, values(j))).collect(),
+            }
+        })
+        .collect()
+}
