@@ -7,6 +7,7 @@ import re
 import subprocess
 import tempfile
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import sync_playwright
@@ -24,6 +25,7 @@ def arguments():
     parser.add_argument("--width", type=int, default=1366)
     parser.add_argument("--height", type=int, default=768)
     parser.add_argument("--pictures", type=Path, help="folder to put pictures of the pages into")
+    parser.add_argument("--assets", type=Path, help="folder of pages to take in place of those in the program, to see changes without building it")
     return parser.parse_args()
 
 
@@ -32,9 +34,11 @@ def browser_page(options):
     """A page that fails on errors of scripts and on anything it asks of another server."""
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
         # --no-sandbox: containers run as root. No GPU: the same pictures everywhere.
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu"])
+        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"])
         phone = options.width < 500
         context = browser.new_context(viewport={"width": options.width, "height": options.height}, is_mobile=phone, has_touch=phone, accept_downloads=True)
+        if options.assets:
+            context.route(f"{options.server}/**", lambda route: from_disk(route, options))
         page = context.new_page()
         page.set_default_timeout(60_000)
         page.trouble = []
@@ -45,6 +49,21 @@ def browser_page(options):
         yield page
         browser.close()
         assert not page.trouble, page.trouble
+
+
+def from_disk(route, options):
+    """Answers with a file of the folder, or with a page put together as the server does; all else, and all headers, are the server's."""
+    path = urlsplit(route.request.url).path
+    name = path.removeprefix("/assets/") if path.startswith("/assets/") else f"{path.strip('/') or 'lab'}.html"
+    file = options.assets / name
+    if route.request.method != "GET" or not file.is_file():
+        return route.continue_()
+    if path.startswith("/assets/"):
+        return route.fulfill(path=file)
+    title, name = "The loop" if name == "loop.html" else file.stem.capitalize(), file.stem
+    frame = (options.assets / "frame.html").read_text()
+    answer = route.fetch()
+    return route.fulfill(response=answer, body=frame.replace("{title}", title).replace("{name}", name).replace("{main}", file.read_text()))
 
 
 def settle(page):

@@ -1,5 +1,5 @@
 // The arm where a motion starts, among what it shall keep off: seen while the form is filled in.
-import { ArmView, poses, upwards } from './arm.js';
+import { ArmView, HOW_TO_TURN, poses, upwards } from './arm.js';
 import { getJson, postJson } from './api.js';
 import { h } from './dom.js';
 
@@ -26,7 +26,7 @@ export function startOf(joints, start) {
 export class CellView {
   constructor() {
     this.holder = h('div');
-    this.element = h('figure', { class: 'cell' }, this.holder, h('figcaption', { class: 'help' }, 'Where the motion starts. Grid 0.25 m, through the origin of the base frame; drag to turn.'));
+    this.element = h('figure', { class: 'cell' }, this.holder, h('figcaption', { class: 'help' }, 'Where the motion starts. Grid 0.25 m, through the origin of the base frame. ', HOW_TO_TURN));
   }
 
   /** What is known of `robot`, asked for once. */

@@ -1,5 +1,5 @@
 // The result of a design.
-import { download, getJson, postJson } from './api.js';
+import { getJson, postJson } from './api.js';
 import { compareWith } from './compare.js';
 import { CellView, shapeOf } from './cell-view.js';
 import { CRITERIA, title } from './criteria.js';
@@ -7,6 +7,7 @@ import { courses } from './design-live.js';
 import { fourierSeries } from './expression.js';
 import { fill, figure, h, number, odds, perSecond, seconds, sentence, table, unit, words } from './dom.js';
 import { on } from './known-form.js';
+import { downloads, earlier, identifyLink } from './design-downloads.js';
 import { motionPlots } from './motion-plots.js';
 import { player } from './player.js';
 import { colour, plotLater, variable } from './plot.js';
@@ -35,8 +36,9 @@ export async function showDesign(target, result) {
   const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
   const space = result.request.constraints?.space;
   const shape = space ? await shapeOf(result.request.robot, drawn.joints) : [];
+  const played = player(drawn, space, shape, result.clearances ?? []);
   // What was asked for comes first.
-  const present = [evidence(result), summary(result), notes(result), criteria(result), motionPlots(drawn), player(drawn, space, shape), margins(result), clearances(result), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
+  const present = [evidence(result), summary(result), notes(result), criteria(result), motionPlots(drawn), played, margins(result), clearances(result, played), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, present.filter((p) => names[p.id]).map((p) => h('a', { href: `#${p.id}` }, names[p.id]))), present);
 }
 
@@ -64,31 +66,6 @@ function summary(result) {
       tightest ? figure('Tightest limit', `${number(100 * tightest.margin, 2)} %`, `left: ${tightest.joint}, ${tightest.quantity}`) : null),
     h('p', { class: 'soft' }, `${result.order} harmonics, ${used.evaluations.toLocaleString()} evaluations in ${seconds(used.elapsed_s)}, seed ${used.seed}. ${c.minimised === 'rival_evidence' ? 'Made large: evidence between the rivals' : `Made small: ${title(c.minimised).toLowerCase()}`}.`),
     downloads(result));
-}
-
-function downloads(result) {
-  const field = (name, value, least, width, step = 'any') => h('input', { type: 'number', class: 'narrow', value, min: least, step, 'aria-label': name, style: `width:${width}rem` });
-  const rate = field('Samples per second of the download', 1000, 1, 6.5);
-  const periods = field('Periods in the download', Math.max(result.request.periods ?? 1, 1), 1, 4.5, 1);
-  const slow = field('Times slower than designed', 1, 1, 4.5);
-  const share = field('Percent of the amplitude', 100, 1, 4.5);
-  const further = result.further ?? [];
-  const which = further.length ? h('select', { class: 'narrow', 'aria-label': 'Which trajectory' }, [result, ...further].map((_, i) => h('option', { value: i }, `trajectory ${i + 1}`))) : null;
-  const links = h('span', { class: 'row' });
-  const build = () => {
-    const query = new URLSearchParams({ rate_hz: rate.value, periods: periods.value });
-    if (Number(slow.value) > 1) query.set('slow', slow.value);
-    if (Number(share.value) < 100) query.set('backoff', share.value / 100);
-    if (which?.value > 0) query.set('index', which.value);
-    const suffix = `${which?.value > 0 ? `-${Number(which.value) + 1}` : ''}${Number(share.value) < 100 ? `-${share.value}percent` : ''}`;
-    fill(links, ['csv', 'json'].map((format) => download(format.toUpperCase(), `/excitation/${result.id}/trajectory?format=${format}&${query}`, `trajectory-${result.id}${suffix}.${format}`)),
-      download('Result with request (JSON)', `/excitation/${result.id}`, `design-${result.id}.json`));
-  };
-  [rate, periods, slow, share, which].filter(Boolean).forEach((f) => f.addEventListener('input', build));
-  build();
-  return h('div', { id: 'downloads' }, h('h3', {}, 'Download for the controller'), h('div', { class: 'row' }, which, rate, 'samples per second,', periods, 'periods'), h('div', { class: 'row', style: 'margin:.5rem 0' }, share, '% of the amplitude,', slow, 'times slower', links),
-    h('p', { class: 'help' }, 'Columns time, q, qd, qdd (s; rad or m). For a first run take less of the amplitude and more time; then run it as designed, several periods in a row: their repetition is what measures the noise later.'),
-    h('p', {}, identifyLink(result)));
 }
 
 /** The causes between which evidence counts: a special case of the other leaves nothing over on any motion, unless the other has bounds. */
@@ -136,16 +113,6 @@ function goingOn(result) {
   return h('div', {}, h('h3', {}, 'How to go on'), h('ol', {}, steps), h('div', { class: 'actions' }, identifyLink(result, true)));
 }
 
-/** The identification whose data this design adds to. */
-const earlier = (result) => result.request.model?.identification ?? (result.request.given ?? []).map((g) => g.identification).find(Boolean);
-
-function identifyLink(result, primary = false) {
-  const query = new URLSearchParams({ excitation: result.id });
-  if (typeof result.request.robot === 'string') query.set('robot', result.request.robot);
-  if (earlier(result)) query.set('after', earlier(result));
-  return h('a', { class: primary ? 'button primary' : 'button', href: `/identification?${query}` }, 'I have run it: identify');
-}
-
 /** Every criterion, whichever was made small. */
 function criteria(result) {
   const c = result.criteria;
@@ -157,12 +124,12 @@ function criteria(result) {
     advice ? h('p', { class: 'soft' }, `Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`) : null);
 }
 
-function clearances(result) {
+function clearances(result, played) {
   if (!result.clearances?.length) return null;
   return section('clearances', 'Distances kept', table([
     { head: 'Link of', cell: (c) => c.joint, sort: (c) => c.joint }, { head: 'From', cell: (c) => c.from, sort: (c) => c.from }, { head: 'Least distance', number: true, cell: (c) => `${number(c.least, 3)} m`, sort: (c) => c.least },
     { head: 'Proven above', number: true, cell: (c) => `${number(c.certified, 3)} m`, sort: (c) => c.certified, title: 'Bound on the least distance over all time, between the samples too' },
-    { head: 'Asked', number: true, cell: (c) => `${number(c.asked, 3)} m`, sort: (c) => c.asked }, { head: 'At', number: true, cell: (c) => `${number(c.at_s)} s`, sort: (c) => c.at_s },
+    { head: 'Asked', number: true, cell: (c) => `${number(c.asked, 3)} m`, sort: (c) => c.asked }, { head: 'At', number: true, cell: (c) => `${number(c.at_s)} s`, sort: (c) => c.at_s }, { head: 'Show', hidden: true, cell: (c) => h('button', { type: 'button', class: 'link', 'aria-label': `Show ${c.joint} and ${c.from}`, onclick: () => played.goTo(c) }, 'Show') },
   ], result.clearances, { caption: 'Between links, and from obstacles', sort: { column: 2, way: 'ascending' } }));
 }
 

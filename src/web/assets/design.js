@@ -93,6 +93,7 @@ function showCell({ robot, constraints: { space: placed, start_position: start }
 
 /** A robot whose links have a shape avoids itself, unless somebody says otherwise; for one without, where to give it a shape. */
 let selfTouched = false;
+let floorTouched = false;
 async function avoidSelf(fresh) {
   const robot = value('robot');
   const { shape } = await cell.load(robot);
@@ -100,8 +101,15 @@ async function avoidSelf(fresh) {
   const links = new Set(shape.map((capsule) => capsule.joint)).size;
   const box = find('#self-collision');
   if (fresh && !selfTouched) box.checked = links > 1;
+  if (fresh && !floorTouched) await placeFloor(links > 0);
   fill(find('#self-help'), links > 1 ? null : h('span', {}, 'The description of this robot has no shape to check. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules, or let them be suggested there.'));
   explainForm();
+}
+
+/** A floor below the arm, as long as nobody has placed anything. */
+async function placeFloor(possible) {
+  obstacles.set(null);
+  if (possible) await addObstacle('floor');
 }
 
 async function addObstacle(what) {
@@ -183,8 +191,9 @@ find('#form').addEventListener('input', (event) => {
 });
 find('#self-collision').addEventListener('input', () => { selfTouched = true; });
 find('#robot').addEventListener('change', () => known.load(value('robot')).then(() => avoidSelf(true)).catch((e) => explain(find('#form-trouble'), e)));
-document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => addObstacle(button.dataset.add)));
+document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => { floorTouched = true; addObstacle(button.dataset.add); }));
 find('#space-part').addEventListener('toggle', explainForm);
+['input', 'click'].forEach((name) => find('#obstacles').addEventListener(name, () => { floorTouched = true; }));
 find('#form').addEventListener('submit', async (event) => {
   event.preventDefault();
   unmark(event.target);

@@ -50,6 +50,9 @@ export function time(text) {
   return today ? clock : `${then.toLocaleDateString([], { day: 'numeric', month: 'short' })} ${clock}`;
 }
 
+/** Controllers count from their own start, or from 1970: series are drawn from the first sample. */
+export const sinceStart = (time) => time.map((t) => t - time[0]);
+
 export function seconds(value) {
   if (value < 90) return `${number(value, value < 10 ? 2 : 3)} s`;
   return `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;

@@ -1,5 +1,5 @@
 // Parts of a finding that several pages show.
-import { h, measured, sentence, table, unit, words } from './dom.js';
+import { figure, h, measured, number, sentence, table, unit, words } from './dom.js';
 
 /** A fault of the data: what was seen, and what was done about it. */
 export function dataFault(fault) {
@@ -12,6 +12,22 @@ export function dataFault(fault) {
 export function outside(finding) {
   if (finding.in_model) return null;
   return finding.held_out.change === 'not_tested' ? h('span', { class: 'tag' }, 'not in the model: nothing that lasts') : h('span', { class: 'tag warn' }, 'not in the model: held-out data speak against it');
+}
+
+/** [finding, place in the list of the interface], the greatest share of the held-out error that it removes first. */
+export function byGain(findings) {
+  const share = ({ held_out: { before, after } }) => (before > 0 ? 1 - after / before : -Infinity);
+  return findings.map((f, i) => [f, i]).sort(([a], [b]) => share(b) - share(a));
+}
+
+const CHANGES = { better: ['good', 'better'], worse: ['bad', 'worse'], same: ['', 'no change beyond chance'], not_tested: ['', 'not tested'] };
+
+/** What it does to the error on data that the fit did not see, in one figure. */
+export function gain(finding, effort) {
+  const { before, after, change } = finding.held_out;
+  const [kind, text] = CHANGES[change] ?? ['', words(change)];
+  const tested = Number.isFinite(before) && Number.isFinite(after);
+  return h('dl', { class: 'figures' }, figure('Held-out error', tested ? `${number(before, 3)} → ${number(after, 3)}` : '–', [tested ? `${effort} ` : null, h('span', { class: `tag ${kind}` }, text)]));
 }
 
 /** Its parameters with one standard deviation. */

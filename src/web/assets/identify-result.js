@@ -2,6 +2,7 @@
 import { changes, checkModel } from './check-model.js';
 import { download, postJson, save, send, token } from './api.js';
 import { fill, figure, h, measured, number, sentence, table, unit, words } from './dom.js';
+import { byGain, gain } from './finding.js';
 import { parameters } from './parameters.js';
 import { physical } from './physical.js';
 import { MODELS, torquePlots } from './torque-plots.js';
@@ -25,7 +26,7 @@ export async function showIdentification(target, result) {
   const effort = result.joints.map((_, j) => unit(drawn?.joints[j].effort_unit ?? 'N m'));
   const parts = [['summary', 'Summary'], ['torques', 'Torques'], ['parameters', 'Parameters'], ['physical', 'Physical'], ['errors', 'Errors'], ['logs', 'Logs'], ...(result.physical_parameters ? [['check', 'Check']] : [])];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
-    summary(result), notes(result), torquePlots(result, effort), parameters(result), effectsFound(result), physical(result, drawn), errors(result, effort), logs(result), checkModel(result));
+    summary(result, effort), notes(result), torquePlots(result, effort), parameters(result), effectsFound(result), physical(result, drawn), errors(result, effort), logs(result), checkModel(result));
 }
 
 /** The result of a validation: a model held against logs; `made` is the identification that made the model, if it is known. */
@@ -44,21 +45,34 @@ function notes(result) {
   return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, n))) : null;
 }
 
-function summary(result) {
+function summary(result, effort) {
   const q = result.quality;
   const [kind, name] = VERDICTS[q.verdict] ?? ['', words(q.verdict)];
   const residual = result.residual;
-  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, name), ' ', sentence(q.reason)),
+  return section('summary', result.robot, residual ? foundIn(result, effort) : null, h('p', {}, h('span', { class: `tag ${kind}` }, name), ' ', sentence(q.reason)),
     h('dl', { class: 'figures' }, figure('Base parameters', result.base_parameters.length), figure('Determined', `${q.rank} of ${q.columns}`), figure('Condition number', number(q.condition_number, 3)),
       result.feasibility ? figure('Physical fit', number(result.feasibility.rms_ratio, 4), '× that of the base parameters') : null),
-    residual ? foundIn(result) : null, files(result));
+    files(result));
 }
 
-function foundIn(result) {
-  const { verdict, summary: said, findings } = result.residual;
+/** What the verdict was judged by. */
+function scope({ held_out: held }) {
+  if (held.verdict === 'not_tested') return held.source ? `Judged on ${held.source}.` : 'Judged on the data that made the model.';
+  return `${{ confirmed: 'Held-out data confirm it', not_confirmed: 'Held-out data do not confirm it' }[held.verdict] ?? words(held.verdict)} (${held.source}).`;
+}
+
+function foundIn(result, effort) {
+  const { verdict, summary: said, findings, data_faults: faults } = result.residual;
   const [kind, text] = RESIDUAL[verdict] ?? ['', words(verdict)];
-  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}` }, h('p', {}, h('strong', {}, said ?? text)), result.residual.data_faults.map((f) => h('p', {}, sentence(f.detail), ' ', f.remedy)), findings.map((f) => h('p', {}, f.sentence)),
-    h('p', {}, h('a', { class: 'button primary', id: 'to-loop', href: `/loop?id=${result.id}` }, 'See what the model lacks')));
+  const none = result.rms.validation.length ? null : ' There was no log to validate with.';
+  const where = (joints) => (joints.length === result.joints.length && joints.length > 1 ? 'all joints' : joints.join(', '));
+  const one = (f) => h('li', {}, h('strong', {}, `${words(f.effect)} on ${where(f.joints)}`), `: ${f.parameters.map((p) => `${words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}`.trim()).join(', ')}`, gain(f, effort[result.joints.indexOf(f.joints[0])] ?? effort[0]));
+  const ordered = byGain(findings).map(([f]) => f);
+  const [small, large] = [ordered.filter((f) => f.held_out.change === 'same'), ordered.filter((f) => f.held_out.change !== 'same')];
+  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}`, id: 'verdict' }, h('p', {}, h('strong', {}, said ?? text)), h('p', {}, scope(result.residual), none), faults.map((f) => h('p', {}, sentence(f.detail), ' ', f.remedy)),
+    large.length ? h('ul', { class: 'list' }, large.map(one)) : null,
+    small.length ? h('details', {}, h('summary', {}, `${small.length === 1 ? 'One effect' : `${small.length} effects`} without a change of the held-out error beyond chance`), h('ul', { class: 'list' }, small.map(one))) : null,
+    h('p', {}, h('a', { class: 'button primary', id: 'to-loop', href: `/loop?id=${result.id}` }, 'See the diagnosis')));
 }
 
 /** Effects beside the base parameters, one estimate with them. */

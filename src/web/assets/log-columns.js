@@ -51,6 +51,8 @@ export class LogColumns {
     const lacks = ['position', 'torque'].map((q) => [q, joints(q)]).filter(([, list]) => list.length);
     const words = lacks.map(([q, list]) => `no ${q} for ${list.length === this.joints.length ? 'any joint' : list.join(', ')}`);
     if (!this.time() && !(Number(this.rate) > 0)) words.push('no time; give the sample rate instead');
+    const without = this.units.torque === 'A' ? this.joints.filter((_, j) => this.named('torque')[j] && this.scale[j] === undefined) : [];
+    if (without.length) words.push(`no N·m per ampere for ${without.length === this.joints.length ? 'any joint' : without.join(', ')}`);
     return words;
   }
 
@@ -92,7 +94,7 @@ export class LogColumns {
       missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Choose what is what: '), missing.join('; '), '.')) : null,
       h('div', { class: 'row field' }, unit('time', 'Time in'), unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
         this.time() ? null : h('label', { class: 'inline' }, 'samples per second', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
-      this.units.torque === 'A' ? h('div', { class: 'notice' }, h('p', {}, 'Currents become torques by N·m per ampere at the joint: torque constant × gear ratio. Enter it for every joint below; without it nothing can be said in N·m.')) : null,
+      this.units.torque === 'A' ? h('div', { class: 'notice' }, h('p', {}, 'Currents become torques by N·m per ampere at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) }))) : null,
       this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null)));
     if (focused) document.getElementById(focused)?.focus();
   }
@@ -122,6 +124,14 @@ export class LogColumns {
     const j = Number(at);
     return h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('input', { class: 'cell-number', id: `scale-${j}`, inputmode: 'decimal', value: this.scale[j] ?? '', placeholder: this.units.torque === 'A' ? 'N·m/A' : '1', 'aria-label': `${column.name}: scale`, 'data-pointer': '/columns/torque/scale', onchange: (e) => { const v = Number(e.target.value.replace(',', '.')); this.scale[j] = e.target.value.trim() === '' || !Number.isFinite(v) ? undefined : v; this.change(); } }),
       h('select', { class: 'narrow', id: `sign-${j}`, 'aria-label': `${column.name}: sign`, 'data-pointer': '/columns/torque/sign', onchange: (e) => { this.sign[j] = Number(e.target.value); this.change(); } }, [[1, 'as it is'], [-1, 'inverted']].map(([v, t]) => h('option', { value: v, selected: (this.sign[j] ?? 1) === v }, t))));
+  }
+
+  /** One number for all joints, or one per joint, separated by spaces, commas or semicolons. */
+  scaleAll(text) {
+    const list = text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(Number);
+    if (!list.length || !list.every(Number.isFinite) || ![1, this.joints.length].includes(list.length)) return;
+    this.scale = this.joints.map((_, j) => list[j] ?? list[0]);
+    this.change();
   }
 
   becomes(column) {

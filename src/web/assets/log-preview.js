@@ -1,5 +1,5 @@
 // What was understood of logs before anything runs.
-import { fill, figure, h, number, perSecond, table, unit, words } from './dom.js';
+import { fill, figure, h, number, perSecond, sinceStart, table, unit, words } from './dom.js';
 import { colour, plotLater } from './plot.js';
 
 export async function showPreview(target, seen) {
@@ -34,8 +34,8 @@ function motion(log, index) {
   const chart = h('div', { class: 'plot', 'data-label': 'Positions and torques of the log as understood' });
   plotLater(chart, () => ({
     traces: log.joints.flatMap((joint, j) => [
-      { type: 'scatter', mode: 'lines', name: joint.joint, legendgroup: joint.joint, x: joint.time, y: joint.position, line: { color: colour(j), width: 1.2 } },
-      { type: 'scatter', mode: 'lines', name: joint.joint, legendgroup: joint.joint, showlegend: false, x: joint.time, y: joint.torque, yaxis: 'y2', line: { color: colour(j), width: 1.2 } },
+      { type: 'scatter', mode: 'lines', name: joint.joint, legendgroup: joint.joint, x: sinceStart(joint.time), y: joint.position, line: { color: colour(j), width: 1.2 } },
+      { type: 'scatter', mode: 'lines', name: joint.joint, legendgroup: joint.joint, showlegend: false, x: sinceStart(joint.time), y: joint.torque, yaxis: 'y2', line: { color: colour(j), width: 1.2 } },
     ]),
     layout: { height: 360, hovermode: 'closest', yaxis: { domain: [0.54, 1], title: `position<br>(${units(log, 'position_unit')})` }, yaxis2: { domain: [0, 0.46], title: `torque<br>(${units(log, 'effort_unit')})` }, xaxis: { title: 'time (s)', anchor: 'y2' } },
   }));

@@ -2,7 +2,7 @@
 import { explain, getJson, postJson } from './api.js';
 import { designButton } from './decide.js';
 import { fill, figure, find, h, number, odds, table, time, unit, words } from './dom.js';
-import { dataFault, findingParameters, outside } from './finding.js';
+import { byGain, dataFault, findingParameters, gain, outside } from './finding.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
 import { colour, plotLater, plotly, variable } from './plot.js';
 import { residualPlot } from './residual-plot.js';
@@ -39,7 +39,7 @@ function summary({ result, report, effort: units }) {
 
 function findings(context) {
   const { report } = context;
-  const shown = report.findings.map((f, i) => [f, finding(context, f, i)]);
+  const shown = byGain(report.findings).map(([f, i]) => [f, finding(context, f, i)]);
   const small = ([f]) => f.held_out.change === 'same';
   const folded = shown.filter(small).map(([, card]) => card);
   const cards = [...report.data_faults.map(dataFault), ...shown.filter((s) => !small(s)).map(([, card]) => card)];
@@ -67,7 +67,15 @@ function finding(context, f, index) {
   ];
   const evidence = h('details', {}, h('summary', {}, 'Why it is believed'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence' }));
   return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, `${words(f.effect)} on ${where(f.joints, context.result.joints)}`, ' ', outside(f)),
-    h('p', { class: 'sentence' }, f.sentence), f.note ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, findingParameters(f), evidence, rivals(context, f, index));
+    gain(f, context.effort[context.result.joints.indexOf(f.joints[0])] ?? 'N·m'), h('p', { class: 'sentence' }, f.sentence), f.note ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, findingParameters(f), evidence, survivals(f), rivals(context, f, index));
+}
+
+/** Whether it is found again when the data are changed a little. */
+function survivals(f) {
+  if (!f.survivals?.length) return null;
+  const lost = f.survivals.filter((s) => !s.survives).length;
+  return h('details', {}, h('summary', {}, lost ? `Not found in ${lost} of ${f.survivals.length} changed copies of the data` : `Found in all ${f.survivals.length} changed copies of the data`),
+    table([{ head: 'Change of the data', cell: (s) => words(s.perturbation) }, { head: 'Finding', cell: (s) => h('span', { class: `tag ${s.survives ? 'good' : 'warn'}` }, s.survives ? 'found again' : 'not found') }], f.survivals, { caption: 'The same diagnosis from changed data' }));
 }
 
 function rivals(context, f, index) {
@@ -85,15 +93,18 @@ function remainder(context) {
 
 function bars({ result, report, effort }) {
   const kinds = [['identification', 'On the data that made the model'], ['held_out', 'On held-out data']].filter(([k]) => report.rms_before[k].length);
+  // Joints of the wrist have errors of a hundredth of those of the shoulder: all are seen as multiples of their noise.
+  const relative = report.noise_floor.every((v) => v > 0);
+  const over = (list) => (relative ? list.map((v, j) => v / report.noise_floor[j]) : list);
   const charts = kinds.map(([kind, title]) => {
     const chart = h('div', { class: 'plot', 'data-label': `Error per joint before and after, ${title}` });
     plotLater(chart, () => ({
       traces: [
-        { type: 'bar', name: 'declared model', x: result.joints, y: report.rms_before[kind], marker: { color: colour(1), pattern: { shape: '/' } } },
-        { type: 'bar', name: 'with the effects found', x: result.joints, y: report.rms_after[kind], marker: { color: colour(0) } },
-        { type: 'scatter', mode: 'markers', name: 'noise floor', x: result.joints, y: report.noise_floor, marker: { symbol: 'line-ew-open', size: innerWidth < 640 ? 16 : 30, line: { width: 3, color: variable('--ink') }, color: variable('--ink') } },
-      ].map((t) => ({ ...t, hovertemplate: '%{y:.4g}' })),
-      layout: { barmode: 'group', height: 310, xaxis: { type: 'category', title: 'joint' }, yaxis: { title: `RMS error (${[...new Set(effort)].join(' or ')})`, rangemode: 'tozero' } },
+        { type: 'bar', name: 'declared model', x: result.joints, y: over(report.rms_before[kind]), customdata: report.rms_before[kind], marker: { color: colour(1), pattern: { shape: '/' } } },
+        { type: 'bar', name: 'with the effects found', x: result.joints, y: over(report.rms_after[kind]), customdata: report.rms_after[kind], marker: { color: colour(0) } },
+        { type: 'scatter', mode: 'markers', name: 'noise floor', x: result.joints, y: over(report.noise_floor), customdata: report.noise_floor, marker: { symbol: 'line-ew-open', size: innerWidth < 640 ? 16 : 30, line: { width: 3, color: variable('--ink') }, color: variable('--ink') } },
+      ].map((t) => ({ ...t, hovertemplate: `%{customdata:.4g} ${[...new Set(effort)].join(' or ')}` })),
+      layout: { barmode: 'group', height: 310, xaxis: { type: 'category', title: 'joint' }, yaxis: { title: relative ? 'RMS error over noise floor, ratio' : `RMS error (${[...new Set(effort)].join(' or ')})`, rangemode: 'tozero' } },
     }));
     return h('div', {}, h('h3', {}, title), chart);
   });
@@ -143,9 +154,9 @@ function next(context) {
   const pairs = report.findings.flatMap((f) => f.rivals.map((r) => ({ finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } })));
   const [first] = pairs;
   const text = first ? `Open: ${listed(pairs.map((p) => `${called(p.finding, result.joints)} or ${called(p.rival, result.joints)}`), 'and')}. On the motion that was run the two move the torque alike. The next trajectory is made so that they do not.`
-    : report.remainder?.depends_on.length && report.remainder.depends_on.every((name) => ['time', 'period'].includes(name)) ? 'What is left changes while the log runs and not with the motion: record again once the arm is warm, and see whether it has gone.'
-    : report.remainder?.depends_on.length === 0 ? 'What is left depends on no one or two positions or speeds: look at it over time below, and record the same motion again to see whether it comes back.'
-    : report.remainder ? 'What is left depends on the variables above; a motion that passes through other combinations of them shows more of it.'
+    : report.remainder?.depends_on.length && report.remainder.depends_on.every((name) => ['time', 'period'].includes(name)) ? 'The remaining residual changes while the log runs and not with the motion: record again once the arm is warm, and see whether it has gone.'
+    : report.remainder?.depends_on.length === 0 ? 'The remaining residual depends on no one or two positions or speeds: look at it over time above, and record the same motion again to see whether it comes back.'
+    : report.remainder ? 'The remaining residual depends on the variables above; a motion that passes through other combinations of them shows more of it.'
       : 'Another motion is the test that these findings must pass: nothing new should be found on it. It is designed for what these logs leave open.';
   const label = first ? 'Design the deciding trajectory' : 'Design the next trajectory';
   return section('next', 'What to record next', h('p', {}, text, ' Run it, and identify from both logs together.'), result.provenance ? designButton(context, label, first, 'decide') : null);

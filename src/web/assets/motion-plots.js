@@ -12,7 +12,8 @@ const both = (limit) => (limit === null || limit === undefined ? null : [-limit,
 
 export function motionPlots({ joints, motion }) {
   const chart = h('div', { class: 'plot', 'data-label': 'Position, velocity, acceleration and expected torque over one period' });
-  const choice = h('select', { class: 'narrow', id: 'motion-joint' }, h('option', { value: 'all' }, 'all joints'), h('option', { value: 'share' }, 'all joints, as share of their limits'), joints.map((j, i) => h('option', { value: i }, j.name)));
+  const limited = joints.some((joint) => QUANTITIES.some((quantity) => motion[quantity.key] && quantity.limit(joint)));
+  const choice = h('select', { class: 'narrow', id: 'motion-joint' }, limited ? h('option', { value: 'share' }, 'all joints, as share of their limits') : null, h('option', { value: 'all' }, 'all joints, in their units'), ...joints.map((j, i) => h('option', { value: i }, j.name)));
   const shown = QUANTITIES.filter((q) => motion[q.key]);
   const make = () => (choice.value === 'all' ? overview(joints, motion, shown) : choice.value === 'share' ? shares(joints, motion, shown) : single(joints[choice.value], Number(choice.value), motion, shown));
   choice.addEventListener('change', () => plot(chart, make));

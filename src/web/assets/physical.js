@@ -1,5 +1,5 @@
 // Physical parameters: bodies on the arm, a table, margins to what is possible.
-import { ArmView, ellipsoid } from './arm.js';
+import { ArmView, ellipsoid, HOW_TO_TURN } from './arm.js';
 import { h, number, table, words } from './dom.js';
 import { colour, plotLater } from './plot.js';
 
@@ -37,7 +37,7 @@ function bodies(links, drawn) {
   // Bent, so that links on one line can be told apart.
   view.q = drawn.joints.map((joint, j) => bent(joint, j));
   view.frameArm();
-  return h('div', {}, canvas, h('p', { class: 'help' }, 'Each link as the solid ellipsoid of even density with its mass, centre of mass and inertia; the number is the link’s. Drag to turn.'));
+  return h('div', {}, canvas, h('p', { class: 'help' }, 'Each link as the solid ellipsoid of even density with its mass, centre of mass and inertia; the number is the link’s. ', HOW_TO_TURN));
 }
 
 function bent(joint, j) {

@@ -1,5 +1,5 @@
 // The editor of a robot description: every field of it, drawn while it changes.
-import { ArmView } from './arm.js';
+import { ArmView, HOW_TO_TURN } from './arm.js';
 import { explain, postJson, send, unmark } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
 import { fill, find, h } from './dom.js';
@@ -14,6 +14,9 @@ const MOUNTINGS = [['On the floor', [0, 0, -9.81]], ['Hanging from the ceiling',
 /** Edits `start.description`. `id`: under which it is kept, null for a new robot; `saved(id)` when it is. */
 export function editor({ id, start, saved, cancel }) {
   const fields = new Fields(structuredClone(start.description), () => soon());
+  const shaped = (doc) => doc.joints.some((joint) => joint.geometry?.length);
+  const suggested = !id && !shaped(fields.doc) && (suggestShape(fields.doc), shaped(fields.doc));
+  const remarks = [...(start.notes ?? []), ...(suggested ? ['The description has no shape. Capsules along the links are suggested, so that designs avoid self-collision and the floor: check them in the picture.'] : [])];
   const form = h('form', { id: 'editor', class: 'card', novalidate: true, 'aria-labelledby': 'editor-title' });
   const notes = h('div');
   const trouble = h('div', { 'data-role': 'trouble' });
@@ -36,6 +39,7 @@ export function editor({ id, start, saved, cancel }) {
       explain(trouble, error, form);
     }
   });
+  const say = (more) => fill(notes, [...new Set([...remarks, ...more])].map((n) => h('div', { class: 'notice' }, h('p', {}, n))));
   let waiting = null;
   const soon = () => { clearTimeout(waiting); waiting = setTimeout(check, 350); };
   async function check() {
@@ -43,7 +47,7 @@ export function editor({ id, start, saved, cancel }) {
       const drawn = await postJson('/motion', { robot: fields.doc });
       unmark(form);
       fill(trouble);
-      fill(notes, drawn.notes.length ? h('div', { class: 'notice' }, drawn.notes.map((n) => h('p', {}, n))) : null);
+      say(drawn.notes);
       await picture.show(fields.doc, drawn);
     } catch (error) {
       unmark(form);
@@ -51,7 +55,7 @@ export function editor({ id, start, saved, cancel }) {
     }
   }
   draw();
-  fill(notes, start.notes?.length ? h('div', { class: 'notice' }, start.notes.map((n) => h('p', {}, n))) : null);
+  say([]);
   check();
   return h('div', { class: 'editor' }, form, picture.element);
 }
@@ -148,11 +152,12 @@ function preview() {
   const canvas = h('canvas', { class: 'arm', 'aria-label': 'The robot as it is described. Arrow keys turn the view.' });
   let view = null;
   return {
-    element: h('aside', { class: 'card picture', 'aria-label': 'Picture' }, canvas, h('p', { class: 'help' }, 'Drag to turn. Grid 0.25 m; gravity points down. Capsules are the shape that keeps clear of obstacles.')),
+    element: h('aside', { class: 'card picture', 'aria-label': 'Picture' }, canvas, h('p', { class: 'help' }, `Grid 0.25 m; the arrow g is gravity. Arcs are the ranges of the joints, capsules the shape that keeps clear of obstacles. ${HOW_TO_TURN}`)),
     async show(doc, drawn) {
       view ??= new ArmView(canvas, drawn.joints, drawn.gravity);
       view.replace(drawn.joints, drawn.gravity);
       view.shape = await shapeOf(doc, drawn.joints);
+      view.limits = true;
       view.q = startOf(drawn.joints);
       view.frameCell();
       view.draw();

@@ -38,7 +38,7 @@ export class Fields {
   number(path, { id, label, angle, required, cell, pair, otherwise }) {
     const factor = angle && this.degrees ? RADIANS : 1;
     const kept = this.read(path) ?? otherwise?.[path.at(-1)];
-    const shown = typeof kept === 'number' ? String(Number((kept / factor).toPrecision(12))) : kept ?? '';
+    const shown = typeof kept === 'number' ? String(Number((kept / factor).toPrecision(factor === 1 ? 12 : 7))) : kept ?? '';
     const input = h('input', { id, class: cell ? 'cell-number' : null, value: shown, inputmode: 'decimal', 'aria-label': label, 'data-pointer': this.pointer(pair ? path.slice(0, -1) : path), autocomplete: 'off' });
     input.addEventListener('input', () => {
       const text = input.value.trim().replace('−', '-').replace(/^(-?\d+),(\d+)$/, '$1.$2');

@@ -1,5 +1,5 @@
 // Measured and predicted torque on top of each other, the residual below, one joint at a time.
-import { fill, h, number } from './dom.js';
+import { fill, h, number, sinceStart } from './dom.js';
 import { colour, plotLong, variable } from './plot.js';
 
 export const MODELS = { base: 'the model found', physical: 'physical parameters and effects', declared: 'declared model, without the effects' };
@@ -26,14 +26,15 @@ export function torquePlots(result, effort, { models: called = MODELS, first = 0
     // A fresh place: what listened to the old plot goes with it.
     const place = chart.cloneNode(false);
     fill(holder, place);
+    const time = sinceStart(one.time);
     const residual = one.measured.map((m, i) => m - one[model.value][i]);
     const rms = Math.sqrt(residual.reduce((sum, r) => sum + r * r, 0) / residual.length);
     const unit = effort[result.joints.indexOf(joint.value)];
     text.textContent = `Difference of the drawn points: ${number(rms, 3)} ${unit} root mean square. ${innerWidth < 640 ? 'The buttons above the plot zoom.' : 'Drag over the plot to zoom, double-click to go back.'}`;
     plotLong(place, [
-      { x: one.time, y: one.measured, trace: () => ({ name: 'measured', line: { color: variable('--soft'), width: 2.4 } }) },
-      { x: one.time, y: one[model.value], trace: () => ({ name: 'predicted', line: { color: colour(1), width: 1.3 } }) },
-      { x: one.time, y: residual, trace: () => ({ name: 'measured − predicted', yaxis: 'y2', line: { color: colour(0), width: 1 } }) },
+      { x: time, y: one.measured, trace: () => ({ name: 'measured', line: { color: variable('--soft'), width: 2.4 } }) },
+      { x: time, y: one[model.value], trace: () => ({ name: 'predicted', line: { color: colour(1), width: 1.3 } }) },
+      { x: time, y: residual, trace: () => ({ name: 'measured − predicted', yaxis: 'y2', line: { color: colour(0), width: 1 } }) },
     ], () => ({ height: 430, yaxis: { domain: [0.4, 1], title: `torque (${unit})` }, yaxis2: { domain: [0, 0.33], title: `difference<br>(${unit})` }, xaxis: { title: 'time (s)', anchor: 'y2' } }))
       .then(() => requestAnimationFrame(() => requestAnimationFrame(() => {
         // For measurements: how long drawing took, and when it was on the screen after the page was asked for.
