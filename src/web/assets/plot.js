@@ -26,6 +26,15 @@ export function plotly() {
 }
 
 const drawn = new Map();
+/** Plots that wait for being scrolled to. */
+const waiting = new Map();
+/** Points across a printed page of A4, less its margins. */
+const PAPER = 660;
+addEventListener('beforeprint', () => {
+  waiting.forEach((now) => now());
+  drawn.forEach((_, place) => place.isConnected && place.data && window.Plotly.relayout(place, { width: Math.min(PAPER, place.clientWidth || PAPER), autosize: false }));
+});
+addEventListener('afterprint', () => drawn.forEach((_, place) => place.isConnected && place.data && window.Plotly.relayout(place, { width: null, autosize: true })));
 document.addEventListener('theme', () => drawn.forEach((draw) => draw()));
 
 /**
@@ -33,7 +42,8 @@ document.addEventListener('theme', () => drawn.forEach((draw) => draw()));
  * belong to the theme.
  */
 export async function plot(place, make, options = {}) {
-  const Plotly = await plotly();
+  // At once where it is there: a page that is printed waits for nothing.
+  const Plotly = window.Plotly ?? await plotly();
   const draw = () => {
     const { traces, layout } = make();
     return Plotly.react(place, traces, dressed(layout, place), { responsive: true, displaylogo: false, modeBarButtonsToRemove: ['lasso2d', 'select2d'], ...options });
@@ -49,10 +59,14 @@ export async function plot(place, make, options = {}) {
 /** As `plot`, once the place comes near the screen: pages with many plots open at once. */
 export function plotLater(place, make, options) {
   const watch = new IntersectionObserver((entries) => {
-    if (!entries.some((e) => e.isIntersecting)) return;
-    watch.disconnect();
-    plot(place, make, options);
+    if (entries.some((e) => e.isIntersecting)) now();
   }, { rootMargin: '400px' });
+  const now = () => {
+    watch.disconnect();
+    waiting.delete(place);
+    if (place.isConnected) plot(place, make, options);
+  };
+  waiting.set(place, now);
   watch.observe(place);
 }
 

@@ -1,6 +1,6 @@
 // The editor of a robot description: every field of it, drawn while it changes.
 import { ArmView, HOW_TO_TURN } from './arm.js';
-import { explain, postJson, send, unmark } from './api.js';
+import { explain, getJson, postJson, send, unmark } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
 import { fill, find, h } from './dom.js';
 import { jointDetails, suggestShape } from './robot-joint.js';
@@ -64,7 +64,8 @@ export function editor({ id, start, saved, cancel }) {
 async function keep(path, robot, replace) {
   const id = path.split('/')[2];
   if (!replace && id) {
-    const there = await send(path).then(() => true, (e) => { if (e.problem?.status === 404) return false; throw e; });
+    const { robots } = await getJson('/robots');
+    const there = robots.some((r) => r.id === decodeURIComponent(id));
     if (there && !confirm(`There is a robot ${id} already. Replace it?`)) throw Object.assign(new Error(), { problem: { detail: `There is a robot ${id} already.`, hint: 'Choose another ID.' } });
   }
   await send(path, { method: id ? 'PUT' : 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(robot) });

@@ -4,7 +4,7 @@ import { CRITERIA } from './criteria.js';
 import { fill, h, measured, number, table, time, unit, words } from './dom.js';
 import { nameOf } from './expression.js';
 import { page } from './job-words.js';
-import { colour, plotLater } from './plot.js';
+import { colour, plot, plotLater } from './plot.js';
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
 /** Deviations beyond which two values differ more than chance lets them: one pair in three hundred does so by chance. */
@@ -27,7 +27,7 @@ const heads = (runs) => h('ul', { class: 'list' }, runs.map((run) => h('li', {},
   run.result.log_report ? h('span', { class: 'soft' }, `, ${run.result.log_report.map((l) => l.file).join(', ')}`) : null, run.job.note ? h('div', { class: 'help note' }, run.job.note) : null)));
 
 function identifications(runs) {
-  return [section('compared', 'Comparison', heads(runs)), parameters(runs), errors(runs), findings(runs)];
+  return [section('compared', 'Comparison', heads(runs)), parameters(runs), overTime(runs), errors(runs), findings(runs)];
 }
 
 /** Parameters that all have, each scaled to its mean so that all fit on one axis. */
@@ -46,6 +46,25 @@ function parameters(runs) {
   return section('parameters', 'Parameters', h('p', {}, differ ? `${differ} of ${rows.length} parameters differ by more than ${APART} standard deviations between some two runs.` : `No parameter differs by more than ${APART} standard deviations between any two runs.`), chart,
     table([{ head: 'Name', cell: (r) => nameOf(r.name), sort: (r) => r.name }, ...runs.map((run, i) => ({ head: run.label, number: true, cell: (r) => (r.all[i].value === null ? '–' : measured(r.all[i].value, r.all[i].std_dev)), sort: (r) => r.all[i].value })),
       { head: 'Unit', cell: (r) => unit(r.unit) }, { head: 'Largest difference (σ)', number: true, cell: (r) => h('span', { class: r.apart > APART ? 'tag warn' : '' }, number(r.apart, 2)), sort: (r) => r.apart }], rows, { caption: 'Values ± standard deviation', sort: { column: runs.length + 2, way: 'descending' } }));
+}
+
+/** One parameter over the dates of the runs. */
+function overTime(runs) {
+  const names = runs[0].result.base_parameters.map((p) => p.name);
+  const of = (run, name) => run.result.base_parameters.find((p) => p.name === name);
+  const choice = h('select', { class: 'narrow', id: 'over-time' }, names.map((name) => h('option', {}, name)));
+  const chart = h('div', { class: 'plot flat', 'data-label': 'One base parameter over the dates of the runs, with two standard deviations either side' });
+  const make = () => {
+    const points = runs.map((run) => ({ run, p: of(run, choice.value) })).filter(({ p }) => p && p.value !== null);
+    return {
+      traces: [{ type: 'scatter', mode: 'lines+markers', x: points.map(({ run }) => run.job.finished_at), y: points.map(({ p }) => p.value), error_y: { type: 'data', array: points.map(({ p }) => 2 * p.std_dev), color: colour(1), thickness: 2, width: 6 },
+        line: { color: colour(5), width: 1, dash: 'dot' }, marker: { size: 9, color: colour(0) }, hovertemplate: points.map(({ run, p }) => `${run.label}: ${measured(p.value, p.std_dev)}<extra></extra>`) }],
+      layout: { height: 260, hovermode: 'closest', xaxis: { type: 'date', title: 'end of the identification' }, yaxis: { title: `${choice.value} ± 2σ (${unit(of(runs[0], choice.value)?.unit)})` } },
+    };
+  };
+  choice.addEventListener('change', () => plot(chart, make));
+  plotLater(chart, make);
+  return section('time', 'Over time', h('label', { class: 'inline', for: 'over-time' }, 'Parameter', choice), chart);
 }
 
 /** Difference from the first run and deviation, over the largest deviation of the parameter: a poor run does not press the others flat. */

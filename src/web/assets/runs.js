@@ -41,6 +41,7 @@ function show() {
   }
   fill(find('#list'), table([
     { head: 'Select', hidden: true, cell: select }, { head: 'Name', cell: named, sort: (j) => j.name ?? '' }, { head: 'Kind', cell: (j) => NAMES[j.kind] ?? j.kind, sort: (j) => j.kind }, { head: 'Robot', cell: (j) => h('a', { href: `/robot?robot=${encodeURIComponent(j.robot)}` }, j.robot), sort: (j) => j.robot },
+    { head: 'Logs', cell: (j) => h('div', { class: 'logs' }, j.logs?.length ? j.logs.join(', ') : '–'), sort: (j) => j.logs?.[0] ?? '' },
     { head: 'State', cell: state, sort: (j) => j.state }, { head: 'Started', cell: (j) => time(j.started_at ?? j.created_at), sort: (j) => j.started_at ?? j.created_at }, { head: 'Duration', number: true, cell: (j) => (lasted(j) === null ? '–' : seconds(lasted(j))), sort: lasted },
     { head: 'Owner', cell: (j) => j.owner ?? '–', sort: (j) => j.owner ?? '' }, { head: 'Actions', hidden: true, cell: actions },
   ], jobs, { caption: `${jobs.length} run${jobs.length > 1 ? 's' : ''}${next ? ', and older ones' : ''}` }));
