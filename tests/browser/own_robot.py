@@ -238,7 +238,7 @@ def compared(page, options, robot, log, other, first):
     page.goto(page.url)
     page.locator("#time .plot").wait_for(state="attached")
     # Nothing was scrolled to: what is printed is drawn for it.
-    page.evaluate("document.querySelectorAll('.plot .main-svg').length")
+    page.wait_for_function("() => window.Plotly")
     printed = page.pdf()
     assert page.evaluate("[...document.querySelectorAll('.plot')].every(p => p.querySelector('.main-svg'))"), "all plots are printed"
     assert printed.startswith(b"%PDF") and len(printed) > 20_000

@@ -4,13 +4,14 @@ import { CRITERIA } from './criteria.js';
 import { fill, h, measured, number, table, time, unit, words } from './dom.js';
 import { nameOf } from './expression.js';
 import { page } from './job-words.js';
-import { colour, plot, plotLater } from './plot.js';
+import { colour, plot, plotLater, plotly } from './plot.js';
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
 /** Deviations beyond which two values differ more than chance lets them: one pair in three hundred does so by chance. */
 const APART = 3;
 
 export async function compareRuns(target, ids) {
+  plotly();
   fill(target, h('section', { class: 'card' }, h('p', { class: 'soft' }, 'Loading the runs …')));
   const jobs = await Promise.all(ids.map((id) => getJson(`/jobs/${encodeURIComponent(id)}`)));
   const runs = (await Promise.all(jobs.map(async (job) => ({ job, result: await summaryOf(job) })))).sort((a, b) => a.job.created_at.localeCompare(b.job.created_at));
