@@ -6,11 +6,14 @@
 //! `settings`.
 
 mod alternatives;
+mod conclusion;
+mod course;
 mod data_quality;
 mod held_out;
 mod mounting;
 mod next_design;
 mod nonparametric;
+mod options;
 mod outcome;
 mod pipeline;
 mod replicates;
@@ -27,8 +30,9 @@ pub use data_quality::{
 };
 pub use mounting::{Gravity, Mounting, OTHER_MOUNTING, diagnose_mounted, mounting, mounting_until};
 pub use next_design::{EffectColumns, information_over};
+pub use options::DiagnosisOptions;
 pub use outcome::{Diagnosis, Estimates};
-pub use pipeline::{DiagnosisOptions, diagnose};
+pub use pipeline::diagnose;
 pub(crate) use report::of_deviation;
 pub use report::{
     AtRest, Change, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut, NotTested,

@@ -155,6 +155,10 @@ pub struct Replicates {
 /// Stepwise selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Selection {
+    /// Share of what is left over (above the noise) on the joints reached that an effect must explain: a twentieth is less than anybody compensates for.
+    pub least_share: f64,
+    /// Share of the gain that must be there on blocks of time left out: an effect that exists keeps nearly all of it, an imitation loses it.
+    pub least_generalisation: f64,
     /// No quantity of an arm in SI units is known to within so much only: a deviation beyond it comes of dividing by next to nothing, and says that the data do not
     /// determine the value.
     pub undetermined: f64,
@@ -323,6 +327,8 @@ pub const SETTINGS: Settings = Settings {
         trend_share: 0.05,
     },
     selection: Selection {
+        least_share: 0.05,
+        least_generalisation: 0.5,
         undetermined: 1e30,
         simpler_share: 0.75,
         folds: 5,

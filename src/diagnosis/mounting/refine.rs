@@ -1,8 +1,9 @@
 //! The direction of gravity by all samples, weighed by their noise.
 
 use crate::cancel::CancelFlag;
+use crate::diagnosis::options::DiagnosisOptions;
 use crate::diagnosis::outcome::Diagnosis;
-use crate::diagnosis::pipeline::{DiagnosisOptions, diagnose};
+use crate::diagnosis::pipeline::diagnose;
 use crate::diagnosis::selection::{candidates, honest_covariance};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::tilted;
