@@ -2,7 +2,6 @@
 
 use super::CancelFlag;
 use super::identify::UsedLog;
-use super::tell::tell;
 use crate::diagnosis::{
     DataFault, FaultKind, Gravity, Mounting, Remedy, ReportedParameter, ResidualReport, Verdict, column_faults_until,
     mounting_until,
@@ -12,7 +11,6 @@ use crate::io::log::{FindingKind, LogReport};
 use crate::model::Robot;
 use crate::preparation::Exclusion;
 use nalgebra::Vector3;
-use serde_json::Value;
 
 /// With joints in another order, mixed-up units or a column that was not recorded nothing physical can be said: the faults are all that is reported.
 pub(super) fn beyond_repair(faults: &[DataFault]) -> bool {
@@ -74,13 +72,6 @@ pub(super) fn mounting_fault(declared: &Robot, gravity: &Gravity) -> DataFault {
         remedy: Remedy::Reorient,
         parameters: ["x", "y", "z"].into_iter().enumerate().map(component).collect(),
     }
-}
-
-/// The report as the answer has it, with its findings in sentences.
-pub(super) fn residual_value(robot: &Robot, report: &ResidualReport) -> Value {
-    let mut document = serde_json::to_value(report).expect("plain numbers and words");
-    tell(robot, report, &mut document);
-    document
 }
 
 /// Faults of all logs, each kind and joint once.

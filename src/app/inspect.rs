@@ -79,7 +79,7 @@ fn one(request: &IdentifyRequest, file: &LogFile, role: &'static str, cancel: &C
 
 fn fault(fault: DataFault) -> FindingDocument {
     FindingDocument {
-        code: fault.fault.code(),
+        code: fault.fault.code().into(),
         count: fault.joints.len().max(1),
         lines: Vec::new(),
         detail: fault.detail,

@@ -23,7 +23,7 @@ pub(super) fn provenance(
         .map(with_role("identification"))
         .chain(validation.iter().map(with_role("validation")));
     Ok(Provenance {
-        version: env!("CARGO_PKG_VERSION"),
+        version: env!("CARGO_PKG_VERSION").into(),
         request: request.document.clone(),
         robot: robot_value(&request.robot),
         logs: origins.collect::<Result<_, _>>()?,
@@ -47,7 +47,7 @@ fn origin(log: &LogFile, role: &'static str, cancel: &CancelFlag) -> Result<LogO
     }
     Ok(LogOrigin {
         file: log.name.clone(),
-        role,
+        role: role.into(),
         bytes,
         sha256: hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect(),
     })

@@ -1,15 +1,15 @@
 //! From the numbers of an identification to its document.
 
 use super::identify::{ReadLogs, reason};
-use crate::diagnosis::{ReportedParameter, ResidualReport};
+use crate::diagnosis::ResidualReport;
 use crate::identification::Quality;
 use crate::identification::physical::{
     ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
 };
 use crate::io::{
-    BaseValue, DeclaredDocument, Direction, EffectParameter, EffectValue, Feasibility, FitStart, IdentifyDocument,
-    IdentifyRequest, InertiaDocument, JointErrors, LogDocument, LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue,
-    QualityDocument, RmsDocument,
+    BaseValue, DeclaredDocument, Direction, EffectValue, Feasibility, FitStart, IdentifyDocument, IdentifyRequest,
+    InertiaDocument, JointErrors, LogDocument, LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue, QualityDocument,
+    RmsDocument,
 };
 use crate::model::Robot;
 use crate::parameters::Layout;
@@ -42,9 +42,9 @@ impl Answer<'_> {
             robot: robot.name().to_string(),
             joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
             estimator: match self.request.estimator {
-                Estimator::Ordinary => "ols",
-                Estimator::Weighted => "wls",
-                Estimator::Robust => "robust",
+                Estimator::Ordinary => "ols".into(),
+                Estimator::Weighted => "wls".into(),
+                Estimator::Robust => "robust".into(),
             },
             quality: quality_document(self.judged, found, robot),
             base_parameters: base_values(found),
@@ -107,25 +107,19 @@ impl Answer<'_> {
 
 /// The findings as effects of the model, then what else the model has.
 pub(super) fn effects(report: &ResidualReport) -> Vec<EffectValue> {
-    let parameter = |p: &ReportedParameter| EffectParameter {
-        name: p.name.clone(),
-        value: p.value,
-        std_dev: p.std_dev,
-        unit: p.unit.clone(),
-    };
     let findings = report.findings.iter();
     findings
         .map(|f| EffectValue {
             effect: f.effect.clone(),
             joints: f.joints.clone(),
-            parameters: f.parameters.iter().map(parameter).collect(),
+            parameters: f.parameters.iter().map(Into::into).collect(),
             in_model: f.in_model,
             finding: true,
         })
         .chain(report.undetected.iter().filter(|u| u.in_model).map(|u| EffectValue {
             effect: u.effect.clone(),
             joints: vec![u.joint.clone()],
-            parameters: vec![parameter(&u.parameter)],
+            parameters: vec![(&u.parameter).into()],
             in_model: true,
             finding: false,
         }))
@@ -139,7 +133,7 @@ fn finite(v: f64) -> Option<f64> {
 fn quality_document(judged: &Quality, found: &Fitted, robot: &Robot) -> QualityDocument {
     let solution = &found.estimate.solution;
     QualityDocument {
-        verdict: judged.verdict.code(),
+        verdict: judged.verdict.code().into(),
         reason: reason(judged, &found.base, &found.estimate, robot),
         condition_number: finite(solution.condition_number()),
         rank: solution.rank,
@@ -277,7 +271,7 @@ fn margin_values(fit: &PhysicalFit) -> Vec<MarginValue> {
     };
     let one = |m: &ConstraintMargin| MarginValue {
         link: m.link + 1,
-        constraint: m.constraint.code(),
+        constraint: m.constraint.code().into(),
         margin: m.margin,
         active: cost(m).is_some(),
         cost_percent: cost(m),
@@ -289,10 +283,10 @@ fn feasibility(robot: &Robot, feasible: &FeasibleFit) -> Feasibility {
     let model = feasible.model();
     Feasibility {
         method: match feasible.method() {
-            FeasibleMethod::Paper => "paper",
-            _ => "consistent",
+            FeasibleMethod::Paper => "paper".into(),
+            _ => "consistent".into(),
         },
-        status: status(model.ending),
+        status: status(model.ending).into(),
         rms_ratio: model.fit.ratio,
         margins: margin_values(model),
         paper: feasible.paper.as_ref().map(|paper| paper_problem(robot, paper)),
@@ -301,7 +295,7 @@ fn feasibility(robot: &Robot, feasible: &FeasibleFit) -> Feasibility {
 
 fn paper_problem(robot: &Robot, paper: &PaperFit) -> PaperProblem {
     PaperProblem {
-        status: status(paper.fit.ending),
+        status: status(paper.fit.ending).into(),
         objective: paper.fit.fit.cost,
         lower_bound: finite(paper.lower_bound),
         gap_percent: finite(100.0 * paper.gap),
@@ -311,8 +305,8 @@ fn paper_problem(robot: &Robot, paper: &PaperFit) -> PaperProblem {
             .starts
             .iter()
             .map(|s| FitStart {
-                from: s.from,
-                status: status(s.ending),
+                from: s.from.into(),
+                status: status(s.ending).into(),
                 feasible: s.feasible,
                 objective: finite(s.cost),
                 evaluations: s.evaluations,

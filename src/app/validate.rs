@@ -1,15 +1,17 @@
 //! Hold a model against logs.
 
-use super::diagnose::{beyond_repair, data_faults, report_faults, residual_value};
+use super::diagnose::{beyond_repair, data_faults, report_faults};
 use super::identify::{LogFile, ReadLogs, Reading, split_companions, stoppable, use_log};
 use super::report::errors;
 use super::series::{Predictors, drawn, predictions};
+use super::tell::residual_document;
 use super::{CancelFlag, Code, Error};
 use crate::diagnosis::{DataFault, DiagnosisOptions, diagnose};
-use crate::io::{LogDocument, ModelEffect, PredictionDocument, ValidateDocument, ValidateRequest, ValidatedLog};
+use crate::io::{
+    LogDocument, ModelEffect, PredictionDocument, ResidualDocument, ValidateDocument, ValidateRequest, ValidatedLog,
+};
 use crate::parameters::Layout;
 use crate::regression::{AugmentedModel, Prior};
-use serde_json::Value;
 
 /// A finished validation.
 #[derive(Debug, Clone)]
@@ -137,7 +139,7 @@ fn changes(
     existing: &(AugmentedModel, Prior),
     faults: Vec<DataFault>,
     cancel: &CancelFlag,
-) -> Value {
+) -> ResidualDocument {
     let options = DiagnosisOptions {
         existing: Some(existing.clone()),
         search: !beyond_repair(&faults),
@@ -146,5 +148,5 @@ fn changes(
     };
     let mut report = diagnose(&request.robot, &read.stretches, &[], &options).report;
     report_faults(&mut report, faults);
-    residual_value(&request.robot, &report)
+    residual_document(&request.robot, &report)
 }

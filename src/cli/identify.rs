@@ -6,7 +6,7 @@ use super::plots::{PictureKind, pictures, write_picture};
 use super::{Ending, files, model, render};
 use crate::app::{Code, Error, Identified, drawn, identify};
 use crate::io::shipped::Shipped;
-use crate::io::{IdentifyRequest, ModelFormat, NoExcitations, Parsed, read_identify_request};
+use crate::io::{IdentifyDocument, IdentifyRequest, ModelFormat, NoExcitations, Parsed, read_identify_request};
 use crate::web::figures::Figure;
 use crate::web::{Circumstances, report};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -144,20 +144,19 @@ fn write_model(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
 
 /// The report and the pictures that were asked for. One that fails does not keep the others from being made; the first error is told.
 fn draw(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
-    let document = || serde_json::to_value(&found.document).expect("documents are plain data");
     let report = match &arguments.report {
-        Some(path) => write_report(path, &document()),
+        Some(path) => write_report(path, &found.document),
         None => Ok(()),
     };
     let plots = match &arguments.plots {
-        Some(folder) => write_pictures(folder, arguments.plot_format, &document()),
+        Some(folder) => write_pictures(folder, arguments.plot_format, &found.document),
         None => Ok(()),
     };
     report.and(plots)
 }
 
-fn write_report(path: &Path, document: &Value) -> Result<(), Error> {
-    let executed = document["provenance"]["request"].get("excitation");
+fn write_report(path: &Path, document: &IdentifyDocument) -> Result<(), Error> {
+    let executed = document.provenance.as_ref().and_then(|p| p.request.get("excitation"));
     let circumstances = Circumstances {
         design: executed.filter(|e| e.is_object()).cloned(),
         ..Circumstances::default()
@@ -165,7 +164,7 @@ fn write_report(path: &Path, document: &Value) -> Result<(), Error> {
     files::write(path, drawn("the report", || report(document, &circumstances))?)
 }
 
-fn write_pictures(folder: &Path, kind: PictureKind, document: &Value) -> Result<(), Error> {
+fn write_pictures(folder: &Path, kind: PictureKind, document: &IdentifyDocument) -> Result<(), Error> {
     let unwritable = |e: std::io::Error| {
         Error::new(
             Code::FileUnwritable,

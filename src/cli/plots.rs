@@ -2,8 +2,8 @@
 
 use super::files;
 use crate::app::{Code, Error};
+use crate::io::IdentifyDocument;
 use crate::web::figures::{Figure, before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure};
-use serde_json::Value;
 use std::path::Path;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -44,42 +44,20 @@ pub fn write_picture(path: &Path, kind: PictureKind, figure: &Figure) -> Result<
 }
 
 /// All pictures of an identification, with the names of their files without ending.
-pub fn pictures(document: &Value) -> Vec<(String, Figure)> {
+pub fn pictures(document: &IdentifyDocument) -> Vec<(String, Figure)> {
     let mut all = vec![("errors".to_string(), error_figure(document))];
     all.extend(before_after_figure(document).map(|f| ("before_after".to_string(), f)));
-    let findings = document["residual"]["findings"].as_array().into_iter().flatten();
-    all.extend(
-        findings
-            .enumerate()
-            .filter_map(|(i, f)| Some((format!("finding_{}", i + 1), finding_figure(document, f)?))),
-    );
-    all.extend(
-        parameter_figures(document)
-            .into_iter()
-            .enumerate()
-            .map(|(i, f)| (format!("parameters_{}", i + 1), f)),
-    );
-    let predictions = document["predictions"].as_array().into_iter().flatten();
-    all.extend(predictions.map(|p| (torque_name(document, p), torque_figure(p, effort_unit(document, p)))));
+    let findings = document.residual.iter().flat_map(|r| r.findings.iter().enumerate());
+    all.extend(findings.filter_map(|(i, f)| Some((format!("finding_{}", i + 1), finding_figure(document, f)?))));
+    let parameters = parameter_figures(document).into_iter().enumerate();
+    all.extend(parameters.map(|(i, f)| (format!("parameters_{}", i + 1), f)));
+    for prediction in &document.predictions {
+        let joint = document.joints.iter().position(|j| *j == prediction.joint).unwrap_or(0);
+        // Logs by number: their names may hold what file systems do not take.
+        let log = document.log_report.iter().position(|l| l.file == prediction.log);
+        let name = format!("torque_log{}_joint{}", log.map_or(0, |at| at + 1), joint + 1);
+        let unit = if document.is_sliding(joint) { "N" } else { "N m" };
+        all.push((name, torque_figure(prediction, unit)));
+    }
     all
-}
-
-/// Logs by number: their names may hold what file systems do not take.
-fn torque_name(document: &Value, prediction: &Value) -> String {
-    let logs = document["log_report"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let log = logs
-        .iter()
-        .position(|l| l["file"] == prediction["log"])
-        .map_or(0, |at| at + 1);
-    format!("torque_log{log}_joint{}", joint(document, prediction) + 1)
-}
-
-fn joint(document: &Value, prediction: &Value) -> usize {
-    let joints = document["joints"].as_array().map(Vec::as_slice).unwrap_or_default();
-    joints.iter().position(|j| *j == prediction["joint"]).unwrap_or(0)
-}
-
-fn effort_unit(document: &Value, prediction: &Value) -> &'static str {
-    let sliding = document["provenance"]["robot"]["joints"][joint(document, prediction)]["kind"] == "prismatic";
-    if sliding { "N" } else { "N m" }
 }

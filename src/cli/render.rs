@@ -1,7 +1,7 @@
 //! What people and programs see.
 
 use crate::app::{Error, Problem};
-use crate::io::{DesignDocument, IdentifyDocument, JointErrors, ValidateDocument};
+use crate::io::{DesignDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument};
 use std::fmt::Write;
 
 /// To standard error: a problem document with `--json`, else lines for people.
@@ -147,6 +147,7 @@ pub fn identification(found: &IdentifyDocument) -> String {
     }
     error_table(&mut text, found);
     if let Some(residual) = &found.residual {
+        let _ = writeln!(text, "  left over: {}", residual.verdict.code().replace('_', " "));
         left_over(&mut text, residual);
     }
     for log in &found.log_report {
@@ -186,46 +187,35 @@ fn error_table(text: &mut String, found: &IdentifyDocument) {
     }
 }
 
-/// What tracing found: verdict, findings with their figures, the error before and after.
-fn left_over(text: &mut String, residual: &serde_json::Value) {
-    let word = |v: &serde_json::Value| v.as_str().unwrap_or_default().replace('_', " ");
-    let row = |v: &serde_json::Value| {
-        let items = v.as_array().into_iter().flatten();
-        items.map(|x| format!(" {}", figure(x.as_f64(), 9, 4))).collect::<String>()
+/// What the diagnosis found: verdict, findings with their figures, the error before and after.
+fn left_over(text: &mut String, residual: &ResidualDocument) {
+    let row = |values: &[Option<f64>]| values.iter().map(|v| format!(" {}", figure(*v, 9, 4))).collect::<String>();
+    let mut line = |name: &str, values: &[Option<f64>]| {
+        let _ = writeln!(text, "    {name:34}{}", row(values));
     };
-    let _ = writeln!(text, "  left over: {}", word(&residual["verdict"]));
-    let _ = writeln!(text, "    {:34}{}", "noise floor", row(&residual["noise_floor"]));
-    for (key, kind) in [("identification", "identification"), ("held_out", "held out")] {
-        if residual["rms_before"][key].as_array().is_some_and(|r| !r.is_empty()) {
-            let _ = writeln!(
-                text,
-                "    {:34}{}",
-                format!("{kind}, declared model"),
-                row(&residual["rms_before"][key])
-            );
-            let _ = writeln!(
-                text,
-                "    {:34}{}",
-                format!("{kind}, with effects found"),
-                row(&residual["rms_after"][key])
-            );
-        }
+    let (before, after) = (&residual.rms_before, &residual.rms_after);
+    let pairs = [
+        ("identification", &before.identification, &after.identification),
+        ("held out", &before.held_out, &after.held_out),
+    ];
+    line("noise floor", &residual.noise_floor);
+    for (kind, before, after) in pairs.into_iter().filter(|p| !p.1.is_empty()) {
+        line(&format!("{kind}, declared model"), before);
+        line(&format!("{kind}, with effects found"), after);
     }
     told(text, residual);
 }
 
-/// What was found, in sentences of at most this width.
-fn told(text: &mut String, residual: &serde_json::Value) {
-    let list = |name: &str| residual[name].as_array().into_iter().flatten();
-    let faults = list("data_faults").flat_map(|f| [&f["detail"], &f["remedy"]]);
-    let findings = list("findings");
-    let sentences = std::iter::once(&residual["summary"])
+/// What was found, in sentences.
+fn told(text: &mut String, residual: &ResidualDocument) {
+    let faults = residual.data_faults.iter().flat_map(|f| [&f.detail, &f.remedy]);
+    let findings = residual.findings.iter().map(|f| &f.sentence);
+    let rest = residual.remainder.iter().map(|r| &r.sentence);
+    std::iter::once(&residual.summary)
         .chain(faults)
-        .chain(findings.map(|f| &f["sentence"]))
-        .chain([&residual["remainder"]["sentence"]]);
-    for sentence in sentences.filter_map(|s| s.as_str()) {
-        wrapped(text, sentence);
-    }
+        .chain(findings)
+        .chain(rest)
+        .for_each(|sentence| wrapped(text, sentence));
 }
 
 /// A paragraph, indented, on lines that a terminal holds.
@@ -257,11 +247,11 @@ pub fn validation(found: &ValidateDocument) -> String {
 }
 
 /// What has changed since the model was made, finding by finding.
-fn changes(text: &mut String, residual: &serde_json::Value) {
+fn changes(text: &mut String, residual: &ResidualDocument) {
     let _ = writeln!(
         text,
         "  since the model was made: {}",
-        residual["verdict"].as_str().unwrap_or("").replace('_', " ")
+        residual.verdict.code().replace('_', " ")
     );
     told(text, residual);
 }

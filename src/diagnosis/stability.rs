@@ -8,11 +8,9 @@ use crate::diagnosis::selection::{doubt, is_physical};
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{AugmentedModel, Data, NoiseModel, Stretch, System};
 use rayon::prelude::*;
-use serde::Serialize;
 
 /// A change of the data that should not matter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Perturbation {
     /// Torques rounded to six digits.
     SixDigits,
@@ -27,7 +25,7 @@ pub enum Perturbation {
 }
 
 /// What became of an effect under one change.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Survival {
     pub perturbation: Perturbation,
     /// Whether the effect is still beyond doubt, physical and of the same sign.

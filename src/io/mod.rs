@@ -21,6 +21,8 @@ mod model_document;
 mod model_file;
 mod motion_document;
 mod path_limits;
+mod residual_document;
+mod residual_reading;
 mod robot;
 mod robot_report;
 pub mod shipped;
@@ -46,6 +48,7 @@ pub use knowledge_request::{DesignModel, DesignTerms, MOST_GIVEN};
 pub use model_document::{robot_value, urdf, urdf_gravity};
 pub use model_file::{FinalModel, Missing, MissingEffect, ModelFormat, Patched};
 pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
+pub use residual_document::*;
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_file};
 pub use robot_report::{ReportedJoint, RobotReport};
 pub use trajectory_file::{

@@ -7,6 +7,7 @@ use super::identify_document::{JointErrors, LogDocument, PredictionDocument};
 use super::identify_request::{NamedExcitations, boolean, positive, read_period, read_preprocess};
 use super::json::Parsed;
 use super::log::Columns;
+use super::residual_document::ResidualDocument;
 use super::robot::{NamedRobots, RobotDocument, read_robot_or_name};
 use crate::model::{FieldProblem, Robot};
 use crate::preparation::PreprocessOptions;
@@ -155,8 +156,7 @@ pub struct ValidateDocument {
     pub predictions_error: Option<String>,
     /// What has changed since the model was made: noise floor, findings, rivals, before and after; null where the model does not say how well
     /// it is known, or tracing was turned off.
-    #[cfg_attr(feature = "service", schema(value_type = Option<Object>))]
-    pub residual: Option<serde_json::Value>,
+    pub residual: Option<ResidualDocument>,
     /// What to know about how the model's robot was read.
     pub notes: Vec<String>,
 }

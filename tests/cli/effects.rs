@@ -1,6 +1,7 @@
 //! Every effect of the list, through `simulate` and `identify`: what was hidden is named, and nothing else.
 
 use crate::{Folder, run, stderr, stdout};
+use dynident::io::IdentifyDocument;
 use serde_json::{Value, json};
 
 /// Five harmonics on seven joints, within the iiwa's range.
@@ -47,6 +48,9 @@ fn identified(folder: &Folder, effects: &Value) -> (Value, String) {
     ]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let result: Value = serde_json::from_str(&folder.read("result.json")).unwrap();
+    // The document is one type both ways.
+    let document: IdentifyDocument = serde_json::from_value(result.clone()).unwrap();
+    assert_eq!(serde_json::to_value(&document).unwrap(), result);
     (result["residual"].clone(), model)
 }
 

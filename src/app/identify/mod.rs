@@ -9,10 +9,11 @@ pub(super) use reading::{Reading, split_companions, use_log};
 
 use self::model::{Found, model_files};
 use self::reading::{prepared, raw_log};
-use super::diagnose::{beyond_repair, data_faults, mounted, mounting_fault, report_faults, residual_value};
+use super::diagnose::{beyond_repair, data_faults, mounted, mounting_fault, report_faults};
 use super::provenance::provenance;
 use super::report::{Answer, effects};
 use super::series::{Predictors, drawn, predictions};
+use super::tell::residual_document;
 use super::{CancelFlag, Code, Error};
 use crate::cancel::Cancelled;
 use crate::diagnosis::{DataFault, Diagnosis, DiagnosisOptions, Estimates, FaultKind, Remedy, diagnose, diagnose_mounted};
@@ -171,7 +172,7 @@ fn identified(
     let mut document = answer.document();
     if request.trace {
         document.effects = effects(&traced.report);
-        document.residual = Some(residual_value(&robot, &traced.report));
+        document.residual = Some(residual_document(&robot, &traced.report));
     }
     Ok(Identified {
         document,

@@ -9,23 +9,25 @@ mod words;
 use self::words::{known, phrase, sentence, variable_in_words};
 use super::diagnose::beyond_repair;
 use crate::diagnosis::{Change, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, ResidualReport, Verdict};
-use crate::io::{listed, significant, unit};
+use crate::io::{Against, ResidualDocument, listed, significant, unit};
 use crate::model::Robot;
-use serde_json::{Value, json};
 
-/// Adds to the document of `report`: `summary`, to every finding `sentence` and `against`, to the remainder `sentence`.
-pub(super) fn tell(robot: &Robot, report: &ResidualReport, document: &mut Value) {
+/// The document of `report`, with its summary and the sentences of findings and remainder.
+pub(super) fn residual_document(robot: &Robot, report: &ResidualReport) -> ResidualDocument {
     let teller = Teller { robot, report };
-    document["summary"] = teller.summary().into();
+    let mut document = ResidualDocument::from(report);
+    document.summary = teller.summary();
     for (i, finding) in report.findings.iter().enumerate() {
-        let told = &mut document["findings"][i];
-        told["sentence"] = teller.finding(i, finding).into();
-        told["against"] =
-            json!({"joint": finding.joints.first(), "variable": known(&finding.effect).map_or("time", |k| k.variable)});
+        document.findings[i].sentence = teller.finding(i, finding);
+        document.findings[i].against = Against {
+            joint: finding.joints.first().cloned(),
+            variable: known(&finding.effect).map_or("time", |k| k.variable).into(),
+        };
     }
-    if let Some(rest) = &report.remainder {
-        document["remainder"]["sentence"] = teller.remainder(rest).into();
+    if let (Some(rest), Some(written)) = (&report.remainder, &mut document.remainder) {
+        written.sentence = teller.remainder(rest);
     }
+    document
 }
 
 /// Whether held-out data speak against an effect; what was not held against them is none of the model's, but explains the log all the same.

@@ -110,8 +110,7 @@ fn every_effect_has_words() {
 fn a_finding_is_told_with_its_figures() {
     let robot = robot();
     let report = report(&robot, true);
-    let mut document = serde_json::to_value(&report).unwrap();
-    tell(&robot, &report, &mut document);
+    let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
     let name = &robot.joints()[1].name;
     let expected = format!(
         "Joint {name} leaves 3.32 N·m that the model cannot explain; a spring at the joint explains it: stiffness 5.9963 ± 0.0057 N·m/rad \
@@ -119,7 +118,10 @@ fn a_finding_is_told_with_its_figures() {
          offset. A tilt of the base, an offset of the encoder and a ripple over position are excluded. Nothing structured remains on {name}."
     );
     assert_eq!(document["findings"][0]["sentence"], expected);
-    assert_eq!(document["findings"][0]["against"], json!({"joint": name, "variable": "q"}));
+    assert_eq!(
+        document["findings"][0]["against"],
+        serde_json::json!({"joint": name, "variable": "q"})
+    );
     let summary = format!(
         "One effect explains what the model leaves over. On held-out data, the error falls most on {name} (3.32 → 0.2 N·m)."
     );
@@ -133,8 +135,7 @@ fn what_was_not_seen_is_not_said() {
     report.findings[0].rms_after.identification[1] = 2.0;
     report.lack_of_fit_after[1].p_value = 0.0;
     report.lack_of_fit_after[1].residual_rms = 1.0;
-    let mut document = serde_json::to_value(&report).unwrap();
-    tell(&robot, &report, &mut document);
+    let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
     let text = document["findings"][0]["sentence"].as_str().unwrap().to_string();
     assert!(
         text.contains("explains most of it") && text.contains("as none was held out"),
@@ -154,8 +155,7 @@ fn what_held_out_data_reject_is_said_to_be_rejected() {
     report.findings[0].held_out.change = Change::Worse;
     report.verdict = Verdict::Unexplained;
     report.held_out.verdict = HeldOutVerdict::NotTested;
-    let mut document = serde_json::to_value(&report).unwrap();
-    tell(&robot, &report, &mut document);
+    let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
     let (summary, sentence) = (
         document["summary"].to_string(),
         document["findings"][0]["sentence"].to_string(),
@@ -184,8 +184,7 @@ fn of_wrong_data_nothing_is_said_of_the_robot() {
         parameters: Vec::new(),
     };
     super::super::diagnose::report_faults(&mut report, vec![fault]);
-    let mut document = serde_json::to_value(&report).unwrap();
-    tell(&robot, &report, &mut document);
+    let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
     assert_eq!(document["verdict"], "unexplained");
     let summary = document["summary"].as_str().unwrap();
     assert!(
@@ -208,8 +207,7 @@ fn a_finding_says_which_changes_of_the_data_it_survives() {
             .zip(survive)
             .map(|(perturbation, survives)| Survival { perturbation, survives })
             .collect();
-        let mut document = serde_json::to_value(&report).unwrap();
-        tell(&robot, &report, &mut document);
+        let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
         document["findings"][0]["sentence"].as_str().unwrap().to_string()
     };
     let all = "It survives either half of the data alone, a cut-off a quarter lower or higher, every second row and torques of six digits.";

@@ -1,10 +1,8 @@
 //! A fault of the data, by name, and what was done about it.
 
 use crate::diagnosis::report::ReportedParameter;
-use serde::Serialize;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
     GravityDirection,
     TorqueSign,
@@ -33,9 +31,8 @@ impl FaultKind {
 }
 
 /// A fault, named.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DataFault {
-    #[serde(rename = "code")]
     pub fault: FaultKind,
     /// Joints whose columns are concerned.
     pub joints: Vec<String>,
@@ -80,11 +77,5 @@ impl Remedy {
             Self::LeaveOut => "The rows concerned were left out of the estimate.",
             Self::Nothing => "Nothing was changed, and no effect was looked for: correct the data and identify again.",
         }
-    }
-}
-
-impl Serialize for Remedy {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.sentence())
     }
 }

@@ -3,26 +3,19 @@
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::ParameterInfo;
 use crate::model::Robot;
-use serde::{Serialize, Serializer};
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ReportedParameter {
     pub name: String,
     pub value: f64,
     pub unit: String,
-    /// Written as null where it is not known.
-    #[serde(serialize_with = "of_deviation")]
+    /// Not finite, or beyond any size, where the data do not determine the value.
     pub std_dev: f64,
 }
 
 /// Whether a deviation is one: the data say something of its value.
 pub(crate) fn is_determined(std_dev: f64) -> bool {
     std_dev.abs() < SETTINGS.selection.undetermined
-}
-
-/// A standard deviation, or null where the data do not determine the value.
-pub(crate) fn of_deviation<S: Serializer>(std_dev: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    is_determined(*std_dev).then_some(*std_dev).serialize(serializer)
 }
 
 impl ReportedParameter {

@@ -3,10 +3,8 @@
 use super::parameter::ReportedParameter;
 use crate::diagnosis::data_quality::DataFault;
 use crate::diagnosis::stability::Survival;
-use serde::{Serialize, Serializer};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// The declared model leaves nothing above the noise.
     NothingMissing,
@@ -19,7 +17,7 @@ pub enum Verdict {
 }
 
 /// Lack of fit of one joint.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct JointFit {
     pub joint: String,
     /// Mean square of the whitened residual over its expectation under pure noise: F with the degrees of freedom below.
@@ -32,18 +30,16 @@ pub struct JointFit {
 }
 
 /// RMS per joint [N·m or N], of single measurements.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RmsPair {
     /// NaN for a joint without rows.
-    #[serde(serialize_with = "of_joints")]
     pub identification: Vec<f64>,
     /// Per joint over all held-out logs together; empty where there is none.
-    #[serde(serialize_with = "of_joints")]
     pub held_out: Vec<f64>,
 }
 
 /// Errors where a joint stands still for half a second and more: locked-in friction holds it there, and those rows take no part in fits and other errors.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AtRest {
     /// Time at rest in the identification logs, per joint (s).
     pub seconds: Vec<f64>,
@@ -75,18 +71,8 @@ impl From<Option<f64>> for Evaluated {
     }
 }
 
-impl Serialize for Evaluated {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Value(v) => serializer.serialize_f64(*v),
-            Self::NotEvaluated => serializer.serialize_str("not_evaluated"),
-        }
-    }
-}
-
 /// Whether an error on data that fitted nothing changed beyond chance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
     Better,
     Same,
@@ -95,8 +81,7 @@ pub enum Change {
 }
 
 /// What held-out data say of all effects in the model together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HeldOutVerdict {
     /// The error fell beyond chance.
     Confirmed,
@@ -107,7 +92,7 @@ pub enum HeldOutVerdict {
 }
 
 /// The declared model and the final one on held-out data.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
     pub verdict: HeldOutVerdict,
     /// Which data were held out, and how far that can be trusted.
@@ -118,7 +103,7 @@ pub struct HeldOut {
 }
 
 /// One joint on held-out data: RMS of single measurements [N·m or N].
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct JointHeldOut {
     pub joint: String,
     /// Of the declared model.
@@ -132,7 +117,7 @@ pub struct JointHeldOut {
 }
 
 /// The model without an effect and with it on held-out data: RMS over its joints [N·m or N].
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FindingHeldOut {
     pub before: Evaluated,
     pub after: Evaluated,
@@ -153,7 +138,7 @@ impl FindingHeldOut {
 }
 
 /// Why an effect is believed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
     /// Decrease of the weighted sum of squares when the effect is added, divided by what is left per degree of freedom.
     pub gain: f64,
@@ -168,7 +153,7 @@ pub struct Evidence {
 }
 
 /// Another effect that the data do not exclude in a finding's place.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Rival {
     pub effect: String,
     pub joints: Vec<String>,
@@ -177,7 +162,7 @@ pub struct Rival {
 }
 
 /// An effect found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     pub effect: String,
     pub joints: Vec<String>,
@@ -190,15 +175,13 @@ pub struct Finding {
     pub in_model: bool,
     pub rivals: Vec<Rival>,
     /// Under which changes of the data the effect is still beyond doubt; those that the data allow.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub survivals: Vec<Survival>,
     /// In words, where something should be known about it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
 
 /// What no effect explains.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Remainder {
     pub joints: Vec<String>,
     /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the motion: strongest first. Empty where
@@ -213,7 +196,7 @@ pub struct Remainder {
 }
 
 /// An effect that every robot may have and that was not found: what the data say of its size all the same.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Undetected {
     pub effect: String,
     pub joint: String,
@@ -221,28 +204,21 @@ pub struct Undetected {
     pub parameter: ReportedParameter,
     /// Whether the final model has it all the same: a nuisance offset, estimated because an offset was found on another joint and all of them together predict
     /// blocks left out better.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub in_model: bool,
 }
 
 /// A joint that takes no part in the tracing.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct NotTested {
     pub joint: String,
     pub reason: String,
 }
 
-/// Numbers of joints, null for a joint that has none.
-fn of_joints<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(values.iter().map(|v| v.is_finite().then_some(*v)))
-}
-
 /// The `residual` part of an answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ResidualReport {
     /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has many more of them than it has turns,
     /// here as in the errors. NaN for a joint without rows.
-    #[serde(serialize_with = "of_joints")]
     pub noise_floor: Vec<f64>,
     /// How the floor was found.
     pub noise_source: String,
@@ -255,10 +231,8 @@ pub struct ResidualReport {
     /// Offsets and rotor inertias that were looked for and not found, with the sizes that the data leave them.
     pub undetected: Vec<Undetected>,
     /// Whether the model explains no more of the torques than a constant per joint; no effect is looked for then.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub explains_nothing: bool,
     /// Joints that no effect was looked for on.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub not_tested: Vec<NotTested>,
     /// Lack of fit with all findings in the model.
     pub lack_of_fit_after: Vec<JointFit>,
@@ -266,6 +240,5 @@ pub struct ResidualReport {
     pub rms_before: RmsPair,
     pub rms_after: RmsPair,
     /// The same where joints rest, if any does.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<AtRest>,
 }

@@ -1,27 +1,21 @@
 //! Figures of an identification, from its document.
 
 use super::{Figure, Mark, Panel, Series, unit};
-use serde_json::Value;
+use crate::io::{BaseValue, IdentifyDocument, LogRms, PredictionDocument};
 
 /// Points of every curve: as many as a printed page shows.
 const POINTS: usize = 700;
 
-pub(super) fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().into_iter().flatten();
-    list.map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
-}
-
-pub(super) fn names(value: &Value) -> Vec<String> {
-    let list = value.as_array().into_iter().flatten();
-    list.map(|v| v.as_str().unwrap_or_default().to_string()).collect()
-}
-
 /// Measured and predicted torque and their difference, from one of the document's `predictions`.
-pub fn torque_figure(prediction: &Value, effort_unit: &str) -> Figure {
-    let (time, measured) = (numbers(&prediction["time"]), numbers(&prediction["measured"]));
-    let predicted = numbers(&prediction["base"]);
-    let rest: Vec<f64> = measured.iter().zip(&predicted).map(|(m, p)| m - p).collect();
-    let kept = crate::preparation::keep_peaks(&[&measured, &rest], POINTS);
+pub fn torque_figure(prediction: &PredictionDocument, effort_unit: &str) -> Figure {
+    let PredictionDocument {
+        time,
+        measured,
+        base: predicted,
+        ..
+    } = prediction;
+    let rest: Vec<f64> = measured.iter().zip(predicted).map(|(m, p)| m - p).collect();
+    let kept = crate::preparation::keep_peaks(&[measured, &rest], POINTS);
     let curve = |name: &str, colour: usize, values: &[f64]| Series {
         name: name.into(),
         mark: Mark::Line,
@@ -30,17 +24,13 @@ pub fn torque_figure(prediction: &Value, effort_unit: &str) -> Figure {
     };
     let unit = unit(effort_unit);
     Figure {
-        title: format!(
-            "{}, {}",
-            prediction["joint"].as_str().unwrap_or_default(),
-            prediction["log"].as_str().unwrap_or_default()
-        ),
+        title: format!("{}, {}", prediction.joint, prediction.log),
         x: "time (s)".into(),
         places: Vec::new(),
         panels: vec![
             Panel {
                 y: format!("torque ({unit})"),
-                series: vec![curve("measured", 7, &measured), curve("predicted", 1, &predicted)],
+                series: vec![curve("measured", 7, measured), curve("predicted", 1, predicted)],
             },
             Panel {
                 y: format!("difference ({unit})"),
@@ -52,44 +42,32 @@ pub fn torque_figure(prediction: &Value, effort_unit: &str) -> Figure {
 }
 
 /// Base parameters with two standard deviations to both sides, one figure per unit.
-pub fn parameter_figures(document: &Value) -> Vec<Figure> {
-    let all: Vec<&Value> = document["base_parameters"].as_array().into_iter().flatten().collect();
+pub fn parameter_figures(document: &IdentifyDocument) -> Vec<Figure> {
+    let all = &document.base_parameters;
     let mut units: Vec<&str> = Vec::new();
-    for p in &all {
-        let unit = p["unit"].as_str().unwrap_or_default();
-        if !units.contains(&unit) {
-            units.push(unit);
+    for p in all {
+        if !units.contains(&p.unit.as_str()) {
+            units.push(&p.unit);
         }
     }
-    let of = |name: &&str| {
-        all.iter()
-            .filter(|p| p["unit"] == **name && p["value"].is_number())
-            .copied()
-            .collect::<Vec<_>>()
-    };
-    units
-        .iter()
-        .map(|name| parameters(&of(name), name))
-        .filter(|f| !f.places.is_empty())
-        .collect()
+    let of = |unit: &str| all.iter().filter(|p| p.unit == unit && p.value.is_some()).collect::<Vec<_>>();
+    let figures = units.iter().map(|unit| parameters(&of(unit), unit));
+    figures.filter(|f| !f.places.is_empty()).collect()
 }
 
-fn parameters(list: &[&Value], parameter_unit: &str) -> Figure {
-    let number = |p: &Value, key: &str| p[key].as_f64().unwrap_or(f64::NAN);
+fn parameters(list: &[&BaseValue], parameter_unit: &str) -> Figure {
+    let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
     Figure {
         title: String::new(),
         x: "base parameter".into(),
-        places: list
-            .iter()
-            .map(|p| p["name"].as_str().unwrap_or_default().to_string())
-            .collect(),
+        places: list.iter().map(|p| p.name.clone()).collect(),
         panels: vec![Panel {
             y: format!("value ± 2σ ({})", unit(parameter_unit)),
             series: vec![Series {
                 name: String::new(),
-                mark: Mark::Dot(list.iter().map(|p| 2.0 * number(p, "std_dev")).collect()),
+                mark: Mark::Dot(list.iter().map(|p| 2.0 * number(p.std_dev)).collect()),
                 colour: 0,
-                points: list.iter().enumerate().map(|(i, p)| (i as f64, number(p, "value"))).collect(),
+                points: list.iter().enumerate().map(|(i, p)| (i as f64, number(p.value))).collect(),
             }],
         }],
         size: (900, 300),
@@ -97,27 +75,28 @@ fn parameters(list: &[&Value], parameter_unit: &str) -> Figure {
 }
 
 /// RMS error per joint of every log.
-pub fn error_figure(document: &Value) -> Figure {
-    let logs = |role: &str| document["rms"][role].as_array().cloned().unwrap_or_default();
-    let all: Vec<Value> = logs("identification").into_iter().chain(logs("validation")).collect();
-    let bars = |(at, log): (usize, &Value)| Series {
-        name: log["name"].as_str().unwrap_or_default().to_string(),
+pub fn error_figure(document: &IdentifyDocument) -> Figure {
+    let all: Vec<&LogRms> = document.rms.identification.iter().chain(&document.rms.validation).collect();
+    let bars = |(at, log): (usize, &&LogRms)| Series {
+        name: log.name.clone(),
         mark: Mark::Bar { at, of: all.len() },
         colour: at,
-        points: numbers(&log["base"]["rms"])
-            .into_iter()
-            .enumerate()
-            .map(|(j, v)| (j as f64, v))
-            .collect(),
+        points: by_joint(&log.base.rms),
     };
     Figure {
         title: String::new(),
         x: "joint".into(),
-        places: names(&document["joints"]),
+        places: document.joints.clone(),
         panels: vec![Panel {
             y: "RMS error (N m or N)".into(),
             series: all.iter().enumerate().map(bars).collect(),
         }],
         size: (900, 300),
     }
+}
+
+/// A point for every joint; not a number where there is none.
+pub(super) fn by_joint(values: &[Option<f64>]) -> Vec<(f64, f64)> {
+    let point = |(j, v): (usize, &Option<f64>)| (j as f64, v.unwrap_or(f64::NAN));
+    values.iter().enumerate().map(point).collect()
 }

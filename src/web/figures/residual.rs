@@ -1,42 +1,46 @@
 //! Figures of what adding effects does.
 
-use super::identification::{names, numbers};
+use super::identification::by_joint;
 use super::{Figure, Mark, Panel, Series, unit};
-use serde_json::Value;
+use crate::io::{EffectFinding, IdentifyDocument, ResidualDocument};
 
 /// Error per joint of the declared model and of the one with the effects found, beside the noise floor: on identification data, and
-/// below it on held-out data where there is some. `None` without tracing.
-pub fn before_after_figure(document: &Value) -> Option<Figure> {
-    let residual = document.get("residual").filter(|r| r.is_object())?;
-    let kinds = [("identification", "identification"), ("held_out", "held out")];
+/// below it on held-out data where there is some. `None` without a diagnosis.
+pub fn before_after_figure(document: &IdentifyDocument) -> Option<Figure> {
+    let residual = document.residual.as_ref()?;
+    let (before, after) = (&residual.rms_before, &residual.rms_after);
+    let kinds = [
+        ("identification", &before.identification, &after.identification),
+        ("held out", &before.held_out, &after.held_out),
+    ];
     let panels: Vec<Panel> = kinds
-        .iter()
-        .filter(|(key, _)| !numbers(&residual["rms_before"][key]).is_empty())
-        .map(|(key, name)| panel(residual, key, name))
+        .into_iter()
+        .filter(|(_, before, _)| !before.is_empty())
+        .map(|(name, before, after)| panel(residual, name, [before, after]))
         .collect();
     Some(Figure {
         title: String::new(),
         x: "joint".into(),
-        places: names(&document["joints"]),
+        places: document.joints.clone(),
         size: (900, 60 + 210 * panels.len() as u32),
         panels,
     })
     .filter(|f| !f.panels.is_empty())
 }
 
-fn panel(residual: &Value, key: &str, name: &str) -> Panel {
-    let series = |label: &str, mark: Mark, colour: usize, values: &Value| Series {
+fn panel(residual: &ResidualDocument, name: &str, [before, after]: [&Vec<Option<f64>>; 2]) -> Panel {
+    let series = |label: &str, mark: Mark, colour: usize, values: &[Option<f64>]| Series {
         name: label.into(),
         mark,
         colour,
-        points: numbers(values).into_iter().enumerate().map(|(j, v)| (j as f64, v)).collect(),
+        points: by_joint(values),
     };
     Panel {
         y: format!("{name}: RMS (N m or N)"),
         series: vec![
-            series("declared model", Mark::Bar { at: 0, of: 2 }, 1, &residual["rms_before"][key]),
-            series("with effects", Mark::Bar { at: 1, of: 2 }, 0, &residual["rms_after"][key]),
-            series("noise floor", Mark::Level, 6, &residual["noise_floor"]),
+            series("declared model", Mark::Bar { at: 0, of: 2 }, 1, before),
+            series("with effects", Mark::Bar { at: 1, of: 2 }, 0, after),
+            series("noise floor", Mark::Level, 6, &residual.noise_floor),
         ],
     }
 }
@@ -46,22 +50,27 @@ const CLOUD: usize = 1500;
 
 /// What the declared model leaves on a finding's joint and what the model with the effects found leaves, against the variable that the finding is a
 /// function of (its `against`). `None` where the document has no series to draw.
-pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
-    let (joint, variable) = (&finding["against"]["joint"], finding["against"]["variable"].as_str()?);
-    let series = document["predictions"].as_array()?;
-    let own = series.iter().find(|s| s["joint"] == *joint && s["declared"].is_array())?;
-    let across = numbers(&own[if variable == "tau" { "measured" } else { variable }]);
-    let measured = numbers(&own["measured"]);
-    let step = measured.len().div_ceil(CLOUD).max(1);
-    let left = |model: &str| -> Vec<(f64, f64)> {
-        let predicted = numbers(&own[model]);
-        let rest = measured.iter().zip(&predicted).map(|(m, p)| m - p);
+pub fn finding_figure(document: &IdentifyDocument, finding: &EffectFinding) -> Option<Figure> {
+    let (name, variable) = (finding.against.joint.as_ref()?, finding.against.variable.as_str());
+    let at = document.joints.iter().position(|j| j == name)?;
+    let own = document
+        .predictions
+        .iter()
+        .find(|s| s.joint == *name && s.declared.is_some())?;
+    let across = match variable {
+        "q" => &own.q,
+        "qd" => &own.qd,
+        "qdd" => &own.qdd,
+        "tau" => &own.measured,
+        _ => &own.time,
+    };
+    let step = own.measured.len().div_ceil(CLOUD).max(1);
+    let left = |predicted: &[f64]| -> Vec<(f64, f64)> {
+        let rest = own.measured.iter().zip(predicted).map(|(m, p)| m - p);
         across.iter().copied().zip(rest).step_by(step).collect()
     };
-    let at = document["joints"].as_array()?.iter().position(|j| j == joint)?;
-    let sliding = document["provenance"]["robot"]["joints"][at]["kind"] == "prismatic";
+    let sliding = document.is_sliding(at);
     let (position, effort) = if sliding { ("m", "N") } else { ("rad", "N m") };
-    let name = joint.as_str().unwrap_or_default();
     let x = match variable {
         "q" => format!("q {name} ({position})"),
         "qd" => format!("qd {name} ({position}/s)"),
@@ -69,13 +78,13 @@ pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
         "tau" => format!("tau {name} ({})", unit(effort)),
         _ => "time (s)".into(),
     };
-    let panel = |label: &str, model: &str, colour: usize| Panel {
+    let panel = |label: &str, predicted: &[f64], colour: usize| Panel {
         y: format!("left of {name} ({})", unit(effort)),
         series: vec![Series {
             name: label.into(),
             mark: Mark::Point,
             colour,
-            points: left(model),
+            points: left(predicted),
         }],
     };
     Some(Figure {
@@ -83,8 +92,8 @@ pub fn finding_figure(document: &Value, finding: &Value) -> Option<Figure> {
         x,
         places: Vec::new(),
         panels: vec![
-            panel("declared model", "declared", 1),
-            panel("with the effects found", "base", 0),
+            panel("declared model", own.declared.as_deref().unwrap_or_default(), 1),
+            panel("with the effects found", &own.base, 0),
         ],
         size: (900, 400),
     })

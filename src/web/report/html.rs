@@ -1,5 +1,6 @@
 //! Writing HTML: whatever comes from documents is escaped on its way in.
 
+use crate::io::EvaluatedFigure;
 use crate::web::figures::{Figure, FigureError};
 use serde_json::Value;
 
@@ -31,15 +32,59 @@ pub(super) fn escaped(text: &str) -> String {
     out
 }
 
-/// The text of a value: strings as they are, whole numbers in full, others to four digits, a dash for nothing.
-pub(super) fn text(value: &Value) -> String {
-    match value {
-        Value::String(s) => s.clone(),
-        Value::Number(n) if n.is_f64() => number(n.as_f64().unwrap_or(f64::NAN)),
-        Value::Number(n) => n.to_string(),
-        Value::Bool(b) => b.to_string(),
-        _ => "–".into(),
+/// What stands in a report as text.
+pub(super) trait Shown {
+    fn shown(&self) -> String;
+}
+
+impl Shown for str {
+    fn shown(&self) -> String {
+        self.to_string()
     }
+}
+
+impl Shown for String {
+    fn shown(&self) -> String {
+        self.clone()
+    }
+}
+
+impl Shown for f64 {
+    fn shown(&self) -> String {
+        number(*self)
+    }
+}
+
+impl Shown for usize {
+    fn shown(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Shown for u64 {
+    fn shown(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl<T: Shown> Shown for Option<T> {
+    fn shown(&self) -> String {
+        self.as_ref().map_or("–".into(), Shown::shown)
+    }
+}
+
+impl Shown for EvaluatedFigure {
+    fn shown(&self) -> String {
+        match self {
+            Self::Value(value) => value.shown(),
+            Self::NotEvaluated(_) => "not evaluated".into(),
+        }
+    }
+}
+
+/// Strings as they are, whole numbers in full, others to four digits, a dash for nothing.
+pub(super) fn text<T: Shown + ?Sized>(value: &T) -> String {
+    value.shown()
 }
 
 /// Four significant digits.
@@ -58,12 +103,8 @@ pub(super) fn number(v: f64) -> String {
     written.replace('-', "−")
 }
 
-pub(super) fn items(value: &Value) -> impl Iterator<Item = &Value> {
-    value.as_array().into_iter().flatten()
-}
-
 /// `stribeck_friction` → `stribeck friction`.
-pub(super) fn words(value: &Value) -> String {
+pub(super) fn words<T: Shown + ?Sized>(value: &T) -> String {
     text(value).replace('_', " ")
 }
 
@@ -76,8 +117,8 @@ pub(super) fn capital(words: &str) -> String {
 }
 
 /// Names as people list them.
-pub(super) fn listed(value: &Value) -> String {
-    items(value).map(text).collect::<Vec<_>>().join(", ")
+pub(super) fn listed(names: &[String]) -> String {
+    names.join(", ")
 }
 
 impl Html {

@@ -6,6 +6,7 @@ mod parts;
 mod physical;
 mod residual;
 
+use crate::io::IdentifyDocument;
 use html::{Html, escaped};
 use serde_json::Value;
 
@@ -29,7 +30,7 @@ pub struct Circumstances {
 /// The report of `result`, an answer of `POST /identify` (schema `Identification`).
 ///
 /// Pictures are there where the result has their series (`prediction_points` above zero) and can be drawn.
-pub fn report(result: &Value, circumstances: &Circumstances) -> String {
+pub fn report(result: &IdentifyDocument, circumstances: &Circumstances) -> String {
     let mut page = Html::default();
     parts::heading(&mut page, result, circumstances);
     parts::summary(&mut page, result);
@@ -44,7 +45,7 @@ pub fn report(result: &Value, circumstances: &Circumstances) -> String {
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{REPORT_POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
-        escaped(&format!("Identification of {}", html::text(&result["robot"]))),
+        escaped(&format!("Identification of {}", result.robot)),
         page.0
     )
 }
@@ -54,8 +55,8 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn result() -> Value {
-        json!({
+    fn result() -> IdentifyDocument {
+        let document = json!({
             "robot": "a <b>arm</b>", "joints": ["J1", "J2"], "estimator": "wls",
             "quality": {"verdict": "good", "reason": "fine & well", "condition_number": 12.5, "rank": 2, "columns": 2},
             "base_parameters": [
@@ -68,7 +69,8 @@ mod tests {
             "notes": [],
             "provenance": {"version": "0.1.0", "request": {"robot": "x</pre><script>"}, "robot": {"name": "x"},
                 "logs": [{"file": "a.csv", "role": "identification", "bytes": 3, "sha256": "ba78"}]}
-        })
+        });
+        serde_json::from_value(document).unwrap()
     }
 
     #[test]
@@ -102,6 +104,7 @@ mod tests {
 
     #[test]
     fn a_result_with_little_in_it_has_a_report() {
-        assert!(report(&json!({"robot": "r"}), &Circumstances::default()).contains("Identification of r"));
+        let result = serde_json::from_value(json!({"robot": "r"})).unwrap();
+        assert!(report(&result, &Circumstances::default()).contains("Identification of r"));
     }
 }

@@ -2,13 +2,16 @@
 
 use super::Circumstances;
 use super::formula;
-use super::html::{Cell, Html, capital, escaped, items, listed, text, words};
+use super::html::{Cell, Html, capital, escaped, listed, text, words};
+use crate::io::{
+    BaseValue, ChoiceDocument, EffectParameter, EffectValue, IdentifyDocument, JointErrors, LogDocument, LogOrigin, LogRms,
+};
 use crate::web::figures::{error_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
 
-pub(super) fn heading(page: &mut Html, result: &Value, circumstances: &Circumstances) {
-    page.heading(1, &format!("Identification of {}", text(&result["robot"])));
-    let version = text(&result["provenance"]["version"]);
+pub(super) fn heading(page: &mut Html, result: &IdentifyDocument, circumstances: &Circumstances) {
+    page.heading(1, &format!("Identification of {}", text(&result.robot)));
+    let version = text(&result.provenance.as_ref().map(|p| p.version.clone()));
     let mut line = format!("dynident {version}");
     circumstances.ended.iter().for_each(|ended| line += &format!(", {ended}"));
     circumstances
@@ -18,116 +21,112 @@ pub(super) fn heading(page: &mut Html, result: &Value, circumstances: &Circumsta
     page.paragraph("soft", &line);
 }
 
-pub(super) fn summary(page: &mut Html, result: &Value) {
-    let q = &result["quality"];
-    let class = if q["verdict"] == "good" { "verdict" } else { "verdict bad" };
+pub(super) fn summary(page: &mut Html, result: &IdentifyDocument) {
+    let q = &result.quality;
+    let class = if q.verdict == "good" { "verdict" } else { "verdict bad" };
     page.paragraph(
         class,
         &format!(
             "Data: {}. {}.",
-            words(&q["verdict"]),
-            capital(text(&q["reason"]).trim_end_matches('.'))
+            words(&q.verdict),
+            capital(text(&q.reason).trim_end_matches('.'))
         ),
     );
-    let residual = &result["residual"];
-    if residual.is_object() {
-        page.paragraph("verdict", &text(&residual["summary"]));
-        for fault in items(&residual["data_faults"]) {
+    if let Some(residual) = &result.residual {
+        page.paragraph("verdict", &text(&residual.summary));
+        for fault in &residual.data_faults {
             let sentence = format!(
                 "{}. {}",
-                capital(text(&fault["detail"]).trim_end_matches('.')),
-                text(&fault["remedy"])
+                capital(text(&fault.detail).trim_end_matches('.')),
+                text(&fault.remedy)
             );
             page.paragraph("finding", &sentence);
         }
-        for told in items(&residual["findings"]).chain([&residual["remainder"]]) {
-            told["sentence"].as_str().iter().for_each(|s| page.paragraph("finding", s));
-        }
+        let findings = residual.findings.iter().map(|f| &f.sentence);
+        let sentences = findings.chain(residual.remainder.iter().map(|r| &r.sentence));
+        sentences.for_each(|s| page.paragraph("finding", s));
     }
     let row = |name: &str, value: String| vec![name.to_string(), value];
     let rows = [
         row(
             "Base parameters determined",
-            format!("{} of {}", text(&q["rank"]), text(&q["columns"])),
+            format!("{} of {}", text(&q.rank), text(&q.columns)),
         ),
-        row("Condition number, columns scaled", text(&q["condition_number"])),
-        row("Estimator", text(&result["estimator"])),
+        row("Condition number, columns scaled", text(&q.condition_number)),
+        row("Estimator", text(&result.estimator)),
         row(
             "Fit of the physical parameters over that of the base parameters",
-            text(&result["feasibility"]["rms_ratio"]),
+            text(&result.feasibility.as_ref().map(|f| f.rms_ratio)),
         ),
     ];
     page.table("", &["What", "#Figure"], rows.into_iter());
-    items(&result["notes"]).for_each(|note| page.paragraph("soft", &text(note)));
+    result.notes.iter().for_each(|note| page.paragraph("soft", note));
 }
 
-pub(super) fn logs(page: &mut Html, result: &Value) {
+pub(super) fn logs(page: &mut Html, result: &IdentifyDocument) {
     page.heading(2, "Logs");
-    let row = |l: &Value| {
-        [
-            &l["file"],
-            &l["role"],
-            &l["rows_used"],
-            &l["rows"],
-            &l["sample_rate_hz"],
-            &l["duration_s"],
+    let row = |l: &LogDocument| {
+        vec![
+            l.file.clone(),
+            l.role.clone(),
+            text(&l.rows_used),
+            text(&l.rows),
+            text(&l.sample_rate_hz),
+            text(&l.duration_s),
         ]
-        .map(text)
-        .to_vec()
     };
     page.table(
         "",
         &["File", "Role", "#Rows used", "#of", "#Rate (Hz)", "#Length (s)"],
-        items(&result["log_report"]).map(row),
+        result.log_report.iter().map(row),
     );
-    for log in items(&result["log_report"]) {
-        for finding in items(&log["findings"]) {
+    for log in &result.log_report {
+        for finding in &log.findings {
             page.paragraph(
                 "",
                 &format!(
                     "{}: {}, {} times: {}",
-                    text(&log["file"]),
-                    words(&finding["code"]),
-                    text(&finding["count"]),
-                    text(&finding["detail"])
+                    text(&log.file),
+                    words(&finding.code),
+                    text(&finding.count),
+                    text(&finding.detail)
                 ),
             );
         }
-        let row = |c: &Value| [words(&c["what"]), text(&c["value"]), text(&c["why"])].to_vec();
+        let row = |c: &ChoiceDocument| [words(&c.what), text(&c.value), text(&c.why)].to_vec();
         page.table(
-            &format!("How {} was prepared", text(&log["file"])),
+            &format!("How {} was prepared", text(&log.file)),
             &["What", "How", "Why"],
-            items(&log["choices"]).map(row),
+            log.choices.iter().map(row),
         );
     }
 }
 
-pub(super) fn parameters(page: &mut Html, result: &Value) {
+pub(super) fn parameters(page: &mut Html, result: &IdentifyDocument) {
     page.heading(2, "Base parameters");
     page.paragraph("soft", "Standard deviations σ allow for correlated noise. Names and expressions are those of the standard parameters of every link about its joint frame.");
-    let row = |p: &Value| {
-        let value = if p["value"].is_null() {
-            "not determined".into()
-        } else {
-            text(&p["value"])
-        };
+    let row = |p: &BaseValue| {
+        let value = p.value.map_or("not determined".into(), |v| text(&v));
         vec![
-            formula::name(&text(&p["name"])),
+            formula::name(&text(&p.name)),
             Cell::from(value),
-            Cell::from(text(&p["std_dev"])),
-            Cell::from(text(&p["relative_std_dev_percent"])),
-            Cell(format!("<span class=\"whole\">{}</span>", escaped(&unit(&text(&p["unit"]))))),
-            formula::expression(&text(&p["expression"])),
+            Cell::from(text(&p.std_dev)),
+            Cell::from(text(&p.relative_std_dev_percent)),
+            Cell(format!("<span class=\"whole\">{}</span>", escaped(&unit(&p.unit)))),
+            formula::expression(&text(&p.expression)),
         ]
     };
-    let all = items(&result["base_parameters"]).chain(items(&result["offsets"]));
+    let all = result.base_parameters.iter().chain(result.offsets.iter().flatten());
     page.table(
         "",
         &["Name", "#Value", "#σ", "#σ/|value| (%)", "Unit", "Expression"],
         all.map(row),
     );
-    effects(page, &result["effects"]);
-    items(&result["undetermined"]).for_each(|d| page.paragraph("", &format!("Not determined: {}", text(&d["text"]))));
+    effects(page, &result.effects);
+    result
+        .undetermined
+        .iter()
+        .for_each(|d| page.paragraph("", &format!("Not determined: {}", text(&d.text))));
     for figure in parameter_figures(result) {
         let caption = format!(
             "Base parameters in {}, with two standard deviations to both sides.",
@@ -137,27 +136,27 @@ pub(super) fn parameters(page: &mut Html, result: &Value) {
     }
 }
 
-pub(super) fn errors(page: &mut Html, result: &Value) {
+pub(super) fn errors(page: &mut Html, result: &IdentifyDocument) {
     page.heading(2, "Errors");
-    let names: Vec<String> = items(&result["joints"]).map(|j| format!("#{}", text(j))).collect();
+    let names: Vec<String> = result.joints.iter().map(|j| format!("#{j}")).collect();
     let heads: Vec<&str> = ["Log", "Role", "Model"]
         .into_iter()
         .chain(names.iter().map(String::as_str))
         .chain(["#Sum"])
         .collect();
     let mut rows = Vec::new();
-    for (role, key) in [("identification", "identification"), ("held out", "validation")] {
-        for log in items(&result["rms"][key]) {
-            for model in ["base", "physical"].into_iter().filter(|m| log[*m].is_object()) {
-                let errors = items(&log[model]["rms"]).map(text);
-                rows.push(
-                    [text(&log["name"]), role.to_string(), model.to_string()]
-                        .into_iter()
-                        .chain(errors)
-                        .chain([text(&log[model]["sum"])])
-                        .collect::<Vec<_>>(),
-                );
-            }
+    let mut add = |role: &str, log: &LogRms, model: &str, errors: &JointErrors| {
+        let head = [log.name.clone(), role.into(), model.into()];
+        let figures = errors.rms.iter().map(text).chain([text(&errors.sum)]);
+        rows.push(head.into_iter().chain(figures).collect::<Vec<_>>());
+    };
+    for (role, logs) in [
+        ("identification", &result.rms.identification),
+        ("held out", &result.rms.validation),
+    ] {
+        for log in logs {
+            add(role, log, "base", &log.base);
+            log.physical.iter().for_each(|errors| add(role, log, "physical", errors));
         }
     }
     page.table(
@@ -165,7 +164,7 @@ pub(super) fn errors(page: &mut Html, result: &Value) {
         &heads,
         rows.into_iter(),
     );
-    if result["rms"].is_object() {
+    if !result.rms.identification.is_empty() {
         page.figure(
             &error_figure(result),
             "Root mean square error of the base parameters, per joint and log.",
@@ -174,17 +173,17 @@ pub(super) fn errors(page: &mut Html, result: &Value) {
 }
 
 /// What was found beside the declared model, and whether it is in the model.
-fn effects(page: &mut Html, list: &Value) {
-    let of = |effect: &Value| -> Vec<Vec<String>> {
-        let row = |p: &Value| {
+fn effects(page: &mut Html, list: &[EffectValue]) {
+    let of = |effect: &EffectValue| -> Vec<Vec<String>> {
+        let row = |p: &EffectParameter| {
             vec![
-                capital(&words(&effect["effect"])),
-                listed(&effect["joints"]),
-                words(&p["name"]),
-                text(&p["value"]),
-                text(&p["std_dev"]),
-                unit(&text(&p["unit"])),
-                match (effect["in_model"] == true, effect["finding"] == false) {
+                capital(&words(&effect.effect)),
+                listed(&effect.joints),
+                words(&p.name),
+                text(&p.value),
+                text(&p.std_dev),
+                unit(&p.unit),
+                match (effect.in_model, !effect.finding) {
                     (true, true) => "yes, not beyond chance by itself",
                     (true, false) => "yes",
                     (false, _) => "no",
@@ -192,9 +191,9 @@ fn effects(page: &mut Html, list: &Value) {
                 .into(),
             ]
         };
-        items(&effect["parameters"]).map(row).collect()
+        effect.parameters.iter().map(row).collect()
     };
-    let rows: Vec<Vec<String>> = items(list).flat_map(of).collect();
+    let rows: Vec<Vec<String>> = list.iter().flat_map(of).collect();
     if !rows.is_empty() {
         page.table(
             "Effects estimated together with the base parameters",
@@ -204,51 +203,47 @@ fn effects(page: &mut Html, list: &Value) {
     }
 }
 
-pub(super) fn torques(page: &mut Html, result: &Value) {
-    if items(&result["predictions"]).next().is_none() {
+pub(super) fn torques(page: &mut Html, result: &IdentifyDocument) {
+    if result.predictions.is_empty() {
         return;
     }
     page.heading(2, "Measured and predicted torque");
-    let effects = items(&result["effects"]).any(|e| e["in_model"] == true);
-    let joints: Vec<&Value> = items(&result["joints"]).collect();
-    for prediction in items(&result["predictions"]) {
-        let j = joints.iter().position(|j| **j == prediction["joint"]).unwrap_or(0);
-        let sliding = result["provenance"]["robot"]["joints"][j]["kind"] == "prismatic";
+    let effects = result.effects.iter().any(|e| e.in_model);
+    for prediction in &result.predictions {
+        let j = result.joints.iter().position(|j| *j == prediction.joint).unwrap_or(0);
+        let sliding = result.is_sliding(j);
         let by = match effects {
             true => "the base parameters with the effects found",
             false => "the base parameters",
         };
         let caption = format!(
             "Joint {}, {}: measured, and predicted by {by}; below, their difference.",
-            text(&prediction["joint"]),
-            text(&prediction["log"])
+            text(&prediction.joint),
+            text(&prediction.log)
         );
         page.figure(&torque_figure(prediction, if sliding { "N" } else { "N m" }), &caption);
     }
 }
 
-pub(super) fn again(page: &mut Html, result: &Value, circumstances: &Circumstances) {
-    let origin = &result["provenance"];
+pub(super) fn again(page: &mut Html, result: &IdentifyDocument, circumstances: &Circumstances) {
+    let Some(origin) = &result.provenance else { return };
     page.heading(2, "To do it again");
     page.paragraph(
         "",
         &format!(
             "dynident {}. The identification draws no random numbers: the same logs and request give the same result.",
-            text(&origin["version"])
+            text(&origin.version)
         ),
     );
-    let row = |l: &Value| ["file", "role", "bytes", "sha256"].map(|k| text(&l[k])).to_vec();
+    let row = |l: &LogOrigin| vec![l.file.clone(), l.role.clone(), text(&l.bytes), l.sha256.clone()];
     page.table(
         "Logs, by SHA-256 of the files as they were sent",
         &["File", "Role", "#Bytes", "SHA-256"],
-        items(&origin["logs"]).map(row),
+        origin.logs.iter().map(row),
     );
     let of_role = |role: &str| {
-        items(&origin["logs"])
-            .filter(|l| l["role"] == role)
-            .map(|l| text(&l["file"]))
-            .collect::<Vec<_>>()
-            .join(" ")
+        let files = origin.logs.iter().filter(|l| l.role == role);
+        files.map(|l| l.file.as_str()).collect::<Vec<_>>().join(" ")
     };
     let held_out = match of_role("validation") {
         files if files.is_empty() => String::new(),
@@ -262,9 +257,9 @@ pub(super) fn again(page: &mut Html, result: &Value, circumstances: &Circumstanc
         ),
     );
     page.heading(3, "request.json");
-    page.document(&origin["request"]);
+    page.document(&origin.request);
     page.heading(3, "robot.json");
-    page.document(&origin["robot"]);
+    page.document(&origin.robot);
     if let Some(design) = &circumstances.design {
         page.heading(3, "The executed design");
         page.paragraph("soft", "Its request with the seed of the search, and the trajectory.");

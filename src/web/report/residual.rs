@@ -1,27 +1,26 @@
 //! The part of the report on what the model leaves over, finding by finding.
 
-use super::html::{Html, capital, items, listed, text, words};
+use super::html::{Html, capital, listed, text, words};
+use crate::io::{
+    ChangeCode, EffectFinding, EffectParameter, EvaluatedFigure, HeldOutCode, HeldOutDocument, HeldOutJoint, IdentifyDocument,
+    LackOfFit, RivalDocument, UndetectedEffect,
+};
 use crate::web::figures::{before_after_figure, finding_figure, unit};
-use serde_json::Value;
 
-pub(super) fn loop_closed(page: &mut Html, result: &Value) {
-    let residual = &result["residual"];
-    if !residual.is_object() {
-        return;
-    }
+pub(super) fn loop_closed(page: &mut Html, result: &IdentifyDocument) {
+    let Some(residual) = &result.residual else { return };
     page.heading(2, "What the model leaves over");
-    page.paragraph("", &format!("Noise floor from: {}.", text(&residual["noise_source"])));
-    let fits = items(&residual["lack_of_fit"])
-        .zip(items(&residual["lack_of_fit_after"]))
-        .zip(items(&residual["noise_floor"]));
-    let row = |((before, after), floor): ((&Value, &Value), &Value)| {
+    page.paragraph("", &format!("Noise floor from: {}.", text(&residual.noise_source)));
+    let fits = residual.lack_of_fit.iter().zip(&residual.lack_of_fit_after);
+    let fits = fits.zip(&residual.noise_floor);
+    let row = |((before, after), floor): ((&LackOfFit, &LackOfFit), &Option<f64>)| {
         vec![
-            text(&before["joint"]),
+            text(&before.joint),
             text(floor),
-            text(&before["statistic"]),
-            chance(&before["p_value"]),
-            text(&after["statistic"]),
-            chance(&after["p_value"]),
+            text(&before.statistic),
+            chance(before.p_value),
+            text(&after.statistic),
+            chance(after.p_value),
         ]
     };
     page.table(
@@ -29,17 +28,16 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
         &["Joint", "#Noise floor", "#Before", "#p", "#After", "#p"],
         fits.map(row),
     );
-    held_out(page, &residual["held_out"]);
-    for finding in items(&residual["findings"]) {
+    held_out(page, &residual.held_out);
+    for finding in &residual.findings {
         describe(page, result, finding);
     }
-    let rest = &residual["remainder"];
-    if rest.is_object() {
-        page.heading(3, &format!("Unexplained, on {}", listed(&rest["joints"])));
-        page.paragraph("finding", &text(&rest["sentence"]));
-        page.paragraph("soft", &text(&rest["note"]));
+    if let Some(rest) = &residual.remainder {
+        page.heading(3, &format!("Unexplained, on {}", listed(&rest.joints)));
+        page.paragraph("finding", &text(&rest.sentence));
+        page.paragraph("soft", &text(&rest.note));
     }
-    undetected(page, &residual["undetected"]);
+    undetected(page, &residual.undetected);
     if let Some(figure) = before_after_figure(result) {
         page.figure(
             &figure,
@@ -49,48 +47,51 @@ pub(super) fn loop_closed(page: &mut Html, result: &Value) {
 }
 
 /// The declared model and the final one on held-out data, joint by joint.
-fn held_out(page: &mut Html, held_out: &Value) {
-    if held_out["verdict"] == "not_tested" {
+fn held_out(page: &mut Html, held_out: &HeldOutDocument) {
+    if held_out.verdict == HeldOutCode::NotTested {
         return;
     }
-    let row = |j: &Value| {
+    let row = |j: &HeldOutJoint| {
         vec![
-            text(&j["joint"]),
-            text(&j["before"]),
-            text(&j["after"]),
-            text(&j["floor"]),
-            words(&j["change"]),
-            chance(&j["p_value"]),
+            text(&j.joint),
+            text(&j.before),
+            text(&j.after),
+            text(&j.floor),
+            words(j.change.code()),
+            chance(j.p_value),
         ]
     };
     let caption = format!(
         "Held-out error per joint (N m or N): {}. Data held out: {}",
-        words(&held_out["verdict"]),
-        text(&held_out["source"])
+        words(held_out.verdict.code()),
+        text(&held_out.source)
     );
     page.table(
         &caption,
         &["Joint", "#Declared model", "#With effects", "#Noise floor", "Change", "#p"],
-        items(&held_out["joints"]).map(row),
+        held_out.joints.iter().map(row),
     );
 }
 
 /// What every robot may have and the logs do not show.
-fn undetected(page: &mut Html, list: &Value) {
-    let row = |one: &Value| {
-        let parameter = &one["parameter"];
-        let [value, deviation] = ["value", "std_dev"].map(|key| parameter[key].as_f64().unwrap_or(f64::NAN));
+fn undetected(page: &mut Html, list: &[UndetectedEffect]) {
+    let row = |one: &UndetectedEffect| {
+        let parameter = &one.parameter;
+        let largest = parameter
+            .value
+            .zip(parameter.std_dev)
+            .map(|(value, deviation)| value.abs() + 3.0 * deviation);
         vec![
-            capital(&words(&one["effect"])),
-            text(&one["joint"]),
-            text(&parameter["value"]),
-            text(&parameter["std_dev"]),
-            text(&(value.abs() + 3.0 * deviation).into()),
-            unit(parameter["unit"].as_str().unwrap_or_default()),
-            if one["in_model"] == true { "yes" } else { "no" }.into(),
+            capital(&words(&one.effect)),
+            text(&one.joint),
+            text(&parameter.value),
+            text(&parameter.std_dev),
+            text(&largest),
+            unit(&parameter.unit),
+            if one.in_model { "yes" } else { "no" }.into(),
         ]
     };
-    let rows: Vec<Vec<String>> = items(list).map(row).collect();
+    let rows: Vec<Vec<String>> = list.iter().map(row).collect();
     if !rows.is_empty() {
         page.table(
             "Looked for and not found: not beyond chance, each by itself beside the final model",
@@ -109,64 +110,56 @@ fn undetected(page: &mut Html, list: &Value) {
 }
 
 /// Below a millionth of a millionth a chance is none.
-fn chance(p: &Value) -> String {
-    match p.as_f64() {
+fn chance(p: Option<f64>) -> String {
+    match p {
         Some(p) if p < 1e-12 => "< 1e−12".into(),
-        _ => text(p),
+        _ => text(&p),
     }
 }
 
-fn describe(page: &mut Html, result: &Value, finding: &Value) {
+fn describe(page: &mut Html, result: &IdentifyDocument, finding: &EffectFinding) {
     page.heading(
         3,
-        &capital(&format!("{} on {}", words(&finding["effect"]), listed(&finding["joints"]))),
+        &capital(&format!("{} on {}", words(&finding.effect), listed(&finding.joints))),
     );
-    page.paragraph("finding", &text(&finding["sentence"]));
-    if items(&finding["parameters"]).next().is_none() {
+    page.paragraph("finding", &text(&finding.sentence));
+    if finding.parameters.is_empty() {
         return;
     }
-    let row = |p: &Value| {
-        vec![
-            words(&p["name"]),
-            text(&p["value"]),
-            text(&p["std_dev"]),
-            unit(&text(&p["unit"])),
-        ]
-    };
-    page.table(
-        "",
-        &["Parameter", "#Value", "#σ", "Unit"],
-        items(&finding["parameters"]).map(row),
-    );
-    let e = &finding["evidence"];
+    let row = |p: &EffectParameter| vec![words(&p.name), text(&p.value), text(&p.std_dev), unit(&p.unit)];
+    page.table("", &["Parameter", "#Value", "#σ", "Unit"], finding.parameters.iter().map(row));
+    let e = &finding.evidence;
     let mut evidence = format!(
         "Twice the log of the evidence ratio against leaving it out: {}; chance of such a gain without it: {}.",
-        text(&e["log_evidence_ratio"]),
-        chance(&e["p_value"])
+        text(&e.log_evidence_ratio),
+        chance(e.p_value)
     );
-    let held_out = &finding["held_out"];
-    if held_out["change"] != "not_tested" {
+    let held_out = &finding.held_out;
+    if held_out.change != ChangeCode::NotTested {
         evidence += &format!(
             " Held-out error without and with it: {} and {}, {} (p = {}).",
-            text(&held_out["before"]),
-            text(&held_out["after"]),
-            words(&held_out["change"]),
-            chance(&held_out["p_value"])
+            text(&held_out.before),
+            text(&held_out.after),
+            words(held_out.change.code()),
+            match held_out.p_value {
+                EvaluatedFigure::Value(p) => chance(p),
+                other => text(&other),
+            }
         );
     }
-    if finding["in_model"] == false {
+    if !finding.in_model {
         evidence += " It is not in the model.";
     }
-    if let Some(note) = finding["note"].as_str() {
+    if let Some(note) = &finding.note {
         evidence += &format!(" Note: {note}.");
     }
     page.paragraph("soft", &evidence);
-    let rival = |r: &Value| vec![words(&r["effect"]), listed(&r["joints"]), text(&r["evidence"])];
-    if items(&finding["rivals"]).next().is_some() {
+    let rival = |r: &RivalDocument| vec![words(&r.effect), listed(&r.joints), text(&r.evidence)];
+    if !finding.rivals.is_empty() {
         page.table(
             "Not excluded in its place; twice the log of the odds in favour of the finding",
             &["Effect", "Joints", "#Evidence"],
-            items(&finding["rivals"]).map(rival),
+            finding.rivals.iter().map(rival),
         );
     }
     if let Some(figure) = finding_figure(result, finding) {
