@@ -35,7 +35,8 @@ impl AugmentedModel {
         at: Option<usize>,
         known: KnownTorque,
     ) -> Vec<Vec<Vec<f64>>> {
-        let steps = term.effect.steps();
+        let least = term.effect.least_step(stretch.interval);
+        let steps: Vec<f64> = term.effect.steps().iter().map(|s| s.max(least)).collect();
         (0..steps.len())
             .map(|i| {
                 let side = |sign: f64| {
