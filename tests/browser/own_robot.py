@@ -169,6 +169,26 @@ def describe_panda(page, options):
     assert page.url.endswith("/robot?robot=panda"), page.url
 
 
+def meshes(page, options):
+    """A mesh in millimetres, which the URDF file puts on the third link; and files that are none."""
+    corners = [(0, 0, 0), (80, 0, 0), (0, 80, 0), (0, 0, 200)]
+    facets = [[corners[i] for i in face] for face in [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]]
+    solid = "".join("facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in facet) + "endloop\nendfacet\n" for facet in facets)
+    (page.folder / "forearm.stl").write_text(f"solid forearm\n{solid}endsolid forearm\n")
+    (page.folder / "broken_panda_joint1.stl").write_bytes(b"solid")
+    page.locator("#meshes summary").click()
+    page.set_input_files("#mesh-files", page.folder / "forearm.stl")
+    page.locator("#meshes .field-error").get_by_text("names no joint of this robot").wait_for()
+    page.set_input_files("#mesh-files", [page.folder / "forearm.stl", page.folder / "broken_panda_joint1.stl", PANDA])
+    page.locator("#meshes").get_by_text("1 mesh kept in this browser").wait_for()
+    page.locator("#meshes .field-error").get_by_text("broken_panda_joint1.stl cannot be read").wait_for()
+    # Kept: there again when the page is.
+    page.reload()
+    page.locator("#kinematics canvas[data-meshes='1']").wait_for()
+    check(page, "meshes")
+    picture(page, options, "meshes", "#kinematics")
+
+
 def map_currents(page, options, log, other):
     page.get_by_role("link", name="Identify", exact=True).click()
     page.locator("#robot option").first.wait_for(state="attached")
@@ -287,6 +307,8 @@ def main():
         begun = time.monotonic()
         (describe_panda if phone else describe)(page, options)
         clicking = time.monotonic() - begun
+        if phone:
+            meshes(page, options)
         robot = "panda" if phone else "bench-arm"
         if phone:
             log, other = (panda_log(options, page.folder, seed, name) for seed, name in [(0, "run.txt"), (1, "other.txt")])

@@ -15,7 +15,7 @@ export function parts(three, view, { colour, variable }) {
   obstacles(three, make, view.space, view.reach, variable('--warn')).forEach((o) => root.add(o));
   view.shape.forEach(({ joint, from, to, radius }) => frames[joint].add(make.capsule(from, to, radius, variable('--soft'), 0.25)));
   view.bodies.forEach((b) => body(three, make, b, colour(b.joint)).forEach((o) => frames[b.joint].add(o)));
-  view.meshes.forEach(({ joint, object }) => frames[joint].add(object));
+  view.meshes.forEach(({ joint, object }) => (frames[joint] ?? root).add(object));
   if (view.near) root.add(...approach(make, view, variable('--bad')));
   const pose = (q) => frames.forEach((frame, j) => (view.joints[j].kind === 'prismatic' ? frame.position.setZ(q[j]) : frame.rotation.set(0, 0, q[j])));
   return { scene, light, pose };

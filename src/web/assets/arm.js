@@ -201,7 +201,7 @@ export class ArmView {
     this.made ??= parts(three, this, { colour, variable });
     this.made.pose(this.q);
     paint(this.made.scene, this.camera(three, width, height), canvas);
-    canvas.dataset.drawn = 'true';
+    Object.assign(canvas.dataset, { drawn: 'true', meshes: this.meshes.length });
   }
 
   camera(three, width, height) {

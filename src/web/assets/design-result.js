@@ -6,6 +6,7 @@ import { CRITERIA, title } from './criteria.js';
 import { courses } from './design-live.js';
 import { fourierSeries } from './expression.js';
 import { fill, figure, h, number, odds, perSecond, seconds, sentence, table, unit, words } from './dom.js';
+import { meshesOf } from './meshes.js';
 import { on } from './known-form.js';
 import { downloads, earlier, identifyLink } from './design-downloads.js';
 import { motionPlots } from './motion-plots.js';
@@ -36,7 +37,7 @@ export async function showDesign(target, result) {
   const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
   const space = result.request.constraints?.space;
   const shape = space ? await shapeOf(result.request.robot, drawn.joints) : [];
-  const played = player(drawn, space, shape, result.clearances ?? []);
+  const played = player(drawn, space, { shape, clearances: result.clearances ?? [], meshes: meshesOf(result.request.robot, drawn) });
   // What was asked for comes first.
   const present = [evidence(result), summary(result), notes(result), criteria(result), motionPlots(drawn), played, margins(result), clearances(result, played), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, present.filter((p) => names[p.id]).map((p) => h('a', { href: `#${p.id}` }, names[p.id]))), present);

@@ -4,7 +4,7 @@ import { approach } from './arm-geometry.js';
 import { h, number } from './dom.js';
 
 /** `space`: what the arm keeps off, as in the request; `shape`: the capsules that it does so with. */
-export function player({ joints, gravity, motion }, space, shape = [], clearances = []) {
+export function player({ joints, gravity, motion }, space, { shape = [], clearances = [], meshes = Promise.resolve([]) } = {}) {
   const canvas = h('canvas', { class: 'arm', 'aria-label': 'The arm in its motion, with the path of its last frame. Arrow keys turn the view.' });
   const last = motion.time.length - 1;
   const slider = h('input', { type: 'range', min: 0, max: last, value: 0, 'aria-label': 'Time in the period' });
@@ -14,6 +14,7 @@ export function player({ joints, gravity, motion }, space, shape = [], clearance
   view.path = motion.end;
   view.space = space;
   view.shape = shape;
+  meshes.then((list) => { view.meshes = list; view.draw(); });
   view.frameArm(motion.time.flatMap((_, s) => (s % 20 ? [] : [motion.q.map((q) => q[s])])));
   if (space) view.span *= 1.25;
   const show = (sample) => {

@@ -2,6 +2,7 @@
 import { ArmView, HOW_TO_TURN, poses } from './arm.js';
 import { download, explain, getJson, postJson, send, summaryOf } from './api.js';
 import { shapeOf } from './cell-view.js';
+import { meshesOf, meshPart } from './meshes.js';
 import { fill, find, h, measured, number, perSecond, table, time, unit, words } from './dom.js';
 import { editor } from './robot-edit.js';
 import { sourceForm } from './robot-source.js';
@@ -51,6 +52,8 @@ function kinematics(robot, drawn) {
   const canvas = h('canvas', { class: 'arm', 'aria-label': `${drawn.robot}: the arm as its joints are set. Arrow keys turn the view.` });
   const view = new ArmView(canvas, drawn.joints, drawn.gravity);
   view.limits = true;
+  const clothe = (meshes) => { view.meshes = meshes; view.draw(); };
+  meshesOf(robot.id, drawn).then(clothe);
   shapeOf(robot.id, drawn.joints).then((shape) => { view.shape = shape; view.draw(); });
   const place = h('output', { class: 'mono', 'aria-live': 'off' });
   const q = drawn.joints.map((j) => start(j));
@@ -65,7 +68,7 @@ function kinematics(robot, drawn) {
   const actions = h('div', { class: 'actions' }, zero, h('a', { class: 'button primary', href: `/design?robot=${encodeURIComponent(robot.id)}` }, 'Design a trajectory'), h('a', { class: 'button', href: `/identification?robot=${encodeURIComponent(robot.id)}` }, 'Identify'),
     h('button', { type: 'button', onclick: () => editKept(robot).catch((e) => explain(find('#trouble'), e)) }, robot.shipped ? 'Edit a copy' : 'Edit'),
     download('Description (JSON)', `/robots/${robot.id}`, `${robot.id}.json`), robot.shipped ? null : forget(robot));
-  return section('kinematics', drawn.robot, h('div', { class: 'columns', style: 'grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))' }, h('div', {}, canvas, h('p', { class: 'help' }, `Grid 0.25 m; the arrow g is gravity; arcs are the ranges of the joints. ${HOW_TO_TURN}`)), h('div', {}, sliders.map((s) => s.element), place)), actions);
+  return section('kinematics', drawn.robot, h('div', { class: 'columns', style: 'grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))' }, h('div', {}, canvas, h('p', { class: 'help' }, `Grid 0.25 m; the arrow g is gravity; arcs are the ranges of the joints. ${HOW_TO_TURN}`)), h('div', {}, sliders.map((s) => s.element), place)), actions, meshPart(robot, drawn, clothe));
 }
 
 function forget(robot) {
