@@ -52,6 +52,8 @@ async function parsed(three, { name, bytes }) {
   if (/\.stl$/i.test(name)) {
     const geometry = new three.STLLoader().parse(bytes);
     if (!geometry.getAttribute('position')?.count) throw new Error('it holds no triangles');
+    // Some programs write zeros for normals.
+    geometry.computeVertexNormals();
     return new three.Mesh(geometry, new three.MeshLambertMaterial({ color: variable('--arm') || '#9aa7b4', side: three.DoubleSide }));
   }
   const loader = new three.GLTFLoader();
