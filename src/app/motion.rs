@@ -2,8 +2,8 @@
 
 use super::CancelFlag;
 use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
-use crate::io::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, robot_value};
-use crate::model::{Joint, Robot};
+use crate::io::{DrawnCapsule, DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, robot_value};
+use crate::model::{Capsule, Joint, Robot};
 use crate::parameters::Layout;
 use crate::spatial::Transform;
 use crate::trajectory::{FourierSeries, Trajectory};
@@ -16,7 +16,10 @@ pub fn motion(request: &MotionRequest, cancel: &CancelFlag) -> Option<MotionDocu
         Some(series) => Some(sampled(robot, series, request.samples, cancel)?),
         None => None,
     };
+    let (shaped, guessed) = robot.with_shape();
     Some(MotionDocument {
+        shape: shape(&shaped),
+        shape_guessed: !guessed.is_empty(),
         robot: robot.name().to_string(),
         gravity: robot.gravity().into(),
         joints: robot.joints().iter().map(drawn).collect(),
@@ -24,6 +27,18 @@ pub fn motion(request: &MotionRequest, cancel: &CancelFlag) -> Option<MotionDocu
         description: robot_value(robot),
         notes: request.robot.notes.clone(),
     })
+}
+
+fn shape(robot: &Robot) -> Vec<DrawnCapsule> {
+    let joints = robot.joints().iter().enumerate();
+    let capsules = joints.flat_map(|(j, joint)| joint.geometry.iter().map(move |c| (j, c)));
+    let drawn = |(joint, c): (usize, &Capsule)| DrawnCapsule {
+        joint,
+        from: c.ends[0].into(),
+        to: c.ends[1].into(),
+        radius: c.radius,
+    };
+    capsules.map(drawn).collect()
 }
 
 fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {

@@ -2,7 +2,7 @@
 
 use crate::app::{Code, Error, LogFile};
 use crate::io::shipped::Shipped;
-use crate::io::{NamedRobots, Parsed, RobotDocument, parse, robot_document, robot_file};
+use crate::io::{NamedRobots, Parsed, RobotDocument, parse, robot_document, robot_file, shapes_of_meshes};
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
@@ -106,7 +106,41 @@ fn named_robot(name_or_file: &str) -> Result<Parsed, Error> {
         });
     }
     let bytes = read(path).map_err(|e| e.with_hint(format!("give a file, or one of: {}", names.join(", "))))?;
-    robot_file(&bytes).map_err(|e| in_file(path, e.into()))
+    let mut parsed = robot_file(&bytes).map_err(|e| in_file(path, e.into()))?;
+    add_meshes(path, &mut parsed.value);
+    Ok(parsed)
+}
+
+/// Shapes of links from the meshes that a URDF file names, where they lie beside it.
+fn add_meshes(path: &Path, robot: &mut Value) {
+    let Some(urdf) = robot.get("urdf").and_then(Value::as_str) else {
+        return;
+    };
+    let (shapes, notes) = shapes_of_meshes(urdf, |name| mesh_beside(path, name));
+    notes.iter().for_each(|note| eprintln!("note: {note}"));
+    if let Some(fields) = robot.as_object_mut().filter(|_| !shapes.is_empty()) {
+        fields.insert("geometry".into(), shapes.into());
+    }
+}
+
+/// Largest mesh that is read (bytes): a million triangles.
+const LARGEST_MESH: u64 = 64 << 20;
+
+/// A mesh by its name in a URDF file: relative to the file, or of a package that one of the folders around the file is or holds.
+fn mesh_beside(urdf: &Path, name: &str) -> Option<Vec<u8>> {
+    let folder = urdf.parent()?;
+    let in_package = name.strip_prefix("package://");
+    let plain = in_package.unwrap_or_else(|| name.strip_prefix("file://").unwrap_or(name));
+    let within = in_package.and_then(|rest| rest.split_once('/')).map(|(_, rest)| rest);
+    let absolute = folder.canonicalize().ok()?;
+    let around = absolute
+        .ancestors()
+        .flat_map(|a| [Some(plain), within].into_iter().flatten().map(move |p| a.join(p)));
+    let found = around
+        .take(if in_package.is_some() { usize::MAX } else { 1 })
+        .find(|p| p.is_file())?;
+    let small = std::fs::metadata(&found).is_ok_and(|m| m.len() <= LARGEST_MESH);
+    small.then(|| std::fs::read(found).ok()).flatten()
 }
 
 /// The robot itself, and what to know about how it was read.

@@ -33,6 +33,7 @@ mod unexplained;
 pub(crate) use base_tilt::tilted;
 pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, Travel, World};
 pub(crate) use effect::{own_joint, times_position_unit};
+pub(crate) use interpolation::{FEWEST, REACH};
 pub use payload::consistent_payload;
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};
 

@@ -47,9 +47,11 @@ pub use json::{Malformed, Parsed, parse};
 pub use knowledge_request::{DesignModel, DesignTerms, MOST_GIVEN};
 pub use model_document::{robot_value, urdf, urdf_gravity};
 pub use model_file::{FinalModel, Missing, MissingEffect, ModelFormat, Patched};
-pub use motion_document::{DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
+pub use motion_document::{
+    DrawnCapsule, DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request,
+};
 pub use residual_document::*;
-pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_file};
+pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_file, shapes_of_meshes};
 pub use robot_report::{ReportedJoint, RobotReport};
 pub use trajectory_file::{
     MOST_ROWS, Parts, TrajectoryFile, TrajectoryFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts,

@@ -32,6 +32,10 @@ pub struct MotionDocument {
     pub gravity: [f64; 3],
     pub joints: Vec<DrawnJoint>,
     pub motion: Option<SampledMotion>,
+    /// What the arm keeps off itself and obstacles with, in the frames of the joints.
+    pub shape: Vec<DrawnCapsule>,
+    /// Whether nobody described the shape, and it was made from the kinematics.
+    pub shape_guessed: bool,
     /// The robot by its joints, as `POST /robots` takes it: of a URDF file, all that was read.
     #[cfg_attr(feature = "service", schema(value_type = Object))]
     pub description: serde_json::Value,
@@ -63,6 +67,20 @@ pub struct DrawnJoint {
     pub effort_unit: &'static str,
     /// What was known of the link beforehand, in this frame.
     pub prior: Option<DrawnLink>,
+}
+
+/// All points within a distance of a segment.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct DrawnCapsule {
+    /// Number of the joint that moves it.
+    pub joint: usize,
+    /// (m)
+    pub from: [f64; 3],
+    /// (m)
+    pub to: [f64; 3],
+    /// (m)
+    pub radius: f64,
 }
 
 /// A link as a body, in the frame of its joint.

@@ -4,7 +4,7 @@ use super::json::parse;
 use super::robot::{NamedRobots, RobotDocument, robot_document};
 
 /// Name and document of every robot in `examples/robots/`.
-pub const ROBOTS: [(&str, &str); 10] = [
+pub const ROBOTS: [(&str, &str); 14] = [
     ("iiwa14", include_str!("../../examples/robots/iiwa14.json")),
     ("iiwa7", include_str!("../../examples/robots/iiwa7.json")),
     ("fr3", include_str!("../../examples/robots/fr3.json")),
@@ -12,6 +12,10 @@ pub const ROBOTS: [(&str, &str); 10] = [
     ("ur3e", include_str!("../../examples/robots/ur3e.json")),
     ("ur5e", include_str!("../../examples/robots/ur5e.json")),
     ("ur10e", include_str!("../../examples/robots/ur10e.json")),
+    ("lwr4", include_str!("../../examples/robots/lwr4.json")),
+    ("panda", include_str!("../../examples/robots/panda.json")),
+    ("tx40", include_str!("../../examples/robots/tx40.json")),
+    ("puma560", include_str!("../../examples/robots/puma560.json")),
     ("gen3", include_str!("../../examples/robots/gen3.json")),
     ("scara", include_str!("../../examples/robots/scara.json")),
     ("planar_two_link", include_str!("../../examples/robots/planar_two_link.json")),

@@ -14,12 +14,13 @@ mod link_tree;
 mod mjcf;
 mod notes;
 mod robot;
+mod shape;
 mod urdf;
 mod words;
 mod xml;
 
 pub use angles::Rounding;
-pub use capsule::Capsule;
+pub use capsule::{Ball, Capsule};
 pub use error::{FieldProblem, ModelError};
 pub use input_limits::{INPUT_LIMITS, InputLimits};
 pub use joint::{Axis, Joint, JointKind, LinkBounds, LinkPrior, Mdh};
@@ -29,5 +30,8 @@ pub use mjcf::from_mjcf;
 pub use notes::Notes;
 pub use robot::{Friction, Robot};
 pub(crate) use urdf::INERTIA_ENTRIES;
-pub use urdf::{NewBody, UrdfRobot, body_complaint, from_urdf, from_urdf_rounded, urdf_carried, urdf_with_bodies};
+pub use urdf::{
+    LinkMesh, NewBody, UrdfRobot, body_complaint, from_urdf, from_urdf_rounded, from_urdf_shaped, urdf_carried, urdf_meshes,
+    urdf_with_bodies,
+};
 pub use words::{decimals, readable, scientific, shortest};

@@ -83,6 +83,11 @@ impl Robot {
         Self { gravity, ..self.clone() }
     }
 
+    /// For what leaves a valid robot one.
+    pub(super) fn joints_mut(&mut self) -> &mut [Joint] {
+        &mut self.joints
+    }
+
     fn problems(&self) -> Vec<FieldProblem> {
         let mut found = Vec::new();
         if !self.gravity.iter().all(|g| g.is_finite()) {

@@ -47,6 +47,8 @@ fn a_log_of_any_format_is_understood_whatever_it_is_called() {
         "joint_states.db3",
         "packed.db3.zstd",
         "packed.csv.zst",
+        "split.zip",
+        "ur_rtde_lists.csv",
     ] {
         let answer: Answer = server.post_raw(
             "/identify/preview",

@@ -26,6 +26,10 @@ fn shipped_robots_are_listed_and_have_base_parameters() {
             "ur3e",
             "ur5e",
             "ur10e",
+            "lwr4",
+            "panda",
+            "tx40",
+            "puma560",
             "gen3",
             "scara",
             "planar_two_link"

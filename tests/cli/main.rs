@@ -241,6 +241,10 @@ fn files_that_are_not_there_and_wrong_usage_exit_with_2() {
         "ur10e",
         "fr3",
         "gen3",
+        "lwr4",
+        "panda",
+        "tx40",
+        "puma560",
         "scara",
         "planar_two_link",
     ] {

@@ -106,3 +106,64 @@ fn regress_logs_with_stamps_of_other_units_are_read_or_refused() {
     let (status, text, error) = identify("logs/ns_stamps.csv.gz", &["--request", &request]);
     assert!(status == Some(0) && text.contains("nanoseconds"), "{error}");
 }
+
+/// Twelve triangles, binary.
+fn stl() -> Vec<u8> {
+    let corner = |k: usize| {
+        [0.05f32, 0.08, 0.3]
+            .map(|h| h)
+            .into_iter()
+            .enumerate()
+            .map(move |(i, h)| if k >> i & 1 == 1 { h } else { -h })
+    };
+    let faces = [
+        [0, 1, 3, 2],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 3, 7, 5],
+    ];
+    let mut bytes = vec![b' '; 80];
+    bytes.extend(12u32.to_le_bytes());
+    for [a, b, c, d] in faces {
+        for triangle in [[a, b, c], [a, c, d]] {
+            bytes.extend([0; 12]);
+            triangle
+                .into_iter()
+                .flat_map(corner)
+                .for_each(|v| bytes.extend(v.to_le_bytes()));
+            bytes.extend([0; 2]);
+        }
+    }
+    bytes
+}
+
+#[test]
+fn meshes_beside_a_urdf_file_give_its_links_a_shape() {
+    let folder = Folder::new("meshes");
+    for part in ["ws/my_arm/urdf", "ws/my_arm/meshes"] {
+        std::fs::create_dir_all(folder.file(part)).unwrap();
+    }
+    std::fs::write(folder.file("ws/my_arm/meshes/l1.stl"), stl()).unwrap();
+    let mesh = |file: &str| format!(r#"<collision><geometry><mesh filename="{file}"/></geometry></collision>"#);
+    let text = format!(
+        r#"<robot name="m"><link name="l0"/><link name="l1">{}</link><link name="l2">{}</link><link name="l3">{}</link>
+        <joint name="j1" type="continuous"><parent link="l0"/><child link="l1"/><axis xyz="0 0 1"/></joint>
+        <joint name="j2" type="continuous"><origin xyz="0 0 0.3"/><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/></joint>
+        <joint name="j3" type="continuous"><origin xyz="0 0 0.3"/><parent link="l2"/><child link="l3"/><axis xyz="0 1 0"/></joint></robot>"#,
+        mesh("package://my_arm/meshes/l1.stl"),
+        mesh("../meshes/l1.stl"),
+        mesh("package://my_arm/meshes/missing.stl"),
+    );
+    let robot = folder.write("ws/my_arm/urdf/arm.urdf", &text);
+    let output = run(&["--json", "robot", &robot]);
+    let report: Value = serde_json::from_str(&stdout(&output)).unwrap_or_else(|_| panic!("{}", stderr(&output)));
+    let capsules: Vec<u64> = report["joints"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|j| j["capsules"].as_u64().unwrap())
+        .collect();
+    assert_eq!(capsules, [1, 1, 0], "{report}");
+}

@@ -92,18 +92,66 @@ def mjcf(path, about, states):
     return np.array(out)
 
 
-def python(path, about, states):
+def loaded_python(path):
     spec = importlib.util.spec_from_file_location("model", path)
     model = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(model)
+    return model
+
+
+def python(path, about, states):
+    model = loaded_python(path)
     assert model.JOINTS == about["joints"]
     return functions(model.inverse_dynamics, model.gravity, model.mass_matrix, about, states)
 
 
-def c(path, about, states):
+INTERVAL = 2e-3
+
+
+def python_predict(path, about, states):
+    return np.array(loaded_python(path).predict(*zip(*states), INTERVAL))
+
+
+def python_step(path, about, states):
+    stepper = loaded_python(path).Stepper(INTERVAL)
+    return np.array([stepper.step(*s) for s in states])
+
+
+def c_predict(path, about, states):
+    loaded, n = loaded_c(path), len(about["joints"])
+    tau = np.empty((len(states), n))
+    q, qd, qdd = (np.ascontiguousarray(v) for v in zip(*states))
+    pointers = [v.ctypes.data_as(ctypes.c_void_p) for v in (q, qd, qdd, tau)]
+    predict = getattr(loaded, f"{about['prefix']}_predict")
+    assert predict(ctypes.c_long(len(states)), ctypes.c_double(INTERVAL), *pointers) == 0
+    assert predict(ctypes.c_long(0), ctypes.c_double(INTERVAL), *pointers) == 1
+    assert predict(ctypes.c_long(len(states)), ctypes.c_double(float("nan")), *pointers) == 1
+    return tau
+
+
+def c_step(path, about, states):
+    loaded, prefix, n = loaded_c(path), about["prefix"], len(about["joints"])
+    size = getattr(loaded, f"{prefix}_state_size")
+    size.restype = ctypes.c_size_t
+    state = ctypes.create_string_buffer(size())
+    assert getattr(loaded, f"{prefix}_reset")(state, ctypes.c_double(1e-4)) == 1, "faster than the state has room for"
+    assert getattr(loaded, f"{prefix}_reset")(state, ctypes.c_double(INTERVAL)) == 0
+    out, array = [], lambda values: (ctypes.c_double * n)(*values)
+    for s in states:
+        tau = array([0.0] * n)
+        getattr(loaded, f"{prefix}_step")(state, *(array(v) for v in s), tau)
+        out.append(list(tau))
+    return np.array(out)
+
+
+def loaded_c(path):
     library = path.with_suffix(".so")
     subprocess.run(["gcc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-shared", "-fPIC", "-o", library, path, "-lm"], check=True)
-    loaded = ctypes.CDLL(str(library))
+    return ctypes.CDLL(str(library))
+
+
+def c(path, about, states):
+    loaded = loaded_c(path)
     n, prefix = len(about["joints"]), about["prefix"]
     array = lambda values: (ctypes.c_double * len(values))(*values)
 
@@ -130,7 +178,8 @@ def functions(inverse_dynamics, gravity, mass_matrix, about, states):
     return np.array([inverse_dynamics(*s) for s in states])
 
 
-READERS = {"urdf": (urdf, "urdf"), "patched_urdf": (urdf, "patched.urdf"), "sdf": (sdf, "sdf"), "mjcf": (mjcf, "xml"), "c": (c, "c"), "python": (python, "py")}
+READERS = {"urdf": (urdf, "urdf"), "patched_urdf": (urdf, "patched.urdf"), "sdf": (sdf, "sdf"), "mjcf": (mjcf, "xml"), "c": (c, "c"), "python": (python, "py"),
+    "c_predict": (c_predict, "c"), "c_step": (c_step, "c"), "python_predict": (python_predict, "py"), "python_step": (python_step, "py")}
 result = {}
 for folder in sorted(p for p in Path(sys.argv[1]).iterdir() if p.is_dir()):
     about = json.loads((folder / "states.json").read_text())
@@ -139,5 +188,5 @@ for folder in sorted(p for p in Path(sys.argv[1]).iterdir() if p.is_dir()):
         read, ending = READERS[name]
         found = read(folder / f"model.{ending}", about, states)
         difference = np.abs(found - np.array(expected))
-        result.setdefault(folder.name, {})[name] = {"max": difference.max(0).tolist(), "rms": np.sqrt((difference**2).mean(0)).tolist(), "size": float(np.abs(expected).max())}
+        result.setdefault(folder.name, {})[name] = {"max": difference.max(0).tolist(), "rms": np.sqrt((difference**2).mean(0)).tolist(), "later": float(difference[100:-100].max(initial=0.0)), "size": float(np.abs(expected).max())}
 print(json.dumps(result))

@@ -172,7 +172,69 @@ def packed():
         out.write((OUT / 'pandas.parquet').read_bytes())
 
 
+def generic():
+    """Messages of other kinds: one of one's own with messages within it, a force sensor at another rate, a scanner whose arrays change their length."""
+    from rosbags.typesys import get_types_from_msg
+    import zipfile
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    own = 'std_msgs/Header header\nuint8 mode\nfloat64[2] positions\nmy_msgs/Motor[] motors\nint32 MODE_RUN=1\n'
+    store.register(get_types_from_msg(own, 'my_msgs/msg/ArmState') | get_types_from_msg('string name\nbool on\nfloat32 temperature\nfloat64 torque\n', 'my_msgs/msg/Motor'))
+    types = store.types
+    Header, Time = types['std_msgs/msg/Header'], types['builtin_interfaces/msg/Time']
+    Vector, Wrench, Stamped = (types[f'geometry_msgs/msg/{n}'] for n in ('Vector3', 'Wrench', 'WrenchStamped'))
+    Scan = types['sensor_msgs/msg/LaserScan']
+    header = lambda ns: Header(stamp=Time(sec=int(ns // 10**9), nanosec=int(ns % 10**9)), frame_id='b')
+
+    def messages():
+        for i in range(N):
+            motors = [types['my_msgs/msg/Motor'](name='m' * (j + i % 3), on=True, temperature=20.5 + j, torque=float(tau[i, j])) for j in range(2)]
+            yield '/arm/state', NS[i] + 300_000, types['my_msgs/msg/ArmState'](header=header(NS[i]), mode=1, positions=q[i], motors=motors)
+            if i % 2 == 0:
+                ns = NS[i] + 1_000_000
+                yield '/wrench', ns, Stamped(header=header(ns), wrench=Wrench(force=Vector(x=0.5 * i, y=-1.0, z=2.0), torque=Vector(x=0.0, y=0.25, z=float(i))))
+            if i % 20 == 0:
+                angles = dict(angle_min=0.0, angle_max=1.0, angle_increment=0.1, time_increment=0.0, scan_time=0.1, range_min=0.0, range_max=9.0)
+                yield '/scan', NS[i], Scan(header=header(NS[i]), ranges=np.ones(3 + i // 20, np.float32), intensities=np.ones(0, np.float32), **angles)
+
+    for name, plugin in [('generic.mcap', StoragePlugin.MCAP), ('generic.db3', StoragePlugin.SQLITE3)]:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / 'bag'
+            with Writer(path, version=9, storage_plugin=plugin) as writer:
+                connections = {}
+                for topic, ns, message in messages():
+                    if topic not in connections:
+                        connections[topic] = writer.add_connection(topic, message.__msgtype__, typestore=store)
+                    writer.write(connections[topic], int(ns), store.serialize_cdr(message, message.__msgtype__))
+            stored = next(p for p in path.iterdir() if p.suffix != '.yaml')
+            shutil.copy(stored, OUT / name)
+            with zipfile.ZipFile(OUT / f'{stored.suffix[1:]}_folder.zip', 'w', zipfile.ZIP_DEFLATED) as archive:
+                for part in sorted(path.iterdir()):
+                    archive.write(part, f'bag/{part.name}')
+    # Two files of one recording, as rosbag2 splits them.
+    with zipfile.ZipFile(OUT / 'split.zip', 'w', zipfile.ZIP_DEFLATED) as archive:
+        for part in range(2):
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / 'bag'
+                with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+                    connection = writer.add_connection('/joint_states', 'sensor_msgs/msg/JointState', typestore=store)
+                    for i in range(100 * part, 100 * part + 100):
+                        message = types['sensor_msgs/msg/JointState'](header=header(NS[i]), name=JOINTS, position=q[i], velocity=qd[i], effort=tau[i])
+                        writer.write(connection, int(NS[i]), store.serialize_cdr(message, message.__msgtype__))
+                archive.write(next(path.glob('*.mcap')), f'bag/bag_{part}.mcap')
+
+
+def lists():
+    """Arrays in one field, as pandas writes lists and NumPy prints arrays."""
+    as_list = lambda row: '"[' + ', '.join(repr(float(v)) for v in row) + ']"'
+    as_array = lambda row: '[' + ' '.join(repr(float(v)) for v in row) + ']'
+    for name, of in [('ur_rtde_lists.csv', as_list), ('ur_rtde_arrays.csv', as_array)]:
+        rows = [f'{float(t[i])!r},{of(0 * q[i])},{of(q[i])},{of(qd[i])},{of(tau[i])}' for i in range(N)]
+        (OUT / name).write_text('timestamp,target_q,actual_q,actual_qd,actual_current_as_torque\n' + '\n'.join(rows) + '\n')
+    columns = [('timestamp', t)] + [(f'{name}[{j}]', a[:, j]) for name, a in [('target_q', 0 * q), ('actual_q', q), ('actual_qd', qd), ('actual_current_as_torque', tau)] for j in range(2)]
+    (OUT / 'ur_rtde_brackets.csv').write_text(text([n for n, _ in columns], [[float(v) for v in c] for _, c in columns]))
+
+
 OUT.mkdir(parents=True, exist_ok=True)
 (OUT / 'expected.csv').write_text(text(HEAD, TABLE.T.tolist()))
-for part in [numpy_files, tables, matlab, bags, json_messages, programs, packed]:
+for part in [numpy_files, tables, matlab, bags, json_messages, programs, packed, generic, lists]:
     part()

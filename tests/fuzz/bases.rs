@@ -78,8 +78,9 @@ fn placed() -> Value {
 
 const URDF: &str = r#"<robot name="two">
 <link name="base"/>
-<link name="l1"><inertial><origin xyz="0 0 0.2" rpy="0 0 0"/><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="l2"><inertial><origin xyz="0.2 0 0"/><mass value="1"/><inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+<link name="l1"><inertial><origin xyz="0 0 0.2" rpy="0 0 0"/><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><origin xyz="0 0 0.2" rpy="0 0.1 0"/><geometry><box size="0.1 0.1 0.4"/></geometry></collision><collision><geometry><sphere radius="0.08"/></geometry></collision></link>
+<link name="l2"><collision><origin xyz="0.2 0 0"/><geometry><cylinder length="0.4" radius="0.05"/></geometry></collision><inertial><origin xyz="0.2 0 0"/><mass value="1"/><inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
 <visual><geometry><mesh filename="package://x/y.stl"/></geometry></visual></link>
 <link name="tool"><inertial><origin xyz="0 0 0.1"/><mass value="0.5"/><inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="j1" type="revolute"><origin xyz="0 0 0.1"/><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="2" effort="50"/><dynamics damping="0.1" friction="0.2"/></joint>
@@ -97,7 +98,8 @@ fn robots() -> Vec<Document> {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/iiwa14.urdf");
     let iiwa = std::fs::read_to_string(example).expect("the shipped robot is there");
     let with_tip = json!({"urdf": GRIPPER, "tip": "f1", "gravity": [0, 0, -9.81], "friction": ["viscous"], "source": "x"});
-    let mut all: Vec<Document> = [planar(), scara(), placed(), with_tip]
+    let shaped = json!({"urdf": GRIPPER, "tip": "l1", "geometry": {"l1": [{"from": [0, 0, 0], "to": [0, 0, 0.2], "radius": 0.05}], "f1": []}});
+    let mut all: Vec<Document> = [planar(), scara(), placed(), with_tip, shaped]
         .iter()
         .map(|v| Document::Json(Node::of(v)))
         .collect();

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Files to begin with: every format, and of each the variant whose inside is not hidden by compression where there is one.
-const BASES: [&str; 16] = [
+const BASES: [&str; 27] = [
     "savez.npz",
     "transposed.npz",
     "stamps.npz",
@@ -26,6 +26,17 @@ const BASES: [&str; 16] = [
     "packed.parquet.gz",
     "savetxt.txt",
     "kuka_fri.csv",
+    "kuka_sunrise.log",
+    "ur_rtde.csv",
+    "ur_rtde_lists.csv",
+    "ur_rtde_arrays.csv",
+    "kuka_fri.csv in UTF-16",
+    "milliseconds.mat",
+    "packed.db3.zstd",
+    "generic.mcap",
+    "generic.db3",
+    "db3_folder.zip",
+    "split.zip",
 ];
 /// Inputs of each: some seconds.
 const INPUTS: u64 = 60;
@@ -36,21 +47,33 @@ pub fn trials() -> Vec<Trial> {
 }
 
 fn file(name: &str) -> Vec<u8> {
+    if let Some(plain) = name.strip_suffix(" in UTF-16") {
+        let text = String::from_utf8(file(plain)).expect("it is text");
+        return format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    }
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/data/logs/formats")
         .join(name);
     std::fs::read(path).expect("the recording is there")
 }
 
-/// The planar arm, with joints as the recordings call them.
-fn request() -> Value {
+/// The planar arm, with joints as the recordings call them, and the columns of recordings that have none known by name.
+fn request(name: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/planar_two_link.json");
     let mut robot: Value =
         serde_json::from_str(&std::fs::read_to_string(path).expect("the shipped robot is there")).expect("it is JSON");
     for (j, name) in ["shoulder", "elbow"].into_iter().enumerate() {
         robot["joints"][j]["name"] = json!(name);
     }
-    json!({"robot": robot})
+    let mut request = json!({"robot": robot});
+    if ["generic.mcap", "generic.db3", "db3_folder.zip"].contains(&name) {
+        let of = |pattern: &str| [0, 1].map(|j| pattern.replace('N', &j.to_string()));
+        request["columns"] = json!({
+            "position": {"headers": of("/arm/state/positions[N]")},
+            "torque": {"headers": of("/arm/state/motors[N]/torque")},
+        });
+    }
+    request
 }
 
 /// Numbers that sizes and counts are replaced by: none, the ends of the types, and just beyond what there is.
@@ -99,7 +122,7 @@ fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice, other: &[u8]) {
 }
 
 fn mutated(name: &str) -> Result<(), Failed> {
-    let (whole, request) = (file(name), request().to_string());
+    let (whole, request) = (file(name), request(name).to_string());
     let folder = std::env::temp_dir().join(format!("dynident-recordings-{}-{name}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
     let mut runner = Runner::new();

@@ -80,6 +80,10 @@ fn val_files_of_other_libraries_are_read_to_the_last_digit_without_a_mapping() {
         ("packed.csv.zst", true),
         ("packed.parquet.gz", true),
         ("utf16.csv", true),
+        ("ur_rtde_lists.csv", true),
+        ("ur_rtde_arrays.csv", true),
+        ("ur_rtde_brackets.csv", true),
+        ("split.zip", true),
     ] {
         let read = read(name, &Columns::default()).unwrap_or_else(|e| panic!("{e}"));
         assert_is_expected(name, &read, has_velocities);
@@ -164,6 +168,48 @@ fn val_arrays_without_names_are_mapped_by_their_numbers() {
     assert_is_expected("arrays.mcap", &read("arrays.mcap", &columns).unwrap(), false);
     let error = read("arrays.mcap", &Columns::default()).unwrap_err().to_string();
     assert!(error.contains("`/arm/data[3]`"), "{error}");
+}
+
+/// A message of one's own with messages in an array within it; names of the motors change their length, so that numbers move about in the message.
+#[test]
+fn val_messages_of_any_kind_are_read_by_their_definition() {
+    let columns = Columns {
+        position: headers(&["/arm/state/positions[0]", "/arm/state/positions[1]"]),
+        torque: headers(&["/arm/state/motors[0]/torque", "/arm/state/motors[1]/torque"]),
+        ..Columns::default()
+    };
+    for name in ["generic.mcap", "generic.db3", "mcap_folder.zip", "db3_folder.zip"] {
+        assert_is_expected(name, &read(name, &columns).unwrap_or_else(|e| panic!("{name}: {e}")), false);
+        let seen = log_overview(&folder().join(name), name).unwrap();
+        let named = |wanted: &str| {
+            seen.columns
+                .iter()
+                .find(|c| c.name == wanted)
+                .unwrap_or_else(|| panic!("{name} has no {wanted}"))
+        };
+        assert_eq!(
+            named("/wrench/wrench/force/x").first[..3],
+            [0.0, 1.0, 2.0].map(Some),
+            "{name}"
+        );
+        assert_eq!(named("/arm/state/motors[1]/temperature").first[0], Some(21.5), "{name}");
+        assert_eq!(named("/arm/state/motors[0]/on").first[0], Some(1.0), "{name}");
+        assert!(
+            !seen.columns.iter().any(|c| c.name.starts_with("/scan")),
+            "{name}: arrays that change are no series"
+        );
+    }
+    // Another topic, at half the rate: linear between its messages.
+    let columns = Columns {
+        torque: headers(&["/wrench/wrench/force/x", "/wrench/wrench/torque/z"]),
+        ..columns
+    };
+    let (log, _) = read("generic.mcap", &columns).unwrap();
+    let steps: Vec<f64> = log.tau[1].windows(2).map(|w| w[1] - w[0]).collect();
+    assert!(
+        log.tau[1].len() > 190 && steps.iter().all(|s| (s - 1.0).abs() < 1e-3),
+        "{steps:?}"
+    );
 }
 
 #[test]

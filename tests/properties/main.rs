@@ -7,6 +7,7 @@ mod dynamics;
 mod excitation;
 mod robot_files;
 mod robots;
+mod shapes;
 mod space;
 mod trajectory;
 mod trajectory_files;

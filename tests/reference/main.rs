@@ -5,3 +5,4 @@ mod support;
 
 mod dynamics;
 mod model_files;
+mod robots;

@@ -3,7 +3,7 @@
 use crate::support::{general_arm, rng, structured_arm, uniform};
 use dynident::dynamics::{Motion, inverse_dynamics};
 use dynident::effects::by_code;
-use dynident::io::{FinalModel, ModelFormat, Patched};
+use dynident::io::{FinalModel, ModelFormat, NamedRobots, Patched, shipped::Shipped};
 use dynident::model::{ChainEnds, Joint, LinkPrior, Robot, Rounding, from_mjcf, from_urdf, from_urdf_rounded};
 use dynident::parameters::Layout;
 use dynident::regression::{AugmentedModel, Stretch, Term};
@@ -107,13 +107,20 @@ fn of_source() -> Vec<Term> {
     ]
 }
 
-/// Effects that no file but the JSON model holds: they depend on other samples.
-fn of_none() -> Vec<Term> {
+/// Effects that depend on other samples: source code holds them in functions with memory, other formats not at all.
+fn of_memory() -> Vec<Term> {
     vec![
         term("presliding_hysteresis", 0, &[0], &[0.7], &[0.05]),
+        term("presliding_hysteresis", 0, &[2], &[0.4], &[0.02]),
         term("joint_elasticity", 0, &[1], &[], &[1e-4]),
-        term("torque_delay", 0, &[], &[], &[0.004]),
+        term("joint_elasticity", 0, &[2], &[], &[3e-4]),
+        term("torque_delay", 0, &[], &[], &[0.0043]),
     ]
+}
+
+/// Effects that no file but the JSON model holds: a torque that is earlier than the motion asks for samples to come.
+fn of_none() -> Vec<Term> {
+    vec![term("torque_delay", 0, &[], &[], &[-0.004])]
 }
 
 fn augmented(robot: &Robot, terms: &[Term]) -> AugmentedModel {
@@ -220,7 +227,11 @@ fn cases() -> Vec<(String, Case)> {
             (ModelFormat::Python, everything.clone()),
         ];
         let mut terms = everything;
-        terms.extend(if seed < 2 { Vec::new() } else { of_none() });
+        terms.extend(if seed < 2 {
+            Vec::new()
+        } else {
+            [of_memory(), of_none()].concat()
+        });
         all.push((
             format!("effects-{seed}"),
             Case {
@@ -251,6 +262,50 @@ fn cases() -> Vec<(String, Case)> {
     all
 }
 
+/// Whether MuJoCo takes it: the published parameters of some links are no bodies.
+fn is_body(prior: &LinkPrior) -> bool {
+    let moments = prior.inertia.inertia.symmetric_eigenvalues();
+    prior.inertia.mass > 0.0 && moments.min() > 0.0 && moments.sum() > 2.0 * moments.max()
+}
+
+/// Every robot that comes with the program, with its own bodies where they are published, and all effects that a format holds.
+fn shipped_cases() -> Vec<(String, Case)> {
+    let case = |name: String| {
+        let read = Shipped.named(&name).unwrap().robot;
+        let n = read.joint_count();
+        let mut rng = rng(700 + n as u64);
+        let bodies = with_bodies(&read, &mut rng);
+        let own = read.joints().iter().zip(bodies.joints()).map(|(own, other)| Joint {
+            prior: own.prior.filter(is_body).or(other.prior),
+            ..own.clone()
+        });
+        // Names of robots are parts of the names in C.
+        let robot = Robot::new(format!("shipped_{name}"), read.gravity(), own.collect(), read.friction()).unwrap();
+        let there = |list: Vec<Term>| -> Vec<Term> { list.into_iter().filter(|t| t.joints.iter().all(|j| *j < n)).collect() };
+        let (geometry, springs, mujoco) = (
+            there(geometry()),
+            there(springs()),
+            if n > 2 { there(of_mujoco(&robot)) } else { Vec::new() },
+        );
+        let everything = [geometry.clone(), springs.clone(), mujoco.clone(), there(of_source())].concat();
+        let case = Case {
+            motion: states(&mut rng, n),
+            held: vec![
+                (ModelFormat::Urdf, geometry.clone()),
+                (ModelFormat::Sdf, [geometry.clone(), springs.clone()].concat()),
+                (ModelFormat::Mjcf, [geometry, springs, mujoco].concat()),
+                (ModelFormat::C, everything.clone()),
+                (ModelFormat::Python, everything.clone()),
+            ],
+            robot,
+            terms: everything,
+            linear: true,
+        };
+        (format!("shipped-{name}"), case)
+    };
+    Shipped.names().into_iter().map(case).collect()
+}
+
 /// The differences that the script finds, by folder and format.
 fn checked(place: &Path) -> Value {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -276,7 +331,8 @@ fn largest(of_format: &Value) -> f64 {
 
 #[test]
 fn val_pinocchio_mujoco_gcc_and_python_agree_with_our_torques() {
-    let all = cases();
+    let mut all = cases();
+    all.extend(shipped_cases());
     for (name, case) in &all {
         case.write(name);
     }
@@ -284,6 +340,9 @@ fn val_pinocchio_mujoco_gcc_and_python_agree_with_our_torques() {
     patched
         .0
         .write_states(&patched.1, &json!({"patched_urdf": patched.0.expected(&[])}));
+    for (name, case) in memory_cases() {
+        case.write_memory(&name);
+    }
     let slow = slow_case();
     let place = slow.write("slow");
     let found = checked(place.parent().unwrap());
@@ -300,7 +359,146 @@ fn val_pinocchio_mujoco_gcc_and_python_agree_with_our_torques() {
         "{of_patched}"
     );
     assert_figures(&slow, &found["slow"]["mjcf"]);
+    for (name, case) in memory_cases() {
+        assert_memory(&name, &case, &found[&name]);
+    }
     drop(std::fs::remove_dir_all(place.parent().unwrap()));
+}
+
+/// Time between the samples of a motion with memory (s).
+const INTERVAL: f64 = 2e-3;
+
+/// A motion that begins at rest, turns back often, and does not repeat: two harmonics per joint, the second at most 1 Hz.
+fn course(rng: &mut ChaCha8Rng, joints: usize) -> Motion {
+    let shapes: Vec<[f64; 4]> = (0..joints)
+        .map(|_| {
+            [
+                rng.random_range(0.2..0.6),
+                rng.random_range(1.5..3.0),
+                uniform(rng, 0.1),
+                rng.random_range(4.0..6.0),
+            ]
+        })
+        .collect();
+    Motion::from_fn(joints, 500, |j, s| {
+        let t = s as f64 * INTERVAL;
+        let [a, w, b, v] = shapes[j];
+        let (aw, bv) = ((w * t).sin_cos(), (v * t).sin_cos());
+        [
+            a * (1.0 - aw.1) + b * (1.0 - bv.1),
+            a * w * aw.0 + b * v * bv.0,
+            a * w * w * aw.1 + b * v * v * bv.1,
+        ]
+    })
+}
+
+/// Each effect with memory alone, those that do not upset each other together, elasticity and delay in both orders, and all others beside them. Where a delay
+/// interpolates between bent states, the ends of a motion are nothing that hysteresis could start from.
+fn memory_cases() -> Vec<(String, Case)> {
+    let all = of_memory();
+    let (hysteresis, elasticity, delay) = (&all[..2], &all[2..4], &all[4..]);
+    let mut lists: Vec<Vec<Term>> = all.iter().map(|t| vec![t.clone()]).collect();
+    lists.extend([
+        [hysteresis, elasticity].concat(),
+        [hysteresis, delay].concat(),
+        [elasticity, delay].concat(),
+        [delay, elasticity].concat(),
+        [&geometry()[..], hysteresis, elasticity, &of_source()[..]].concat(),
+    ]);
+    let case = |(i, terms): (usize, Vec<Term>)| {
+        let mut rng = rng(300 + i as u64);
+        let robot = with_bodies(&structured_arm(1, 5), &mut rng);
+        let motion = course(&mut rng, robot.joint_count());
+        let case = Case {
+            held: Vec::new(),
+            robot,
+            terms,
+            motion,
+            linear: false,
+        };
+        (format!("memory-{i}"), case)
+    };
+    lists.into_iter().enumerate().map(case).collect()
+}
+
+impl Case {
+    fn write_memory(&self, name: &str) {
+        let place = folder(name);
+        let model = FinalModel::new(self.robot.clone(), self.terms.clone());
+        let stretch = Stretch::of_motion(self.motion.clone(), INTERVAL, false);
+        let expected = rows(&augmented(&self.robot, &self.terms).predict(&stretch));
+        for format in [ModelFormat::C, ModelFormat::Python] {
+            std::fs::write(place.join(format!("model.{}", format.kind().1)), model.text(format)).unwrap();
+        }
+        let names = ["c_predict", "c_step", "python_predict", "python_step"];
+        let expected = names.into_iter().map(|n| (n.to_string(), json!(expected)));
+        self.write_states(&place, &Value::Object(expected.collect()));
+    }
+}
+
+/// Over a whole motion the files agree with our own prediction to rounding; step by step they do so too where no joint is elastic. What elasticity adds
+/// agrees to a tenth of it: the load's derivatives are those at the end of a cubic over 2r = 0.06 s instead of those in the middle of 0.12 s. At the end the
+/// second derivative lacks 0.43 (wr)^2 of itself, in the middle 0.07 (2wr)^2 the other way; loads have harmonics up to 2 Hz, twice those of the motion: 0.09. The
+/// ends are left out: at first the state knows nothing of the past, and at both the other derivatives lack half of their window.
+fn assert_memory(name: &str, case: &Case, found: &Value) {
+    let has = |code: &str| case.terms.iter().any(|t| t.effect.code() == code);
+    let elastic = has("joint_elasticity");
+    for kind in ["c_predict", "python_predict", "c_step", "python_step"] {
+        let (of, steps) = (&found[kind], kind.ends_with("step"));
+        let size = of["size"].as_f64().unwrap().max(1.0);
+        // Beside a delay, our own model takes the load of an elastic joint late twice: of 2 Hz, 0.05 of it.
+        let part = if has("torque_delay") { 0.2 } else { 0.1 };
+        let bound = if steps && elastic {
+            part * elasticity(case)
+        } else {
+            1e-9 * size
+        };
+        // At the ends a delay interpolates between bent states that do not belong together, and takes their rounding times 1/h^2.
+        let inside = steps || elastic && has("torque_delay");
+        let error = if inside { of["later"].as_f64().unwrap() } else { largest(of) };
+        assert!(
+            error <= bound,
+            "{name} by {kind}: {error:e} of {bound:e}, torques up to {size}"
+        );
+    }
+    let model = FinalModel::new(case.robot.clone(), case.terms.clone());
+    assert_eq!(model.remarks("c"), Vec::<String>::new(), "{name}: C holds all of it");
+}
+
+/// The largest torque that elasticity makes on any joint, apart from the ends of the motion.
+fn elasticity(case: &Case) -> f64 {
+    let stretch = Stretch::of_motion(case.motion.clone(), INTERVAL, false);
+    let stiff: Vec<Term> = case
+        .terms
+        .iter()
+        .filter(|t| t.effect.code() != "joint_elasticity")
+        .cloned()
+        .collect();
+    let [with, without] = [&case.terms, &stiff].map(|terms| augmented(&case.robot, terms).predict(&stretch));
+    let inside = |row: &Vec<f64>| row[100..row.len() - 100].to_vec();
+    let pairs = with.iter().flat_map(inside).zip(without.iter().flat_map(inside));
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_file_says_what_each_of_its_functions_leaves_out() {
+    let (_, case) = memory_cases().pop().unwrap();
+    let mut model = FinalModel::new(case.robot.clone(), [case.terms.clone(), of_none()].concat());
+    let stretch = Stretch::of_motion(case.motion.clone(), INTERVAL, false);
+    model.measure(&augmented(&case.robot, &model.terms), &[stretch]);
+    for name in ["c", "python"] {
+        let missing = model.missing.iter().find(|m| m.format == name).unwrap();
+        let lost: Vec<&str> = missing.effects.iter().map(|e| e.effect.as_str()).collect();
+        assert_eq!(lost, ["torque_delay"], "the one that is early");
+        let said = model.remarks(name).join("\n");
+        for words in [
+            "torque_delay on the whole robot is not in this file",
+            "inverse_dynamics alone leaves out presliding_hysteresis",
+            "N m on",
+        ] {
+            assert!(said.contains(words), "{said}");
+        }
+    }
 }
 
 /// Speeds around zero, where MuJoCo's friction is proportional to them.

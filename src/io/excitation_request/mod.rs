@@ -82,6 +82,18 @@ pub fn read_excitation_request(parsed: &Parsed, known: &dyn NamedRobots) -> Resu
     }
 }
 
+/// Limits in space need shapes of links: where nobody described any, those along the kinematics, with a note.
+fn give_shape(spec: &mut ProblemSpec) -> Option<String> {
+    let (shaped, joints) = spec.robot.with_shape();
+    spec.robot = shaped;
+    let named = joints.join(", ");
+    (!joints.is_empty()).then(|| {
+        format!(
+            "no link of the robot has a shape: capsules from joint to joint stand in for the links of {named}; give `geometry` where the arm comes close to anything"
+        )
+    })
+}
+
 fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
     let fields = cursor.fields(REQUEST_FIELDS)?;
     let model = read_design_model(&fields, known);
@@ -95,7 +107,7 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
         (None, None) if fields.nullable("model").is_some() => None,
         _ => fields.required("robot").and_then(|c| read_robot_or_name(&c, known)),
     };
-    let notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();
+    let mut notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();
     let has_robot = robot.is_some();
     let search = read_search(&fields);
     let joints = robot.as_ref().map(|r| r.robot.joint_count());
@@ -116,6 +128,9 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
         spec.criterion = Criterion::ConditionNumber;
     }
     spec.knowledge = knowledge;
+    if spec.space.is_some() {
+        notes.extend(give_shape(&mut spec));
+    }
     let problem = match Problem::new(spec) {
         Ok(problem) => problem,
         Err(e) => {

@@ -13,6 +13,7 @@ mod fields;
 mod formats;
 mod header;
 mod kind;
+mod lists;
 mod names;
 mod overview;
 mod places;

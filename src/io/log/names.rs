@@ -16,6 +16,8 @@ pub(super) struct Named {
     pub unit: Option<String>,
     /// Columns of one stream have their rows in common; a table is one stream.
     pub stream: usize,
+    /// Whether the column is of something that is not known to be about joints: where others have a quantity, it is not looked for here.
+    pub is_other: bool,
 }
 
 impl Named {
@@ -27,6 +29,7 @@ impl Named {
             stem: stem.to_string(),
             unit: unit.map(str::to_string),
             stream,
+            is_other: false,
         }
     }
 
@@ -38,6 +41,7 @@ impl Named {
             name,
             unit: None,
             stream,
+            is_other: false,
         }
     }
 
@@ -269,31 +273,35 @@ pub(super) fn known(names: &[Named], quantity: Quantity, joints: &[String], curr
         Quantity::Torque if currents => CURRENTS,
         Quantity::Torque => TORQUES,
     };
-    words.iter().find_map(|word| {
-        let members: Vec<(usize, Member)> = names
-            .iter()
-            .enumerate()
-            .filter_map(|(at, name)| Some((at, Member::of(&name.stem, joints)?)))
-            .filter(|(_, member)| member.is_of(word))
-            .collect();
-        let mut groups: Vec<(usize, &str)> = members.iter().map(|(at, m)| (names[*at].stream, m.prefix.as_str())).collect();
-        groups.sort_unstable();
-        groups.dedup();
-        let whole = |(stream, prefix): &(usize, &str)| {
-            let group: Vec<(usize, &Member)> = members
+    let find = |others: bool| {
+        words.iter().find_map(|word| {
+            let members: Vec<(usize, Member)> = names
                 .iter()
-                .filter(|(at, m)| names[*at].stream == *stream && m.prefix == *prefix)
-                .map(|(at, m)| (*at, m))
+                .enumerate()
+                .filter(|(_, name)| name.is_other == others)
+                .filter_map(|(at, name)| Some((at, Member::of(&name.stem, joints)?)))
+                .filter(|(_, member)| member.is_of(word))
                 .collect();
-            complete(&group, joints.len())
-        };
-        let found: Vec<Vec<usize>> = groups.iter().filter_map(whole).collect();
-        match found.as_slice() {
-            [one] => Some(one.clone()),
-            // Of several recordings of one quantity none can be chosen.
-            _ => None,
-        }
-    })
+            let mut groups: Vec<(usize, &str)> = members.iter().map(|(at, m)| (names[*at].stream, m.prefix.as_str())).collect();
+            groups.sort_unstable();
+            groups.dedup();
+            let whole = |(stream, prefix): &(usize, &str)| {
+                let group: Vec<(usize, &Member)> = members
+                    .iter()
+                    .filter(|(at, m)| names[*at].stream == *stream && m.prefix == *prefix)
+                    .map(|(at, m)| (*at, m))
+                    .collect();
+                complete(&group, joints.len())
+            };
+            let found: Vec<Vec<usize>> = groups.iter().filter_map(whole).collect();
+            match found.as_slice() {
+                [one] => Some(one.clone()),
+                // Of several recordings of one quantity none can be chosen.
+                _ => None,
+            }
+        })
+    };
+    find(false).or_else(|| find(true))
 }
 
 /// One column per joint: by name, or by numbers from one or from zero.

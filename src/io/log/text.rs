@@ -2,12 +2,13 @@
 
 use super::dialect::{Dialect, detect};
 use super::error::LogError;
+use super::lists::Lists;
 use super::names::Named;
 use super::places::Heading;
 use super::reader::broken;
 use super::unpack::Bytes;
 use crate::model::INPUT_LIMITS;
-use std::io::{self, BufRead, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 
 /// Longest header that is read (bytes).
 const LONGEST_HEADER: usize = INPUT_LIMITS.log_header;
@@ -26,6 +27,10 @@ pub(super) struct TextLog<'a> {
 impl<'a> TextLog<'a> {
     pub fn open(file: &str, mut bytes: Bytes<'a>) -> Result<Self, LogError> {
         let (head, broke) = head(&mut bytes);
+        if let Some(lists) = Lists::detect(&head).filter(|_| broke.is_none()) {
+            let text = lists.apart(Cursor::new(head).chain(bytes));
+            return Self::open(file, Box::new(BufReader::new(text)));
+        }
         let file = || file.to_string();
         let first_line = memchr::memchr(b'\n', &head).unwrap_or(head.len());
         if first_line > LONGEST_HEADER {

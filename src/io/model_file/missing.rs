@@ -1,5 +1,6 @@
 //! What a format does not hold, by the torque that is missing along the identification logs.
 
+use super::source_memory::is_remembered;
 use super::{FinalModel, ModelFormat};
 use crate::io::significant;
 use crate::regression::{AugmentedModel, Stretch, Term};
@@ -59,6 +60,7 @@ impl FinalModel {
         ];
         let names = formats.map(|f| (f.name(), Some(f))).into_iter().chain([(PATCHED, None)]);
         let mut alone: Vec<Option<Sizes>> = vec![None; self.terms.len()];
+        let mut memory: Option<Sizes> = None;
         let mut all: Vec<Missing> = Vec::new();
         for (name, format) in names {
             let held: Vec<bool> = self.terms.iter().map(|t| format.is_some_and(|f| f.holds(t))).collect();
@@ -70,6 +72,8 @@ impl FinalModel {
                 true => (nothing.clone(), nothing),
                 false => lost(terms),
             };
+            let source = matches!(format, Some(ModelFormat::C | ModelFormat::Python));
+            let stateless = source.then(|| self.stateless(&mut memory, &lost)).flatten();
             let effects = (0..self.terms.len()).filter(|&t| !held[t]).map(|t| {
                 let without = |skip: usize| {
                     self.terms
@@ -93,10 +97,29 @@ impl FinalModel {
                 rms,
                 max,
                 effects,
-                remarks: own_remarks(format, &own),
+                remarks: own_remarks(format, &own).into_iter().chain(stateless).collect(),
             });
         }
         self.missing = all;
+    }
+
+    /// What `inverse_dynamics` of source code leaves to `predict` and `step`, with its size; `known` keeps it.
+    fn stateless(&self, known: &mut Option<Sizes>, lost: &dyn Fn(Vec<Term>) -> Sizes) -> Option<String> {
+        let with_memory: Vec<&Term> = self.terms.iter().filter(|t| is_remembered(t)).collect();
+        if with_memory.is_empty() {
+            return None;
+        }
+        let others = || self.terms.iter().filter(|t| !is_remembered(t)).cloned().collect();
+        let (rms, max) = known.get_or_insert_with(|| lost(others()));
+        let names: Vec<String> = with_memory
+            .iter()
+            .map(|t| format!("{} on {}", t.effect.code(), place(&self.joint_names(t))))
+            .collect();
+        Some(format!(
+            "inverse_dynamics alone leaves out {}, which predict and step hold: {}",
+            names.join(", "),
+            self.figures(rms, max)
+        ))
     }
 
     pub(super) fn joint_names(&self, term: &Term) -> Vec<String> {
@@ -110,7 +133,7 @@ impl FinalModel {
         };
         let mut list: Vec<String> = missing.effects.iter().map(|e| self.remark(e)).collect();
         list.extend(missing.remarks.iter().cloned());
-        if !list.is_empty() {
+        if missing.max.iter().any(|v| *v > 0.0) {
             list.push(format!(
                 "missing in all along the identification logs: {}",
                 self.figures(&missing.rms, &missing.max)

@@ -11,6 +11,7 @@ mod sdf;
 mod source;
 mod source_c;
 mod source_effects;
+mod source_memory;
 mod table;
 mod urdf_patch;
 mod xml;

@@ -12,7 +12,8 @@ impl Source {
         let filled = BODY
             .replace("@TABLES@", &self.python_tables())
             .replace("@EFFECTS@", &torque)
-            .replace("@MASS@", &mass);
+            .replace("@MASS@", &mass)
+            .replace("@MEMORY_PART@", &self.memory.python(&self.robot_gravity));
         format!("\"\"\"{heading}\n\"\"\"\n{filled}")
     }
 

@@ -2,6 +2,7 @@
 
 use super::FinalModel;
 use super::source_effects::Statements;
+use super::source_memory::Memory;
 use crate::parameters::Layout;
 use crate::spatial::LinkInertia;
 
@@ -26,6 +27,9 @@ pub(super) struct Source {
     pub gravity: [f64; 3],
     pub joints: Vec<SourceJoint>,
     pub effects: Vec<Statements>,
+    /// Gravity without the tilt of the base: what loads of elastic joints are first computed with.
+    pub robot_gravity: [f64; 3],
+    pub memory: Memory,
 }
 
 /// A double that reads back as the same one, in C and in Python.
@@ -66,6 +70,8 @@ impl FinalModel {
             gravity: robot.gravity().into(),
             joints: robot.joints().iter().enumerate().map(joint).collect(),
             effects: self.statements(),
+            robot_gravity: self.robot.gravity().into(),
+            memory: self.memory(),
         }
     }
 }
@@ -86,7 +92,10 @@ impl Source {
             "gravity: torque that holds the arm still, without friction: inverse dynamics at rest.".into(),
             "mass_matrix: how that torque grows with the accelerations.".into(),
         ];
-        lines.extend(remarks.iter().map(|r| format!("Not in this file: {}", one_line(r))));
+        if !self.memory.is_empty() {
+            lines.extend(self.memory.heading());
+        }
+        lines.extend(remarks.iter().map(|r| format!("Note: {}", one_line(r))));
         lines
     }
 }

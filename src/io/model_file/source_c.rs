@@ -6,6 +6,13 @@ use std::fmt::Write;
 /// Newton-Euler over the tables; joint frames as Khalil and Craig place them, z along the joint.
 const BODY: &str = include_str!("templates/model.c");
 
+/// Of the functions with memory, for the top of the file.
+const DECLARATIONS: &str = " *   int @PREFIX@_predict(long count, double sample_time, const double *q, const double *qd, const double *qdd, double *tau);
+ *   size_t @PREFIX@_state_size(void);
+ *   int @PREFIX@_reset(struct @PREFIX@_state *state, double sample_time);
+ *   void @PREFIX@_step(struct @PREFIX@_state *state, const double *q, const double *qd, const double *qdd, double *tau);
+";
+
 impl Source {
     pub(super) fn c(&self, remarks: &[String]) -> String {
         let mut text = String::new();
@@ -16,10 +23,12 @@ impl Source {
         let prefix = identifier(&self.robot);
         let (torque, mass) = self.c_statements();
         let filled = BODY
-            .replace("@PREFIX@", &prefix)
             .replace("@TABLES@", &self.c_tables())
             .replace("@EFFECTS@", &torque)
-            .replace("@MASS@", &mass);
+            .replace("@MASS@", &mass)
+            .replace("@DECLARATIONS@", if self.memory.is_empty() { "" } else { DECLARATIONS })
+            .replace("@MEMORY_PART@", &self.memory.c(&self.robot_gravity))
+            .replace("@PREFIX@", &prefix);
         text + &filled
     }
 

@@ -169,7 +169,7 @@ pub(super) fn read_joint(cursor: &Cursor, index: usize, to_here: &Transform, rea
 }
 
 /// A capsule in the document's link frame, turned into the frame of the dynamics.
-fn read_capsule(cursor: &Cursor, link: &Transform) -> Option<Capsule> {
+pub(super) fn read_capsule(cursor: &Cursor, link: &Transform) -> Option<Capsule> {
     let fields = cursor.fields(CAPSULE_FIELDS)?;
     read_source(&fields);
     let end = |name: &str| fields.required(name).and_then(|c| c.vector());

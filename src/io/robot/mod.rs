@@ -4,17 +4,20 @@
 
 mod file;
 mod joint;
+mod meshes;
 
 pub use file::robot_file;
 pub use joint::{DH_FIELDS, INERTIA_FIELDS, JOINT_FIELDS, LIMIT_FIELDS, MDH_FIELDS, PLACEMENT_FIELDS, PRIOR_FIELDS};
+pub use meshes::shapes_of_meshes;
 
-use self::joint::{Reading, read_joint};
+use self::joint::{Reading, read_capsule, read_joint};
 use super::cursor::{Cursor, Fields, Findings};
 use super::json::Parsed;
-use crate::model::{ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Robot, Rounding, from_mjcf, from_urdf_rounded};
+use crate::model::{Capsule, ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Robot, Rounding, from_mjcf, from_urdf_shaped};
 use crate::spatial::Transform;
 use nalgebra::Vector3;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// A robot as read, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +46,7 @@ pub trait NamedRobots {
 /// Fields of a robot with joints.
 pub const ROBOT_FIELDS: &[&str] = &["name", "gravity", "joints", "friction", "source"];
 /// Fields of a robot given as a URDF file.
-pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "base", "tip", "source"];
+pub const URDF_FIELDS: &[&str] = &["urdf", "gravity", "friction", "base", "tip", "geometry", "source"];
 /// Fields of a robot given as an MJCF file.
 pub const MJCF_FIELDS: &[&str] = &["mjcf", "gravity", "friction", "base", "tip", "source"];
 
@@ -73,7 +76,10 @@ fn read_xml(cursor: &Cursor, kind: &str, known: &[&str], rounding: Rounding) -> 
     };
     let xml = fields.required(kind)?.string()?;
     let read = match kind {
-        "urdf" => from_urdf_rounded(xml, read_gravity(&fields), friction, ends, rounding),
+        "urdf" => {
+            let shapes = fields.nullable("geometry").map(|c| read_shapes(&c)).unwrap_or_default();
+            from_urdf_shaped(xml, read_gravity(&fields), friction, ends, rounding, &shapes)
+        }
         _ => {
             let gravity = fields.has("gravity").then(|| read_gravity(&fields));
             from_mjcf(xml, gravity, friction, ends, rounding)
@@ -92,9 +98,31 @@ fn read_xml(cursor: &Cursor, kind: &str, known: &[&str], rounding: Rounding) -> 
     }
 }
 
+/// Capsules by the names of links, in the frames of the file.
+fn read_shapes(cursor: &Cursor) -> BTreeMap<String, Vec<Capsule>> {
+    let names: Vec<&str> = cursor
+        .value()
+        .as_object()
+        .into_iter()
+        .flatten()
+        .map(|(k, _)| k.as_str())
+        .collect();
+    let Some(fields) = cursor.fields(&names) else {
+        return BTreeMap::new();
+    };
+    let capsules = |name: &&str| {
+        let items = fields
+            .optional(name)?
+            .items_up_to(INPUT_LIMITS.capsules_per_link, "capsules")?;
+        let read = items.iter().filter_map(|c| read_capsule(c, &Transform::identity())).collect();
+        Some((name.to_string(), read))
+    };
+    names.iter().filter_map(capsules).collect()
+}
+
 /// Problems of what XML states are problems of the field that holds it.
 fn in_file(at: &str, kind: &str, problem: FieldProblem) -> FieldProblem {
-    if ["/urdf", "/mjcf", "/base", "/tip", "/gravity"].contains(&problem.pointer.as_str()) {
+    if ["/urdf", "/mjcf", "/base", "/tip", "/gravity", "/geometry"].contains(&problem.pointer.as_str()) {
         return FieldProblem {
             pointer: format!("{at}{}", problem.pointer),
             ..problem

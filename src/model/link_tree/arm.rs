@@ -6,8 +6,9 @@
 
 use super::chain::Chain;
 use super::{ChainEnds, Freedom, LinkTree};
+use crate::model::capsule::few;
 use crate::model::notes::Notes;
-use crate::model::{FieldProblem, Friction, Joint, JointKind, LinkPrior, ModelError, Robot};
+use crate::model::{Capsule, FieldProblem, Friction, Joint, JointKind, LinkPrior, ModelError, Robot};
 use crate::spatial::{LinkInertia, Transform};
 use nalgebra::Vector3;
 
@@ -73,6 +74,7 @@ fn described_joints(tree: &LinkTree, chain: &Chain, is_carrier: &[bool], notes: 
                 viscous: joint.viscous,
                 coulomb: joint.coulomb,
             }),
+            geometry: lumped_shape(tree, joint.child, is_carrier, &to_here),
             description_frame: turn,
             link_name: tree.links[joint.child].name.clone(),
             ..Joint::from_placement(joint.name.clone(), kind, placement)
@@ -99,6 +101,16 @@ fn lumped_inertia(tree: &LinkTree, link: usize, is_carrier: &[bool], notes: &mut
         ));
     }
     any.then_some(total)
+}
+
+/// Capsules of `link` and of all that hangs on it, in the frame that its frame has the pose `pose` in.
+fn lumped_shape(tree: &LinkTree, link: usize, is_carrier: &[bool], pose: &Transform) -> Vec<Capsule> {
+    let parts = locked_to(tree, link, is_carrier);
+    let moved = parts.into_iter().flat_map(|(at, here)| {
+        let whole = *pose * here;
+        tree.links[at].capsules.iter().map(move |c| c.moved(&whole))
+    });
+    few(moved.collect())
 }
 
 /// `link` and all that hangs on it without being carried by a joint of the chain, with the poses in the frame of `link`.

@@ -12,10 +12,10 @@ pub(super) use arm::{arm, carried};
 
 use super::notes::some_of;
 use super::xml::single;
-use super::{Limits, ModelError, Rounding};
+use super::{Capsule, Limits, ModelError, Rounding};
 use crate::spatial::{LinkInertia, Transform};
 use nalgebra::Vector3;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Which part of a file's tree is the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -43,6 +43,8 @@ pub(super) struct TreeLink {
     pub line: usize,
     /// About the link's frame; `None` where the file says nothing.
     pub inertia: Option<LinkInertia>,
+    /// In the link's frame; empty where the file describes no shape, or by meshes alone.
+    pub capsules: Vec<Capsule>,
     /// What to know about how it was read, where it is part of the arm.
     pub notes: Vec<String>,
 }
@@ -99,6 +101,29 @@ pub(super) struct LinkTree {
 }
 
 impl LinkTree {
+    /// Gives links other shapes.
+    ///
+    /// # Errors
+    /// Links that are not in the file, all of them.
+    pub fn shape(&mut self, shapes: &BTreeMap<String, Vec<Capsule>>) -> Result<(), ModelError> {
+        let unknown: Vec<&str> = shapes.keys().map(String::as_str).filter(|l| self.link(l).is_none()).collect();
+        if !unknown.is_empty() {
+            let names: Vec<&str> = self.links.iter().map(|l| l.name.as_str()).collect();
+            let hint = format!("use the name of a link in the file: {}", some_of(&names));
+            return Err(single(
+                "/geometry",
+                format!("the file has no link {}", some_of(&unknown)),
+                hint,
+            ));
+        }
+        for (name, capsules) in shapes {
+            if let Some(at) = self.link(name) {
+                self.links[at].capsules.clone_from(capsules);
+            }
+        }
+        Ok(())
+    }
+
     /// # Errors
     /// Names used twice, links with two parents, closed loops, no joint at all.
     pub fn new(

@@ -3,10 +3,11 @@
 use super::defaults::{Attributes, Defaults};
 use super::orientation::{ORIENTATIONS, rotation};
 use super::{Compiler, named};
+use crate::model::capsule::few;
 use crate::model::link_tree::{Freedom, LinkTree, TreeJoint, TreeLink};
 use crate::model::urdf::body_complaint;
 use crate::model::xml::{XmlText, single};
-use crate::model::{Limits, ModelError};
+use crate::model::{Capsule, INPUT_LIMITS, Limits, ModelError};
 use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Document, Node};
@@ -60,6 +61,7 @@ pub(super) fn read_bodies<'a>(
                 name: "world".into(),
                 line: text.line(world),
                 inertia: None,
+                capsules: Vec::new(),
                 notes: Vec::new(),
             });
         }
@@ -148,6 +150,7 @@ impl<'a> Reading<'a> {
             name,
             line,
             inertia: Some(LinkInertia::zero()),
+            capsules: Vec::new(),
             notes: Vec::new(),
         });
         self.links.len() - 1
@@ -168,12 +171,50 @@ impl<'a> Reading<'a> {
             }
         };
         self.links.push(TreeLink {
+            capsules: self.capsules(node),
             name,
             line,
             inertia,
             notes,
         });
         Ok(self.links.len() - 1)
+    }
+
+    /// Geoms of a body that state their shape, as capsules that contain them; meshes, and what default classes state, are left out.
+    fn capsules(&self, body: Node<'a, 'a>) -> Vec<Capsule> {
+        let geoms = body.children().filter(|c| c.has_tag_name("geom"));
+        few(geoms
+            .take(INPUT_LIMITS.capsules_per_link)
+            .filter_map(|g| self.capsule(g))
+            .collect())
+    }
+
+    fn capsule(&self, geom: Node<'a, 'a>) -> Option<Capsule> {
+        let numbers = |name: &str| -> Option<Vec<f64>> {
+            let words = geom.attribute(name)?.split_whitespace().take(7);
+            words.map(|w| w.parse::<f64>().ok().filter(|v| v.is_finite())).collect()
+        };
+        let size = numbers("size").unwrap_or_default();
+        let (first, second) = (*size.first()?, size.get(1).copied().unwrap_or(0.0));
+        let up = |z: f64| Vector3::new(0.0, 0.0, z);
+        let ends = match (numbers("fromto").as_deref(), geom.attribute("type")?) {
+            (Some(&[a, b, c, d, e, f]), "capsule" | "cylinder") => {
+                return Capsule::around(&[(Vector3::new(a, b, c), first), (Vector3::new(d, e, f), first)]);
+            }
+            (None, "capsule" | "cylinder") => vec![(up(-second), first), (up(second), first)],
+            (None, "sphere") => vec![(up(0.0), first)],
+            (None, "box") => {
+                let third = *size.get(2)?;
+                let half = [first, second, third];
+                let corner = |k: usize| Vector3::from_fn(|i, _| if k >> i & 1 == 1 { half[i] } else { -half[i] });
+                (0..8).map(|k| (corner(k), 0.0)).collect()
+            }
+            _ => return None,
+        };
+        let pose = self.pose(geom).ok()?;
+        Capsule::around(&ends)
+            .map(|c| c.moved(&pose))
+            .filter(|c| Capsule::around(&c.balls()).is_some())
     }
 
     fn inertial(&self, node: Node<'a, 'a>, body: &str, notes: &mut Vec<String>) -> Result<LinkInertia, ModelError> {

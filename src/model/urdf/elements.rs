@@ -1,5 +1,6 @@
 //! `<link>` and `<joint>` of a URDF file as a tree of links.
 
+use super::collision::read_collisions;
 use super::inertial::read_inertial;
 use super::numbers::Element;
 use super::shortened;
@@ -80,6 +81,7 @@ fn read_link(text: &XmlText, node: Node) -> Result<TreeLink, ModelError> {
         None => None,
     };
     Ok(TreeLink {
+        capsules: read_collisions(node, &owner, &mut notes),
         name: name.to_string(),
         line: text.line(node),
         inertia,

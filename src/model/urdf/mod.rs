@@ -3,6 +3,7 @@
 //! The XML is read as it is in the wild: what a file states twice, in another place or not quite, is read with a note; what
 //! would change the mechanics is refused with link or joint, line and remedy.
 
+mod collision;
 mod elements;
 mod inertial;
 mod numbers;
@@ -12,10 +13,12 @@ use self::elements::read_tree;
 use super::link_tree::{ChainEnds, arm};
 use super::notes::Notes;
 use super::xml::{XmlText, single};
-use super::{Friction, ModelError, Robot, Rounding};
+use super::{Capsule, Friction, ModelError, Robot, Rounding};
 use nalgebra::Vector3;
 use roxmltree::{Document, Node};
+use std::collections::BTreeMap;
 
+pub use self::collision::{LinkMesh, urdf_meshes};
 pub(crate) use self::inertial::INERTIA_ENTRIES;
 pub use self::inertial::body_complaint;
 pub(super) use self::numbers::Element;
@@ -52,11 +55,27 @@ pub fn from_urdf_rounded(
     ends: ChainEnds,
     rounding: Rounding,
 ) -> Result<UrdfRobot, ModelError> {
+    from_urdf_shaped(xml, gravity, friction, ends, rounding, &BTreeMap::new())
+}
+
+/// [`from_urdf_rounded`] with shapes of links, in the frames of the file: they take the place of those in it.
+///
+/// # Errors
+/// As [`from_urdf`]; shapes of links that the file does not have.
+pub fn from_urdf_shaped(
+    xml: &str,
+    gravity: Vector3<f64>,
+    friction: Friction,
+    ends: ChainEnds,
+    rounding: Rounding,
+    shapes: &BTreeMap<String, Vec<Capsule>>,
+) -> Result<UrdfRobot, ModelError> {
     let mut notes = Notes::default();
     let text = XmlText::new(xml, "/urdf", &mut notes)?;
     let document = text.parse()?;
     is_urdf(&text, &document)?;
-    let tree = read_tree(&text, &document, rounding, &mut notes)?;
+    let mut tree = read_tree(&text, &document, rounding, &mut notes)?;
+    tree.shape(shapes)?;
     let robot = arm(&tree, gravity, friction, ends, &mut notes)?;
     Ok(UrdfRobot {
         robot,

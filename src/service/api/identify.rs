@@ -42,7 +42,7 @@ pub struct ValidationResult {
 
 /// Identify a robot from logs.
 ///
-/// Logs are CSV files, plain or gzip. Answers 202 with the job, whose address is in `Location`; with `Prefer: wait=N` 200 and the
+/// Logs are CSV, NPZ, MATLAB, Parquet, MCAP or rosbag2 files, plain, gzip or Zstandard. The folder of a rosbag2 recording is sent as one ZIP archive. Answers 202 with the job, whose address is in `Location`; with `Prefer: wait=N` 200 and the
 /// result if that comes within N seconds. A log that is too poor for the model is an outcome (`quality`), not an error.
 #[utoipa::path(
     post, path = "/identify", tag = "identification", operation_id = "identify",

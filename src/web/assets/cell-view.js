@@ -36,7 +36,7 @@ export class CellView {
     this.key = key;
     this.known = (async () => {
       const drawn = await postJson('/motion', { robot });
-      return { ...drawn, shape: await shapeOf(robot, drawn.joints) };
+      return drawn;
     })();
     return this.known;
   }

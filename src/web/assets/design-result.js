@@ -1,7 +1,7 @@
 // The result of a design.
 import { getJson, postJson } from './api.js';
 import { compareWith } from './compare.js';
-import { CellView, shapeOf } from './cell-view.js';
+import { CellView } from './cell-view.js';
 import { CRITERIA, title } from './criteria.js';
 import { courses } from './design-live.js';
 import { fourierSeries } from './expression.js';
@@ -36,7 +36,7 @@ export async function showDesign(target, result) {
   const drawn = await postJson('/motion', { robot: result.request.robot, trajectory, samples: 1001 });
   const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
   const space = result.request.constraints?.space;
-  const shape = space ? await shapeOf(result.request.robot, drawn.joints) : [];
+  const shape = space ? drawn.shape : [];
   const played = player(drawn, space, { shape, clearances: result.clearances ?? [], meshes: meshesOf(result.request.robot, drawn) });
   // What was asked for comes first.
   const present = [evidence(result), summary(result), notes(result), criteria(result), motionPlots(drawn), played, margins(result), clearances(result, played), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);

@@ -91,18 +91,18 @@ function showCell({ robot, constraints: { space: placed, start_position: start }
   if (wanted) cell.show(robot, placed, start);
 }
 
-/** A robot whose links have a shape avoids itself, unless somebody says otherwise; for one without, where to give it a shape. */
+/** A robot whose links have a shape of their own avoids itself, unless somebody says otherwise; for one without, where to give it a shape. */
 let selfTouched = false;
 let floorTouched = false;
 async function avoidSelf(fresh) {
   const robot = value('robot');
-  const { shape } = await cell.load(robot);
+  const { shape, shape_guessed: guessed } = await cell.load(robot);
   if (robot !== value('robot')) return;
   const links = new Set(shape.map((capsule) => capsule.joint)).size;
   const box = find('#self-collision');
-  if (fresh && !selfTouched) box.checked = links > 1;
-  if (fresh && !floorTouched) await placeFloor(links > 0);
-  fill(find('#self-help'), links > 1 ? null : h('span', {}, 'The description of this robot has no shape to check. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules, or let them be suggested there.'));
+  if (fresh && !selfTouched) box.checked = links > 1 && !guessed;
+  if (fresh && !floorTouched) await placeFloor(links > 0 && !guessed);
+  fill(find('#self-help'), links > 1 && !guessed ? null : h('span', {}, 'The description of this robot has no shape: capsules from joint to joint stand in for its links. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules of the real links where it comes close to anything.'));
   explainForm();
 }
 

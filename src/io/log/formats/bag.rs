@@ -17,6 +17,11 @@ const ONE_CLOCK: u64 = 1_000_000_000;
 /// Values are interpolated over no more than so many of the usual steps of their stream; farther apart there are none.
 const WIDEST_STEP: f64 = 5.0;
 
+/// Numbers that messages of other kinds may have together: a quarter of what is read at most.
+const MOST_GENERIC: usize = MOST_NUMBERS / 4;
+/// Forms that the messages of one such topic may have: arrays that change their lengths all the time are no series.
+const MOST_FORMS: usize = 3;
+
 /// What a message has of every joint.
 const QUANTITIES: [&str; 3] = ["position", "velocity", "effort"];
 
@@ -31,6 +36,8 @@ struct Stream {
     stamp_ns: Vec<i64>,
     /// Whether every message had a stamp.
     is_stamped: bool,
+    /// Whether the messages are of a kind that is not known to be about joints.
+    is_generic: bool,
     /// Message by message; empty where no message had any. Without joints the first has the numbers.
     values: [Vec<f64>; 3],
 }
@@ -42,6 +49,9 @@ pub(super) struct Recording {
     by_key: HashMap<(String, Vec<String>), usize>,
     last: usize,
     numbers_left: usize,
+    /// Numbers that messages of other kinds may have together, and messages.
+    generic_left: usize,
+    generic_messages: usize,
     /// Topics that are not read, with the type of their messages.
     unread: BTreeMap<String, String>,
     /// Messages that could not be read, and what was wrong with the first.
@@ -58,6 +68,8 @@ impl Recording {
             by_key: HashMap::new(),
             last: 0,
             numbers_left: MOST_NUMBERS,
+            generic_left: MOST_GENERIC,
+            generic_messages: 0,
             unread: BTreeMap::new(),
             broken: 0,
             first_broken: None,
@@ -70,6 +82,52 @@ impl Recording {
             let short = |text: &str| text.chars().take(100).collect();
             self.unread.insert(short(topic), short(kind));
         }
+    }
+
+    /// Takes a message of a kind that is not known to be about joints. Such topics give way: one that cannot be read, changes its fields, or is larger
+    /// than what is left for all of them, is left out with its type.
+    pub fn take_generic(
+        &mut self,
+        topic: &str,
+        kind: &str,
+        log_ns: i64,
+        message: impl FnOnce() -> Result<Sample, String>,
+    ) -> Result<(), LogError> {
+        if self.unread.contains_key(topic) {
+            return Ok(());
+        }
+        self.generic_messages += 1;
+        let sample = message().ok().filter(|s| !s.data.is_empty());
+        let room = sample.as_ref().and_then(|s| self.generic_left.checked_sub(s.data.len() + 2));
+        let streams = self.streams.iter().filter(|s| s.topic == topic).count();
+        let (Some(sample), Some(left)) = (sample, room) else {
+            self.drop_topic(topic, kind);
+            return Ok(());
+        };
+        let is_new = !self.by_key.contains_key(&(topic.to_string(), sample.names.clone()));
+        let others = self.streams.iter().filter(|s| s.is_generic).count();
+        if is_new && (streams >= MOST_FORMS || others >= MOST_STREAMS / 2) || self.generic_messages > INPUT_LIMITS.log_rows {
+            self.drop_topic(topic, kind);
+            return Ok(());
+        }
+        self.generic_left = left;
+        self.keep(topic, log_ns, sample, true)
+    }
+
+    /// Forgets a topic.
+    fn drop_topic(&mut self, topic: &str, kind: &str) {
+        self.unread(topic, kind);
+        for stream in self.streams.iter_mut().filter(|s| s.topic == topic && s.is_generic) {
+            self.generic_left += stream.log_ns.len() * (stream.names.len() + 2);
+            // A stream without names has no columns.
+            *stream = Stream {
+                topic: stream.topic.clone(),
+                is_generic: true,
+                ..Stream::default()
+            };
+        }
+        self.by_key.retain(|(of, _), _| of != topic);
+        self.last = usize::MAX;
     }
 
     /// Takes a message that was received at `log_ns`.
@@ -90,10 +148,21 @@ impl Recording {
                 return Ok(());
             }
         };
+        self.keep(topic, log_ns, sample, false)
+    }
+
+    fn keep(&mut self, topic: &str, log_ns: i64, sample: Sample, is_generic: bool) -> Result<(), LogError> {
         let at = self.stream(topic, &sample)?;
         let stream = &mut self.streams[at];
+        stream.is_generic = is_generic;
         let count = stream.names.len();
-        let kept = if stream.has_joints { 3 * count + 2 } else { count + 2 };
+        let kept = if is_generic {
+            0
+        } else if stream.has_joints {
+            3 * count + 2
+        } else {
+            count + 2
+        };
         self.numbers_left = match self.numbers_left.checked_sub(kept) {
             Some(left) => left,
             None => return Err(too_large(&self.file, "all topics", MOST_NUMBERS as u64)),
@@ -190,8 +259,10 @@ impl Recording {
                 .filter(|v| !v.is_empty())
                 .for_each(|v| v.resize(whole, f64::NAN));
         }
+        self.streams.retain(|s| !(s.is_generic && s.names.is_empty()));
         // The joints that a topic is mostly about have its plain name; others, such as those of a gripper, a number behind it.
-        self.streams.sort_by_key(|s| std::cmp::Reverse(s.log_ns.len()));
+        self.streams
+            .sort_by_key(|s| (s.is_generic, std::cmp::Reverse(s.log_ns.len())));
         let (mut names, mut places) = (Vec::new(), Vec::new());
         let mut seen: HashMap<String, usize> = HashMap::new();
         for (at, stream) in self.streams.iter().enumerate() {
@@ -203,7 +274,10 @@ impl Recording {
                 stream.topic.clone()
             };
             let mut add = |name: String, column: Column| {
-                names.push(Named::plain(name, at));
+                names.push(Named {
+                    is_other: stream.is_generic,
+                    ..Named::plain(name, at)
+                });
                 places.push(column);
             };
             add(format!("{topic}/log_time"), Column::LogTime);
@@ -246,7 +320,7 @@ impl Recording {
         LogError::NoSeries {
             file: self.file.clone(),
             detail: format!(
-                "{there}; sensor_msgs/msg/JointState, std_msgs/msg/Float64MultiArray and JSON are read: record /joint_states too"
+                "{there}; messages with numbers are read where the recording defines them (bags in SQLite since ROS 2 Iron): record /joint_states too"
             ),
         }
     }

@@ -8,16 +8,24 @@ use crate::model::INPUT_LIMITS;
 use mcap::McapError;
 use mcap::sans_io::linear_reader::LinearReaderOptions;
 use mcap::sans_io::message_reader::{MessageReadEvent, MessageReader};
+use std::collections::HashMap;
 use std::io::Read;
 
 /// Longest message, schema or other record that is read (bytes): a picture or a point cloud, which are skipped.
 const LONGEST_RECORD: usize = 256 << 20;
 
 pub(super) fn open(file: &str, bytes: &mut impl Read) -> Result<Bag, LogError> {
+    let mut recording = Recording::new(file);
+    read_into(file, bytes, &mut recording)?;
+    recording.finish()
+}
+
+/// The messages of one file of a recording.
+pub(super) fn read_into(file: &str, bytes: &mut impl Read, recording: &mut Recording) -> Result<(), LogError> {
     let options = LinearReaderOptions::default().with_record_length_limit(LONGEST_RECORD);
     let mut reader = MessageReader::new_with_options(options);
-    let mut recording = Recording::new(file);
     let mut raw = Limit::new();
+    let mut formats: HashMap<u16, Option<Format>> = HashMap::new();
     while let Some(event) = reader.next_event() {
         match event.map_err(|e| damaged(file, &e))? {
             MessageReadEvent::ReadRequest(size) => {
@@ -29,17 +37,25 @@ pub(super) fn open(file: &str, bytes: &mut impl Read) -> Result<Bag, LogError> {
                 raw.unpacked(message.data.len()).ok_or_else(|| bomb(file))?;
                 let channel = &message.channel;
                 let kind = channel.schema.as_ref().map_or("", |s| s.name.as_str());
-                match Format::of(kind, &channel.message_encoding) {
+                let format = formats.entry(channel.id).or_insert_with(|| {
+                    let definition = channel.schema.as_ref().map_or(&[][..], |s| &s.data[..]);
+                    Format::of(kind, &channel.message_encoding, definition)
+                });
+                match format {
                     Some(format) => {
                         let log_ns = i64::try_from(message.log_time).unwrap_or(i64::MAX);
-                        recording.take(&channel.topic, log_ns, format.read(&message.data))?;
+                        let (topic, data) = (&channel.topic, &message.data);
+                        match format.is_generic() {
+                            true => recording.take_generic(topic, kind, log_ns, || format.read(data))?,
+                            false => recording.take(topic, log_ns, format.read(data))?,
+                        }
                     }
                     None => recording.unread(&channel.topic, kind),
                 }
             }
         }
     }
-    recording.finish()
+    Ok(())
 }
 
 /// What chunks unpack to, held against what was read.

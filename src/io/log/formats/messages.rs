@@ -1,8 +1,14 @@
 //! Messages of ROS 2 and ROS 1, and JSON, as they lie in recordings.
 
+use super::definition::Definition;
+use super::generic;
 use cdr_encoding::from_bytes;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use std::sync::Arc;
+
+/// Definitions are read as far (bytes); the longest of ROS have some ten thousand.
+const LONGEST_DEFINITION: usize = 1 << 20;
 
 /// What a message says of the joints, or numbers without names.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -18,11 +24,13 @@ pub(super) struct Sample {
 }
 
 /// How the messages of a topic are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Format {
     JointState(Coding),
     Numbers(Coding),
     Json,
+    /// Any other message, by its definition.
+    Generic(Coding, Arc<Definition>),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,8 +40,9 @@ pub(super) enum Coding {
 }
 
 impl Format {
-    /// Of a topic with messages of type `kind`, encoded as `coding` says; `None` where it is not read.
-    pub fn of(kind: &str, coding: &str) -> Option<Self> {
+    /// Of a topic with messages of type `kind`, encoded as `coding` says and defined by `definition` (empty where the recording has none); `None` where
+    /// it is not read.
+    pub fn of(kind: &str, coding: &str, definition: &[u8]) -> Option<Self> {
         let coding = match coding {
             "cdr" => Coding::Cdr,
             "ros1" => Coding::Ros1,
@@ -45,19 +54,28 @@ impl Format {
                 Some(Self::JointState(coding))
             }
             "std_msgs/msg/Float64MultiArray" | "std_msgs/Float64MultiArray" => Some(Self::Numbers(coding)),
-            _ => None,
+            _ => {
+                let text = String::from_utf8_lossy(definition.get(..LONGEST_DEFINITION).unwrap_or(definition));
+                Some(Self::Generic(coding, Arc::new(Definition::read(kind, &text)?)))
+            }
         }
+    }
+
+    /// Whether the messages are of no kind that is known to hold the quantities of joints.
+    pub fn is_generic(&self) -> bool {
+        matches!(self, Self::Generic(..))
     }
 
     /// # Errors
     /// What is wrong with the message, in words.
-    pub fn read(self, data: &[u8]) -> Result<Sample, String> {
+    pub fn read(&self, data: &[u8]) -> Result<Sample, String> {
         match self {
             Self::JointState(Coding::Cdr) => Ok(cdr::<JointState>(data)?.into()),
             Self::Numbers(Coding::Cdr) => Ok(cdr::<MultiArray>(data)?.into()),
             Self::JointState(Coding::Ros1) => ros1_joint_state(data).ok_or_else(|| "is cut off".to_string()),
             Self::Numbers(Coding::Ros1) => ros1_numbers(data).ok_or_else(|| "is cut off".to_string()),
             Self::Json => json(data),
+            Self::Generic(coding, definition) => generic::read(definition, *coding, data),
         }
     }
 }
@@ -114,7 +132,7 @@ impl From<MultiArray> for Sample {
     }
 }
 
-fn stamp(sec: i64, nanosec: u32) -> i64 {
+pub(super) fn stamp(sec: i64, nanosec: u32) -> i64 {
     sec.saturating_mul(1_000_000_000).saturating_add(i64::from(nanosec))
 }
 

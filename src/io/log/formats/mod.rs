@@ -4,6 +4,10 @@
 
 mod arrays;
 mod bag;
+mod bag_folder;
+mod definition;
+mod generic;
+mod idl;
 mod matlab;
 mod mcap;
 mod messages;
@@ -22,7 +26,13 @@ use std::io::Read;
 /// Opens a file of the kind that its first bytes say.
 pub(super) fn open<'a>(file: &str, kind: Kind, mut bytes: Bytes<'a>) -> Result<Box<dyn Sheet + 'a>, LogError> {
     Ok(match kind {
-        Kind::Npz => Box::new(npz::Npz::open(file, whole(file, &mut bytes)?)?),
+        Kind::Npz => {
+            let all = whole(file, &mut bytes)?;
+            match bag_folder::open(file, &all)? {
+                Some(bag) => Box::new(bag),
+                None => Box::new(npz::Npz::open(file, all)?),
+            }
+        }
         Kind::Parquet => Box::new(parquet::Parquet::open(file, whole(file, &mut bytes)?)?),
         Kind::Matlab => Box::new(matlab::open(file, &whole(file, &mut bytes)?)?),
         Kind::Mcap => Box::new(mcap::open(file, &mut bytes)?),

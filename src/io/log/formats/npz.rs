@@ -61,7 +61,7 @@ impl Npz {
                 remedy: if of_excel {
                     "save it as CSV"
                 } else {
-                    "give the log itself, or arrays of numpy.savez"
+                    "give the log itself, arrays of numpy.savez, or the folder of a rosbag2 recording"
                 },
             });
         }

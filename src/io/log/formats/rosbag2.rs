@@ -20,6 +20,13 @@ const ZSTANDARD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 
 /// Reads the bag by way of a temporary file: SQLite reads where it wants to.
 pub(super) fn open(file: &str, bytes: &mut impl Read) -> Result<Bag, LogError> {
+    let mut recording = Recording::new(file);
+    read_into(file, bytes, &mut recording)?;
+    recording.finish()
+}
+
+/// The messages of one file of a bag.
+pub(super) fn read_into(file: &str, bytes: &mut impl Read, recording: &mut Recording) -> Result<(), LogError> {
     let io = |e: std::io::Error| broken(file, 0, &e);
     let mut copy = tempfile::NamedTempFile::new().map_err(io)?;
     let limit = INPUT_LIMITS.log_on_disk;
@@ -35,7 +42,7 @@ pub(super) fn open(file: &str, bytes: &mut impl Read) -> Result<Bag, LogError> {
                 .enable_all()
                 .build()
                 .map_err(io)?;
-            runtime.block_on(read(file, copy.path()))
+            runtime.block_on(read(file, copy.path(), recording))
         });
         reading
             .join()
@@ -43,7 +50,7 @@ pub(super) fn open(file: &str, bytes: &mut impl Read) -> Result<Bag, LogError> {
     })
 }
 
-async fn read(file: &str, path: &Path) -> Result<Bag, LogError> {
+async fn read(file: &str, path: &Path, recording: &mut Recording) -> Result<(), LogError> {
     let wrong = |e: sqlx::Error| damaged(file, e.to_string());
     let options = SqliteConnectOptions::new()
         .filename(path)
@@ -53,26 +60,40 @@ async fn read(file: &str, path: &Path) -> Result<Bag, LogError> {
         .pragma("trusted_schema", "OFF")
         .pragma("cell_size_check", "ON");
     let mut base = options.connect().await.map_err(wrong)?;
-    let mut recording = Recording::new(file);
-    let topics = topics(file, &mut base, &mut recording).await?;
+    let topics = topics(file, &mut base, recording).await?;
     let mut messages = sqlx::query("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp").fetch(&mut base);
     while let Some(row) = messages.try_next().await.map_err(wrong)? {
         let topic: i64 = row.try_get(0).map_err(wrong)?;
-        let Some((name, format)) = topics.get(&topic) else { continue };
+        let Some(Topic { name, kind, format }) = topics.get(&topic) else {
+            continue;
+        };
         let log_ns: i64 = row.try_get(1).map_err(wrong)?;
         let data: &[u8] = row.try_get(2).map_err(wrong)?;
-        recording.take(name, log_ns, unpacked(data).and_then(|data| format.read(&data)))?;
+        let message = || unpacked(data).and_then(|data| format.read(&data));
+        match format.is_generic() {
+            true => recording.take_generic(name, kind, log_ns, message)?,
+            false => recording.take(name, log_ns, message())?,
+        }
     }
-    drop(messages);
-    recording.finish()
+    Ok(())
+}
+
+struct Topic {
+    name: String,
+    kind: String,
+    format: Format,
+}
+
+/// Definitions of messages by their types; bags before ROS 2 Iron have none.
+async fn definitions(base: &mut SqliteConnection) -> HashMap<String, String> {
+    let query = sqlx::query("SELECT topic_type, encoded_message_definition FROM message_definitions LIMIT 10000");
+    let rows = query.fetch_all(&mut *base).await.unwrap_or_default();
+    let pair = |row: &sqlx::sqlite::SqliteRow| Some((row.try_get(0).ok()?, row.try_get(1).ok()?));
+    rows.iter().filter_map(pair).collect()
 }
 
 /// The topics that are read, by their numbers.
-async fn topics(
-    file: &str,
-    base: &mut SqliteConnection,
-    recording: &mut Recording,
-) -> Result<HashMap<i64, (String, Format)>, LogError> {
+async fn topics(file: &str, base: &mut SqliteConnection, recording: &mut Recording) -> Result<HashMap<i64, Topic>, LogError> {
     let wrong = |e: sqlx::Error| damaged(file, e.to_string());
     let count: i64 = sqlx::query("SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')")
         .fetch_one(&mut *base)
@@ -86,6 +107,7 @@ async fn topics(
             remedy: "give the .db3 file of a bag, or export the log as CSV",
         });
     }
+    let defined = definitions(base).await;
     let rows = sqlx::query("SELECT id, name, type, serialization_format FROM topics LIMIT 10000")
         .fetch_all(&mut *base)
         .await
@@ -95,9 +117,10 @@ async fn topics(
         let id: i64 = row.try_get(0).map_err(wrong)?;
         let text = |at: usize| row.try_get::<String, _>(at).map_err(wrong);
         let (name, kind, coding) = (text(1)?, text(2)?, text(3)?);
-        match Format::of(&kind, &coding) {
+        let definition = defined.get(&kind).map_or("", String::as_str);
+        match Format::of(&kind, &coding, definition.as_bytes()) {
             Some(format) => {
-                topics.insert(id, (name, format));
+                topics.insert(id, Topic { name, kind, format });
             }
             None => recording.unread(&name, &kind),
         }

@@ -3,7 +3,7 @@
  *   void @PREFIX@_inverse_dynamics(const double *q, const double *qd, const double *qdd, double *tau);
  *   void @PREFIX@_gravity(const double *q, double *tau);
  *   void @PREFIX@_mass_matrix(const double *q, double *m);   N x N, row by row
- */
+@DECLARATIONS@ */
 #include <math.h>
 #include <string.h>
 
@@ -123,3 +123,4 @@ void @PREFIX@_mass_matrix(const double *position, double *out)
 @MASS@    for (int k = 0; k < N; k++)
         for (int c = 0; c < N; c++) out[k * N + c] = GAIN[k] * m[k][c];
 }
+@MEMORY_PART@

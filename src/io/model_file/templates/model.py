@@ -1,4 +1,4 @@
-from math import cos, exp, fabs, pow, sin, tanh
+from math import ceil, cos, exp, fabs, floor, pow, sin, tanh
 
 @TABLES@
 
@@ -79,3 +79,4 @@ def mass_matrix(q):
     r = [[column[i] for column in columns] for i in range(N)]
     m = [list(row) for row in r]
 @MASS@    return [[g * x for x in row] for g, row in zip(GAIN, m)]
+@MEMORY_PART@

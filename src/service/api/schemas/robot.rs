@@ -53,6 +53,8 @@ pub struct UrdfRobotSchema {
     base: Option<String>,
     /// Last link of the chain, where the file has several. Joints off the chain are locked at zero.
     tip: Option<String>,
+    /// Capsules by the names of links, in the frames of the file, in the place of its `<collision>` shapes.
+    geometry: Option<std::collections::BTreeMap<String, Vec<CapsuleSchema>>>,
     #[schema(required = false)]
     source: String,
 }
