@@ -113,6 +113,7 @@ impl Service {
             fingerprint,
             files: named.chain([file.clone()]).collect(),
             input: file,
+            logs: input.logs.iter().chain(&input.validation).map(|l| l.name.clone()).collect(),
             robot,
         };
         self.enqueue(&job, key.as_ref(), access).await

@@ -48,6 +48,8 @@ pub struct JobDocument {
     pub note: Option<String>,
     /// Name of the token that asked for it.
     pub owner: Option<String>,
+    /// Names of the log files that came with it: those to identify from, then those to validate with.
+    pub logs: Vec<String>,
     /// RFC 3339, UTC.
     pub created_at: String,
     pub started_at: Option<String>,
@@ -99,6 +101,7 @@ impl JobDocument {
             name: job.name.clone(),
             note: job.note.clone(),
             owner: job.owner.clone(),
+            logs: job.logs.clone(),
             created_at: rfc3339(job.created_us),
             started_at: job.started_us.map(rfc3339),
             finished_at: job.finished_us.map(rfc3339),
@@ -149,7 +152,7 @@ const LISTED: usize = 200;
         ("kind" = Option<String>, Query, description = "`excitation`, `identification` or `validation`", pattern = "^(excitation|identification|validation)$"),
         ("state" = Option<String>, Query, description = "`queued`, `running`, `finished`, `cancelled` or `failed`",
             pattern = "^(queued|running|finished|cancelled|failed)$"),
-        ("search" = Option<String>, Query, description = "Part of the name, the note, the robot or the id, in whatever case", max_length = 200),
+        ("search" = Option<String>, Query, description = "Part of the name, the note, the robot, the id or the name of a log, in whatever case", max_length = 200),
     ),
     responses(
         (status = 200, body = JobList),

@@ -55,6 +55,7 @@ const TABLES: &[(&str, &[&str])] = &[
             "#finished_us",
             "name",
             "note",
+            "logs",
         ],
     ),
     ("job_files", &["job", "hash"]),

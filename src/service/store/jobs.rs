@@ -33,6 +33,8 @@ pub struct JobRow {
     pub note: Option<String>,
     /// Name of the token that asked for it.
     pub owner: Option<String>,
+    /// Names of its log files: those to identify from, then those to validate with.
+    pub logs: Vec<String>,
 }
 
 /// Which jobs are listed; nothing is no condition.
@@ -41,7 +43,7 @@ pub struct JobFilter {
     pub robot: Option<String>,
     pub kind: Option<Kind>,
     pub state: Option<State>,
-    /// Part of the name, the note, the robot or the id, in whatever case.
+    /// Part of the name, the note, the robot, the id or the name of a log, in whatever case.
     pub search: Option<String>,
 }
 
@@ -61,7 +63,10 @@ impl JobFilter {
         if let Some(text) = &self.search {
             let place = first + values.len();
             let like = |column: &str| format!("LOWER(COALESCE({column}, '')) LIKE ${place} ESCAPE '!'");
-            sql.push_str(&format!(" AND ({})", ["name", "note", "robot", "id"].map(like).join(" OR ")));
+            sql.push_str(&format!(
+                " AND ({})",
+                ["name", "note", "robot", "id", "logs"].map(like).join(" OR ")
+            ));
             values.push(format!("%{}%", escaped(&text.to_lowercase())));
         }
         (sql, values)
@@ -150,7 +155,7 @@ impl std::fmt::Display for JobPlace {
 }
 
 const COLUMNS: &str = "id, kind, robot, state, sequence, cancel_requested, created_us, started_us, finished_us, outcome, progress, step, \
-     error, input, result, model, name, note, (SELECT t.name FROM tokens t WHERE t.id = jobs.token) AS owner";
+     error, input, result, model, name, note, logs, (SELECT t.name FROM tokens t WHERE t.id = jobs.token) AS owner";
 
 impl JobRow {
     fn read(row: &AnyRow) -> Result<Self, Error> {
@@ -182,6 +187,7 @@ impl JobRow {
                 name: text("name")?,
                 note: text("note")?,
                 owner: text("owner")?.filter(|name| !name.is_empty()),
+                logs: text("logs")?.and_then(|t| serde_json::from_str(&t).ok()).unwrap_or_default(),
             })
         };
         read().map_err(unavailable)

@@ -38,6 +38,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (2, "found", include_str!("migrations/0002_found.sql")),
     (3, "expiry_and_names", include_str!("migrations/0003_expiry_and_names.sql")),
     (4, "children", include_str!("migrations/0004_children.sql")),
+    (5, "logs", include_str!("migrations/0005_logs.sql")),
 ];
 
 type Transaction = sqlx::Transaction<'static, sqlx::Any>;

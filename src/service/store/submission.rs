@@ -18,6 +18,8 @@ pub struct NewJob {
     pub urgency: u8,
     pub fingerprint: String,
     pub input: String,
+    /// Names of its log files.
+    pub logs: Vec<String>,
     /// All files that it needs, the input among them.
     pub files: Vec<String>,
 }
@@ -176,7 +178,7 @@ async fn known(transaction: &mut Transaction, scope: &str, key: &Key) -> Result<
 async fn insert(transaction: &mut Transaction, job: &NewJob) -> Result<(), Error> {
     sqlx::query(
         "INSERT INTO jobs (id, kind, class, robot, token, urgency, state, fingerprint, input, sequence, lease, attempts, \
-         cancel_requested, created_us) VALUES ($1, $2, $3, $4, $5, $6, 'queued', $7, $8, 1, 0, 0, 0, $9)",
+         cancel_requested, created_us, logs) VALUES ($1, $2, $3, $4, $5, $6, 'queued', $7, $8, 1, 0, 0, 0, $9, $10)",
     )
     .bind(&job.id)
     .bind(job.kind.name())
@@ -187,6 +189,7 @@ async fn insert(transaction: &mut Transaction, job: &NewJob) -> Result<(), Error
     .bind(&job.fingerprint)
     .bind(&job.input)
     .bind(now_us())
+    .bind(serde_json::json!(job.logs).to_string())
     .execute(&mut **transaction)
     .await
     .map_err(unavailable)?;

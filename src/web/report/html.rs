@@ -4,9 +4,9 @@ use crate::io::EvaluatedFigure;
 use crate::web::figures::{Figure, FigureError};
 use serde_json::Value;
 
-/// A page that grows.
+/// A page that grows, and the headings of its parts.
 #[derive(Debug, Default)]
-pub(super) struct Html(pub String);
+pub(super) struct Html(pub String, Vec<String>);
 
 /// What stands in a table, as HTML.
 pub(super) struct Cell(pub String);
@@ -123,7 +123,19 @@ pub(super) fn listed(names: &[String]) -> String {
 
 impl Html {
     pub fn heading(&mut self, level: u8, words: &str) {
-        self.0.push_str(&format!("<h{level}>{}</h{level}>\n", escaped(words)));
+        let mut place = String::new();
+        if level == 2 {
+            self.1.push(words.to_string());
+            place = format!(" id=\"part-{}\"", self.1.len());
+        }
+        self.0.push_str(&format!("<h{level}{place}>{}</h{level}>\n", escaped(words)));
+    }
+
+    /// Links to the parts, in their order.
+    pub fn contents(&self) -> String {
+        let part = |(i, words): (usize, &String)| format!("<li><a href=\"#part-{}\">{}</a></li>", i + 1, escaped(words));
+        let parts: String = self.1.iter().enumerate().map(part).collect();
+        format!("<nav aria-label=\"Contents\"><ol>{parts}</ol></nav>\n")
     }
 
     pub fn paragraph(&mut self, class: &str, words: &str) {

@@ -31,8 +31,8 @@ pub struct Circumstances {
 ///
 /// Pictures are there where the result has their series (`prediction_points` above zero) and can be drawn.
 pub fn report(result: &IdentifyDocument, circumstances: &Circumstances) -> String {
-    let mut page = Html::default();
-    parts::heading(&mut page, result, circumstances);
+    let (mut top, mut page) = (Html::default(), Html::default());
+    parts::heading(&mut top, result, circumstances);
     parts::summary(&mut page, result);
     parts::logs(&mut page, result);
     parts::parameters(&mut page, result);
@@ -44,8 +44,10 @@ pub fn report(result: &IdentifyDocument, circumstances: &Circumstances) -> Strin
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{REPORT_POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
+         <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}{}{}</main>\n</body>\n</html>\n",
         escaped(&format!("Identification of {}", result.robot)),
+        top.0,
+        page.contents(),
         page.0
     )
 }
