@@ -244,7 +244,12 @@ def compared(page, options, robot, log, other, first):
     page.fill("#search", "SECOND")
     page.wait_for_function("() => document.querySelectorAll('#list tbody tr').length === 1")
     assert "search=SECOND" in page.url
+    # By the name of a log as well, which the list shows.
+    page.fill("#search", log.name)
+    page.wait_for_function("() => document.querySelectorAll('#list tbody tr').length === 2")
+    assert page.locator("#list .logs").first.inner_text() == f"{other.name}, {log.name}"
     page.fill("#search", "")
+    page.get_by_label("Select Second try").wait_for()
     page.get_by_label("Select First try").check()
     page.get_by_label("Select Second try").check()
     page.click("#compare")
