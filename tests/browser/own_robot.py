@@ -166,7 +166,7 @@ def describe_panda(page, options):
     picture(page, options, "editor-urdf")
     page.get_by_role("button", name="Save robot").click()
     page.locator("#kinematics canvas[data-drawn]").wait_for()
-    assert page.url.endswith("/robot?robot=panda"), page.url
+    assert page.url.endswith("/robot?robot=bench_panda"), page.url
 
 
 def meshes(page, options):
@@ -207,7 +207,7 @@ def map_currents(page, options, log, other):
 
 def designed(page, options):
     """The robot avoids itself and the floor; where it comes nearest is drawn."""
-    page.goto(f"{options.server}/design?robot=panda")
+    page.goto(f"{options.server}/design?robot=bench_panda")
     page.wait_for_function("() => document.querySelector('#as-request')?.textContent.includes('half_spaces')")
     page.fill("#time-limit", "3")
     page.click("#go")
@@ -314,7 +314,7 @@ def main():
         clicking = time.monotonic() - begun
         if phone:
             meshes(page, options)
-        robot = "panda" if phone else "bench-arm"
+        robot = "bench_panda" if phone else "bench-arm"
         if phone:
             log, other = (panda_log(options, page.folder, seed, name) for seed, name in [(0, "run.txt"), (1, "other.txt")])
         else:
