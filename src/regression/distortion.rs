@@ -35,7 +35,11 @@ impl AugmentedModel {
         at: Option<usize>,
         known: KnownTorque,
     ) -> Vec<Vec<Vec<f64>>> {
-        let least = term.effect.least_step(stretch.interval);
+        // Rows at reversals count where a filter has spread them over their neighbours.
+        let least = match stretch.filter {
+            Some(_) => term.effect.least_step(stretch.interval),
+            None => 0.0,
+        };
         let steps: Vec<f64> = term.effect.steps().iter().map(|s| s.max(least)).collect();
         (0..steps.len())
             .map(|i| {
