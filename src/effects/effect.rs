@@ -207,12 +207,6 @@ pub trait Effect: Sync + Send {
         &[]
     }
 
-    /// The least of these steps on samples so far apart (s). Friction jumps where a velocity changes its sign; a step that moves the jump by less than half a sample
-    /// either way meets it at few samples and multiplies it there, and a filter spreads that over all rows around.
-    fn least_step(&self, _interval: f64) -> f64 {
-        0.0
-    }
-
     /// What is reported: the coefficients in the order of the columns, then the shape parameters; for a distortion its parameters.
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo>;
 

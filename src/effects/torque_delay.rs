@@ -55,10 +55,6 @@ impl Effect for TorqueDelay {
         &[1e-4]
     }
 
-    fn least_step(&self, interval: f64) -> f64 {
-        0.5 * interval
-    }
-
     fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {
         vec![[-DELAY, DELAY]]
     }

@@ -35,12 +35,7 @@ impl AugmentedModel {
         at: Option<usize>,
         known: KnownTorque,
     ) -> Vec<Vec<Vec<f64>>> {
-        // Rows at reversals count where a filter has spread them over their neighbours.
-        let least = match stretch.filter {
-            Some(_) => term.effect.least_step(stretch.interval),
-            None => 0.0,
-        };
-        let steps: Vec<f64> = term.effect.steps().iter().map(|s| s.max(least)).collect();
+        let steps = term.effect.steps();
         (0..steps.len())
             .map(|i| {
                 let side = |sign: f64| {
