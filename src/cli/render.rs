@@ -147,8 +147,8 @@ pub fn identification(found: &IdentifyDocument) -> String {
     }
     error_table(&mut text, found);
     if let Some(residual) = &found.residual {
-        let _ = writeln!(text, "  left over: {}", residual.verdict.code().replace('_', " "));
-        left_over(&mut text, residual);
+        let _ = writeln!(text, "  residual: {}", residual.verdict.code().replace('_', " "));
+        residual_table(&mut text, residual);
     }
     for log in &found.log_report {
         for f in &log.findings {
@@ -188,7 +188,7 @@ fn error_table(text: &mut String, found: &IdentifyDocument) {
 }
 
 /// What the diagnosis found: verdict, findings with their figures, the error before and after.
-fn left_over(text: &mut String, residual: &ResidualDocument) {
+fn residual_table(text: &mut String, residual: &ResidualDocument) {
     let row = |values: &[Option<f64>]| values.iter().map(|v| format!(" {}", figure(*v, 9, 4))).collect::<String>();
     let mut line = |name: &str, values: &[Option<f64>]| {
         let _ = writeln!(text, "    {name:34}{}", row(values));
@@ -203,11 +203,11 @@ fn left_over(text: &mut String, residual: &ResidualDocument) {
         line(&format!("{kind}, declared model"), before);
         line(&format!("{kind}, with effects found"), after);
     }
-    told(text, residual);
+    sentences(text, residual);
 }
 
 /// What was found, in sentences.
-fn told(text: &mut String, residual: &ResidualDocument) {
+fn sentences(text: &mut String, residual: &ResidualDocument) {
     let faults = residual.data_faults.iter().flat_map(|f| [&f.detail, &f.remedy]);
     let findings = residual.findings.iter().map(|f| &f.sentence);
     let rest = residual.remainder.iter().map(|r| &r.sentence);
@@ -253,7 +253,7 @@ fn changes(text: &mut String, residual: &ResidualDocument) {
         "  since the model was made: {}",
         residual.verdict.code().replace('_', " ")
     );
-    told(text, residual);
+    sentences(text, residual);
 }
 
 fn errors(text: &mut String, what: &str, errors: &JointErrors) {

@@ -7,7 +7,7 @@ use crate::diagnosis::alternatives::{Contest, RivalTerm, border};
 use crate::diagnosis::nonparametric::unaccounted;
 use crate::diagnosis::replicates::{Separated, joined, remainder_of};
 use crate::diagnosis::report::{
-    HeldOut, HeldOutVerdict, JointFit, NotTested, Remainder, ResidualReport, Rival, Told, Undetected, Verdict, at_rest,
+    FindingInputs, HeldOut, HeldOutVerdict, JointFit, NotTested, Remainder, ResidualReport, Rival, Undetected, Verdict, at_rest,
     between_findings, findings, fits, nuisance, rms, undetected,
 };
 use crate::diagnosis::selection::{Candidate, honest_covariance};
@@ -35,14 +35,14 @@ impl Course<'_> {
             true => verdict(decided.stay + separated.found.len(), remainder.is_some(), doubtful),
             false => Verdict::Unexplained,
         };
-        // Drift and contacts are explained, though no part of the model. What nothing explains was kept from the fits, and stays in the errors.
-        let told_of = match separated.found.is_empty() {
+        // Errors are reported without drift and contacts, which are explained; what nothing explains is left out of the fits alone.
+        let reported = match separated.found.is_empty() {
             true => self.measured,
             false => &separated.explained[..],
         };
         let (robot, cleaned) = (self.robot, &separated.explained);
         let mut all = between_findings(robot, separated.found, &before.model, self.measured, cleaned, self.held_out);
-        all.extend(findings(&self.told(decided), [told_of, self.held_out]));
+        all.extend(findings(&self.finding_inputs(decided), [reported, self.held_out]));
         ResidualReport {
             noise_floor: data.noise.iter().map(floor_of).collect(),
             noise_source: source(&data.noise),
@@ -57,7 +57,7 @@ impl Course<'_> {
             not_tested: not_tested(self.robot, data.stretches),
             lack_of_fit_after: fits(data, system),
             rms_before: rms(&before.model, self.measured, self.held_out),
-            rms_after: rms(&system.model, told_of, self.held_out),
+            rms_after: rms(&system.model, reported, self.held_out),
             at_rest: at_rest(&before.model, &system.model, self.measured, self.held_out),
         }
     }
@@ -74,8 +74,7 @@ impl Course<'_> {
 
     fn held_out_report(&self, decided: &Decided) -> HeldOut {
         let names: Vec<String> = self.robot.joints().iter().map(|j| j.name.clone()).collect();
-        let floor: Vec<f64> = decided.data.noise.iter().map(|n| n.std_dev).collect();
-        let judge = self.judge(&floor);
+        let judge = self.judge(&decided.data);
         let last = judge.errors(&decided.data, &decided.system);
         match decided.stay {
             0 => judge.nothing(&names, &last),
@@ -83,8 +82,8 @@ impl Course<'_> {
         }
     }
 
-    /// What the findings are made of.
-    fn told<'d>(&'d self, decided: &'d Decided) -> Told<'d> {
+    /// What the findings are written from.
+    fn finding_inputs<'d>(&'d self, decided: &'d Decided) -> FindingInputs<'d> {
         let survive = || {
             survivals(
                 decided.data.stretches,
@@ -94,7 +93,7 @@ impl Course<'_> {
                 &self.options.cancel,
             )
         };
-        Told {
+        FindingInputs {
             data: &decided.data,
             estimator: self.options.estimator,
             declared: &decided.before.model,

@@ -1,4 +1,4 @@
-//! What a diagnosis is asked of, and the model that stays after held-out data have decided.
+//! A diagnosis with its data and options, and the model that remains after the test on held-out data.
 
 use super::held_out::{Judge, decide};
 use super::options::DiagnosisOptions;
@@ -12,7 +12,7 @@ use crate::model::Robot;
 use crate::regression::{AugmentedModel, Data, Explained, Prior, Stretch, System, Term, estimated, spans};
 use nalgebra::DMatrix;
 
-/// What is asked, and what it is asked of.
+/// One diagnosis: robot, data, options, and the model that the search starts from.
 pub(crate) struct Course<'a> {
     pub robot: &'a Robot,
     pub measured: &'a [Stretch],
@@ -24,7 +24,7 @@ pub(crate) struct Course<'a> {
     pub explained: Explained,
 }
 
-/// The model that stays after held-out data have decided, and the one before it. Effects are in the order of the decision, those that stay first.
+/// The model that remains after the test on held-out data, and the declared one. Effects are in the order of the decision, those that stay first.
 pub(crate) struct Decided<'a> {
     pub data: Data<'a>,
     pub before: System,
@@ -48,7 +48,7 @@ impl<'a> Course<'a> {
         self.options.existing.as_ref().map(|(_, prior)| prior)
     }
 
-    /// Noise lacks nothing that an effect could be.
+    /// Whether the declared model explains the torques at all; otherwise no effect is searched for.
     pub fn explains(&self) -> bool {
         self.options.existing.is_some() || self.explained.is_more_than_a_constant()
     }
@@ -88,8 +88,7 @@ impl<'a> Course<'a> {
         } = found;
         let withheld: Vec<DMatrix<f64>> = (0..accepted.len()).map(|i| honest_covariance(&system, fixed + i)).collect();
         let named: Vec<Term> = system.model.terms[fixed..].to_vec();
-        let floor: Vec<f64> = data.noise.iter().map(|n| n.std_dev).collect();
-        let decision = decide(&data, system, fixed, &self.judge(&floor));
+        let decision = decide(&data, system, fixed, &self.judge(&data));
         let estimates = self.prior().is_none().then(|| Estimates {
             found: estimated(&data, &decision.system.model, self.options.estimator),
             declared: estimated(&data, &self.start, self.options.estimator),
@@ -128,10 +127,10 @@ impl<'a> Course<'a> {
         }
     }
 
-    pub fn judge<'f>(&'f self, floor: &'f [f64]) -> Judge<'f> {
+    pub fn judge(&self, data: &Data) -> Judge<'a> {
         Judge {
             logs: self.held_out,
-            floor,
+            floor: data.noise.iter().map(|n| n.std_dev).collect(),
         }
     }
 }

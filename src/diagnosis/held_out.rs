@@ -9,8 +9,9 @@
 
 use crate::diagnosis::report::{Change, Evaluated, FindingHeldOut, HeldOut, HeldOutVerdict, JointHeldOut};
 use crate::diagnosis::settings::SETTINGS;
-use crate::regression::SETTINGS as REGRESSION_SETTINGS;
-use crate::regression::{AugmentedModel, Data, Stretch, System, chi_square_tail, left_out, time_blocks};
+use crate::regression::{
+    AugmentedModel, Data, SETTINGS as REGRESSION_SETTINGS, Stretch, System, chi_square_tail, left_out, time_blocks,
+};
 use rayon::prelude::*;
 
 /// Squared errors of single measurements about a model, summed over the periods: per stretch, joint and row; NaN where a row does not count.
@@ -158,12 +159,12 @@ fn change(sum: f64, p_value: f64) -> Change {
 }
 
 /// Where errors are taken from.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Judge<'a> {
     /// Validation logs; none where the identification logs are held out block by block.
     pub logs: &'a [Stretch],
     /// Standard deviation of the noise of every joint.
-    pub floor: &'a [f64],
+    pub floor: Vec<f64>,
 }
 
 impl Judge<'_> {

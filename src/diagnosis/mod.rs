@@ -28,7 +28,7 @@ pub use alternatives::RivalTerm;
 pub use data_quality::{
     DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, column_faults_until, leave_out, lost_rows, sample_faults,
 };
-pub use mounting::{Gravity, Mounting, OTHER_MOUNTING, diagnose_mounted, mounting, mounting_until};
+pub use mounting::{Gravity, Mounting, diagnose_mounted, mounting, mounting_until};
 pub use next_design::{EffectColumns, information_over};
 pub use options::DiagnosisOptions;
 pub use outcome::{Diagnosis, Estimates};
@@ -38,5 +38,5 @@ pub use report::{
     AtRest, Change, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut, NotTested,
     Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
 };
-pub use settings::{SETTINGS, Settings};
+pub use settings::*;
 pub use stability::{Perturbation, Survival};

@@ -1,4 +1,4 @@
-//! The whole course: from stretches of data to a report and an augmented model.
+//! The pipeline: from stretches of data to a report and an augmented model.
 
 use super::course::Course;
 use super::options::DiagnosisOptions;

@@ -4,8 +4,7 @@
 //! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
 
 use crate::diagnosis::alternatives::{Contest, rivals, settled};
-use crate::diagnosis::nonparametric::examine;
-use crate::diagnosis::nonparametric::unaccounted;
+use crate::diagnosis::nonparametric::{examine, unaccounted};
 use crate::diagnosis::report::Remainder;
 use crate::diagnosis::selection::{Accepted, Candidate, Selected, Threshold, doubt, extend, select};
 use crate::regression::{AugmentedModel, Data, System, Term};

@@ -26,66 +26,70 @@ pub struct Settings {
 /// Data faults.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DataQuality {
-    /// Rows between a turn and the sample in which its friction is there: filters and the sampling of a reversal.
+    /// Rows after a reversal in which a torque at its extreme is friction and not clipping: filters and the sampling of the reversal take so many.
     pub turning_samples: usize,
-    /// Neighbours whose mean says where a torque is: a tenth of a second at 200 Hz.
+    /// Neighbouring rows whose mean is the expected torque where clipping is looked for: a tenth of a second at 200 Hz.
     pub clipping_window: usize,
-    /// Samples that carry the question of a whole column: some hundred, spread over the motion.
+    /// Samples that hypotheses about whole columns are tested on: some hundred, spread over the motion, carry the answer.
     pub samples: usize,
-    /// How many times less a hypothesis must leave before it is believed: one joint's wrong column leaves most of that joint's torque, noise and
-    /// missing effects a few percent of it.
+    /// How many times smaller the sum of squares of a hypothesis about a column must be before it is accepted: one joint's wrong column leaves most of that
+    /// joint's torque, noise and missing effects a few percent of it.
     pub clearly_better: f64,
-    /// Two explanations whose rests differ by less are alike; the one about torque columns, which can be turned round, is taken.
+    /// Ratio of the sums of squares of two explanations up to which they fit alike; the one about torque columns, which can be corrected, is then reported.
     pub alike: f64,
-    /// Priors may be off by half: with gravity in the torques, half of the priors' gravity is there at least.
+    /// Share of the priors' gravity torque that a log with gravity has at least: priors may be off by half.
     pub least_gravity: f64,
-    /// Without it, no more than what friction and motion imitate.
+    /// Share of the priors' gravity torque that a log without gravity has at most: what friction and motion imitate.
     pub most_gravity: f64,
-    /// Deviations that separate the two.
+    /// Standard deviations that must separate the measured share of gravity from both.
     pub gravity_deviations: f64,
-    /// Priors may be off by half, friction may be missing from them: a factor of three is neither.
+    /// Ratio of the torque to that of the priors from which its unit is another: priors may be off by half and lack friction, which is less than a factor of three.
     pub current_factor: f64,
-    /// A column that goes with the priors' torque, whatever its size.
+    /// Correlation with the torque of the priors from which a column is that torque in another unit.
     pub current_correlation: f64,
-    /// Stretches of time. Each is a twentieth of the motion, longer than a residual's memory; t with 19 degrees of freedom still tells one in a million.
+    /// Blocks of time that the sign of a column is tested over: a twentieth of the motion is longer than a residual's memory, and t with 19 degrees of freedom still
+    /// separates one in a million.
     pub sign_blocks: usize,
     /// Chance of a sign that is none: with some ten sums per log, one accusation in ten thousand logs.
     pub sign_chance: f64,
-    /// Part of a log that no coarse converter stands still for while the arm moves.
+    /// Share of a log that a column must stand still for, while the arm moves, to be frozen: no coarse converter stands still for so long.
     pub frozen_share: f64,
-    /// Twenty times the usual step: motion and white noise stay below three, a dropped row or a stray packet is in the hundreds.
+    /// Multiple of the usual step between rows from which a row is garbage: motion and white noise stay below three, a dropped row or a stray packet is in the hundreds.
     pub garbage_step: f64,
-    /// Rows that a stray packet can hold on to.
+    /// Rows that one stray packet can hold.
     pub longest_packet: usize,
-    /// Steps of the encoder, or deviations of its noise, that a joint usually moves by from one position to the next where a speed is taken: a twentieth of the usual
-    /// speed is seen then.
+    /// Steps of the encoder, or standard deviations of its noise, that a joint moves between the two positions a speed is taken from: with twenty, a twentieth of the
+    /// usual speed is seen.
     pub garbage_counts: f64,
-    /// Rows between two positions at most: a hundredth of a second at a thousand rows a second, over which motions are smooth.
+    /// Rows between those two positions at most: a hundredth of a second at 1 kHz, over which motions are smooth.
     pub widest_jump: usize,
-    /// Standard deviations of noise that a speed can be off by.
+    /// Standard deviations of noise that such a speed can be off by.
     pub friction_deviations: f64,
-    /// Several faults at once: each must leave so many times less than without it.
+    /// Factor by which each further change of the column order must lower the sum of squares.
     pub order_gain: f64,
-    /// A joint with parameters mostly its own leaves hardly less when turned rightly: that must show in the thousand rows or so, and friction has a say
-    /// afterwards.
+    /// Factor by which turning one more sign must lower the sum of squares. A joint with parameters mostly its own gains little when its sign is corrected: that must
+    /// show in the thousand rows or so, and friction decides afterwards.
     pub sign_gain: f64,
-    /// Arms of up to so many joints have all patterns of signs tried; longer ones one joint at a time.
+    /// Joints up to which all patterns of signs are tried; of longer arms one joint at a time.
     pub exhaustive_joints: usize,
-    /// Priors may be off by half: what they leave of the torque is below a quarter of its square where they are those of the joint.
+    /// Share of the torque's square that priors leave at most of the joint they belong to: they may be off by half.
     pub priors_agree: f64,
     /// What priors leave at least of the square of the torque where they are those of another joint.
     pub priors_disagree: f64,
-    /// The rigid model itself must not leave more with the other order.
+    /// Factor by which the rigid model may leave more with the other order.
     pub order_no_worse: f64,
-    /// Priors may be off by half; a correlation of more than a half has a sign.
+    /// Correlation with the torque of the priors from which a sign is known: they may be off by half.
     pub sign_correlation: f64,
-    /// Friction below a fiftieth of a joint's torque is no ground to turn its column by: what the model lacks passes for that much.
+    /// Share of a joint's torque that friction must have to decide on its sign: what the model lacks passes for a fiftieth.
     pub least_friction: f64,
 }
 
 /// The direction of gravity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MountingTest {
+    /// Angle (rad) from which a direction is another mounting and not a base out of level: 10°. Feet and tables are level to a degree or two; an encoder offset of a few
+    /// degrees looks like a tilt of a few degrees.
+    pub other_mounting: f64,
     /// Twice the log of a likelihood ratio below which two directions are alike: two standard deviations, of as many independent values as there are samples, whatever the number
     /// of joints.
     pub directions_alike: f64,
@@ -93,39 +97,34 @@ pub struct MountingTest {
     pub chance_by_misfit: f64,
     /// Chance of an accusation on held-out blocks, to one side.
     pub chance_in_blocks: f64,
-    /// Parts of a misfit that are independent of each other: functions of few positions and speeds, they reach all first moments together.
+    /// Degrees of freedom of a misfit: functions of few positions and speeds, they reach all first moments together.
     pub independent_misfits: f64,
-    /// Deviations of its expected value by which noise may raise what a direction leaves over the free model.
+    /// Standard deviations above its expected value up to which what a direction leaves over the free model is noise.
     pub noise_deviations: f64,
-    /// Part of a block's own information that stays when it is predicted from the others.
+    /// Share of a block's own information that its prediction from the others keeps at least.
     pub least_outside: f64,
-    /// Rows that carry the question, over all logs: a gravity torque of ten times the noise gives the direction to 0.1° with a thousand.
+    /// Rows that the direction is estimated from, over all logs: a gravity torque of ten times the noise gives it to 0.1° with a thousand.
     pub samples: usize,
-    /// Columns of every joint alone: level, spring, inertia, viscous and Coulomb friction.
+    /// Columns of every joint alone in that model: constant, spring, inertia, viscous and Coulomb friction.
     pub own_columns: usize,
-    /// On a normal matrix of unit diagonal: columns that combine to nothing (friction that the robot declares too) cost nothing, and a part in 1e9 of the
-    /// torque is below any noise.
+    /// Ridge on its normal matrix, scaled to unit diagonal: columns that are combinations of others (friction that the robot declares too) cost nothing, and a part in 1e9
+    /// of the torque is below any noise.
     pub ridge: f64,
-    /// Share of the torque's squares below which nothing is told apart: a thousandth of the torque, where the ridge and the rounding of recorded digits have a say.
+    /// Share of the torque's square below which two sums of squares are equal: a thousandth of the torque, where the ridge and the rounding of recorded digits matter.
     pub no_column: f64,
-    /// A joint turned round must leave so much less, as for signs under a known gravity.
-    pub sign_gain: f64,
-    /// Arms of up to so many joints have all patterns of signs tried; longer ones one joint at a time.
-    pub exhaustive_joints: usize,
-    /// Each exchange of two columns must leave so many times less than without it.
+    /// Factor by which each exchange of two columns must lower the sum of squares.
     pub exchange_gain: f64,
     /// Standard deviation (rad) from which a turn of gravity is not seen: a degree and a half, ten times what a good log gives.
     pub unseen_angle: f64,
-    /// How many times less another direction must leave than any signs and any order of the torque columns under the declared one. Noise brings 1.2 about with
-    /// a hundred independent rows once in 10 000 logs (two parameters: `rows · ln 1.2 > χ²₂`), and logs have more; below it two directions are alike. What a misfit
-    /// brings, whose rows go together, is weighed by [`Gain`].
+    /// Factor by which the sum of squares must be lower than with any signs and any order of the torque columns under the declared direction. Noise brings 1.2 about with
+    /// a hundred independent rows once in 10 000 logs (two parameters: `rows · ln 1.2 > χ²₂`), and logs have more. Misfit, whose rows are correlated, has a test of its own.
     pub clearly_better: f64,
     /// Share of the torque's scatter that the best direction must explain at least, beyond what every joint's own columns do: where the model says nothing,
     /// it says nothing of gravity.
     pub least_explained: f64,
-    /// Direction by which a vote is decisive: the angle between two torques is below 60° or above 120°.
+    /// Mean cosine between gravity torques of the fit and of plausible bodies from which a vote is decisive: below 60° or above 120°.
     pub decisive_vote: f64,
-    /// Directions that are refined: the best starting points, in case the very best is a side valley.
+    /// Starting directions that are refined: the best of them, in case the very best is a local minimum.
     pub refined: usize,
     /// Samples of the motion that a vote is taken over: gravity turns with the posture, and fifty postures are many.
     pub postures: usize,
@@ -134,73 +133,77 @@ pub struct MountingTest {
 /// What differs between periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Replicates {
+    /// Degree of the polynomials that stand in for courses that are neither fast nor exponential: a cubic has two turns, one more for safety.
+    pub level_degree: usize,
+    /// Time constants of a level, in units of the length of the log; longer ones are polynomials. A ratio of 1.8 leaves a fiftieth of the square of
+    /// any between two of them: `(2√r/(1 + r))²` is 0.979 for the r = √1.8 to the nearer.
+    pub level_constants: [f64; 6],
+    /// Time constants of warming up that a drift is searched over, in units of the length of the log.
+    pub drift_courses: [f64; 7],
     /// The shortest touch looked for (s).
     pub shortest_contact: f64,
-    /// Factor to either side of the best of them that is searched.
+    /// Factor to either side of the best time constant on the grid within which it is refined.
     pub course_ratio: f64,
-    /// Parts of a period over which deviations are averaged: what changes faster is not what a level could predict.
+    /// Parts of a period over which deviations are averaged: what changes faster is nothing that a level predicts.
     pub parts: usize,
-    /// Share of the first period in which friction still remembers where the robot stood before the log: no contact, and not the periodic state.
+    /// Share of the first period that is left out: friction still depends on where the robot stood before the log.
     pub start_share: f64,
     /// Drifts and contacts that one log may have: more of them are not single events.
     pub most_findings: usize,
-    /// Cosines that make a drift: a line has 98.6 % of its square in the first and 1.2 % in the third.
+    /// Cosines that a drift is tested with: a line has 98.6 % of its square in the first and 1.2 % in the third.
     pub slow_cosines: usize,
-    /// Neighbours that say how much of it wandering brings about. Four times as many: F needs their mean to be known, and they have to be slow, too.
+    /// Cosines of the next frequencies, which give the expected size of slow misfit: four times as many, so that their mean is known, and still slow.
     pub neighbour_cosines: usize,
-    /// As for effects: what explains less than a twentieth of what a joint keeps is a part of an approximation.
-    pub trend_share: f64,
 }
 
 /// Stepwise selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Selection {
-    /// Share of what is left over (above the noise) on the joints reached that an effect must explain: a twentieth is less than anybody compensates for.
+    /// Share of the residual above the noise, on the joints reached, that an effect must explain: nobody compensates for less than a twentieth.
     pub least_share: f64,
     /// Share of the gain that must be there on blocks of time left out: an effect that exists keeps nearly all of it, an imitation loses it.
     pub least_generalisation: f64,
-    /// No quantity of an arm in SI units is known to within so much only: a deviation beyond it comes of dividing by next to nothing, and says that the data do not
-    /// determine the value.
+    /// Standard deviation from which a value is not determined by the data: no quantity of an arm in SI units has it, it comes of dividing by next to nothing.
     pub undetermined: f64,
-    /// Effects that are alike on ordinary motions share this much: |qd| of a sinusoid is a constant to 8/π² = 81 %, of constant speeds to more.
+    /// Share of the gain of the best effect from which a simpler one is named in its place: effects alike on ordinary motions share so much; |qd| of a sinusoid is a
+    /// constant to 8/π² = 81 %.
     pub simpler_share: f64,
     /// Folds of the cross-validation over blocks of time: a fifth of the data is left out of each.
     pub folds: usize,
     /// Blocks over all folds, four to each, spread over the stretch: what is left out is never a whole region of the motion, or base parameters would extrapolate into it.
     pub fold_blocks: usize,
-    /// Directions of which a fold holds more than nine tenths of all information stay where the model at hand, without the effect, has them: the
-    /// other folds could only extrapolate there, with three times the noise and more, and mostly by parameters that both models have.
+    /// Share of all information outside a fold below which a direction is not extrapolated into the fold: it would have three times the noise, mostly from parameters that
+    /// both models have.
     pub least_outside: f64,
-    /// Shapes and distortions of the others bend when an effect goes, and take over a part of what it explained: of what the linear model says, a
-    /// quarter is lost at least.
+    /// Share of the loss by the linear model that a fit without the effect loses at least: shapes and distortions of the others take over the rest.
     pub linear_loss_share: f64,
-    /// Part of the true gain that the linearised one of [`scan`] shows at least.
+    /// Share of the true gain that the linearised gain of a screening shows at least.
     pub linear_gain: f64,
-    /// The best on the grid are within a tenth of their best shape: a dozen is enough to hold the right one.
+    /// Best candidates of the grid whose shapes are refined: on the grid they are within a tenth of their best, so that a dozen hold the right one.
     pub refined: usize,
     /// Shapes whose columns are multiplied with the model's in one go.
     pub batch: usize,
-    /// One shape needs one round; of two, the second round catches the turn of the first.
+    /// Rounds of the refinement: one shape needs one, of two the second round follows the first.
     pub refinement_rounds: usize,
-    /// Least eigenvalue of a correlation matrix that is more than rounding: the pseudo-inverse it comes from has lost up to 1e-13 of its own largest.
+    /// Least eigenvalue of a correlation matrix that is more than rounding: the pseudo-inverse that it comes from is good to 1e-13.
     pub least_eigenvalue: f64,
 }
 
 /// Rivals of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternatives {
-    /// Evidence of 20 to 1 and less does not exclude: `2 ln 20`.
+    /// BIC difference up to which a rival is not excluded: 20 to 1, `2 ln 20`.
     pub not_excluded: f64,
 }
 
 /// Smooth functions and the remainder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nonparametric {
-    /// Effects that name a cause are preferred to a function that does not, unless the odds are 20 000 to 1 (2 ln of that).
+    /// BIC difference by which a smooth function must win against effects that name a cause: 20 000 to 1, `2 ln 20 000`.
     pub preference: f64,
     /// Effects that are kept beside smooth functions at most.
     pub effects_beside: usize,
-    /// Products of functions in one smooth dependence: matching pursuit stops earlier when the next does not pay.
+    /// Products of functions in one smooth dependence; matching pursuit stops earlier when the next does not pay.
     pub most_products: usize,
     /// Smooth functions at most: what three do not describe has no description in few words.
     pub most_functions: usize,
@@ -210,27 +213,25 @@ pub struct Nonparametric {
     pub least_size: f64,
     /// An effect that keeps less than this share of its gain beside a smooth function has been that function's stand-in.
     pub share_beside: f64,
-    /// Share of the noise of a single measurement from which what nothing accounts for is told: the error of single measurements is a tenth above
-    /// the noise then (`√(1.1² − 1)`). Way-point motions with steps in their jerk leave up to 0.37 on a good model, because accelerations come from noisy positions.
+    /// Share of the noise of a single measurement from which a remainder without an account is reported: the error of single measurements is then a tenth above
+    /// the noise (`√(1.1² − 1)`). Way-point motions with steps in their jerk leave up to 0.37 on a good model, because accelerations come from noisy positions.
     pub unaccounted: f64,
 }
 
 /// The search on logs without periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WithoutPeriods {
-    /// Share of what its joints leave that an effect must take off blocks left out: with less it is a part of an approximation.
+    /// Share of what a joint leaves by which it must be predicted worse, on blocks left out, to count against an effect.
     pub least_share: f64,
-    /// Standard deviations by which a gain on blocks left out must be above zero: one chance in twenty, beside the test of the gain itself and its stability.
+    /// Standard deviations above zero that a gain on blocks left out must have: one chance in twenty, beside the test of the gain itself and its stability.
     pub sure: f64,
-    /// The same as a chance.
+    /// Chance of such a gain by signed ranks, where few blocks make the scatter large.
     pub rank_chance: f64,
     /// Share of subsamples in which an effect must be the best account of its joints (Meinshausen & Bühlmann 2010 take 0.6 to 0.9).
     pub stable_share: f64,
-    /// Share of the gain of the better account that one which every robot may have needs to be named in its place: |qd| of a sinusoid is a constant to 81 %.
-    pub simpler_share: f64,
-    /// Share of its gain that an effect keeps beside another which explains something else.
+    /// Share of its gain below which an effect beside another explains the same as it.
     pub same_share: f64,
-    /// Effects that are looked at closely: the right one is among the first dozens or explains next to nothing.
+    /// Effects that are validated block by block: the right one is among the first dozens.
     pub most_contenders: usize,
     /// Chance that a member of a family comes in falsely, shared among the members; the family itself has passed a stricter test.
     pub member_chance: f64,
@@ -238,9 +239,9 @@ pub struct WithoutPeriods {
     pub rare_preference: f64,
     /// Rivals that are reported of one finding.
     pub most_rivals: usize,
-    /// Chance from which an effect is not beyond doubt, by the jackknife over blocks of time.
+    /// Chance, by the jackknife over blocks of time, from which an effect is taken out again.
     pub doubtful: f64,
-    /// A share of one of fifty is a fiftieth; four fifths are then known to a twentieth.
+    /// Selections of blocks in which an effect is chosen again: with fifty, a share of four fifths is known to a twentieth.
     pub subsamples: usize,
     /// Share of the blocks that a subsample leaves out.
     pub left_out_share: f64,
@@ -252,16 +253,16 @@ pub struct HeldOutTest {
     /// Chance to one side below which a difference is no accident. One test in a hundred errs to that side, and what depends on it is whether an effect that
     /// has passed the search stays in the model.
     pub beyond_chance: f64,
-    /// Fewer blocks than this say nothing about their own scatter.
+    /// Blocks of time that a test needs: fewer say nothing about their own scatter.
     pub fewest_blocks: usize,
 }
 
 /// Changes of the data that a finding must survive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stability {
-    /// Chance of an effect of that size without a cause from which it is in doubt: the search asks for far more, but half of the data holds half of the evidence.
+    /// Chance of an effect of that size without a cause from which it does not survive: the search asks for far more, but half of the data holds half of the evidence.
     pub doubtful: f64,
-    /// Part of the cut-off that it is moved by.
+    /// Share by which the cut-off is lowered and raised.
     pub cutoff_step: f64,
 }
 
@@ -296,6 +297,7 @@ pub const SETTINGS: Settings = Settings {
         least_friction: 0.02,
     },
     mounting: MountingTest {
+        other_mounting: 0.1745,
         directions_alike: 4.0,
         chance_by_misfit: 1e-3,
         chance_in_blocks: 1e-2,
@@ -306,8 +308,6 @@ pub const SETTINGS: Settings = Settings {
         own_columns: 5,
         ridge: 1e-9,
         no_column: 1e-6,
-        sign_gain: 1.1,
-        exhaustive_joints: 12,
         exchange_gain: 1.5,
         unseen_angle: 0.026,
         clearly_better: 1.2,
@@ -317,6 +317,9 @@ pub const SETTINGS: Settings = Settings {
         postures: 50,
     },
     replicates: Replicates {
+        level_degree: 4,
+        level_constants: [0.06, 0.1, 0.18, 0.32, 0.6, 1.0],
+        drift_courses: [0.1, 0.2, 0.35, 0.6, 1.0, 2.0, 5.0],
         shortest_contact: 0.05,
         course_ratio: 3.0,
         parts: 10,
@@ -324,7 +327,6 @@ pub const SETTINGS: Settings = Settings {
         most_findings: 6,
         slow_cosines: 3,
         neighbour_cosines: 12,
-        trend_share: 0.05,
     },
     selection: Selection {
         least_share: 0.05,
@@ -357,7 +359,6 @@ pub const SETTINGS: Settings = Settings {
         sure: 1.64,
         rank_chance: 0.05,
         stable_share: 0.8,
-        simpler_share: 0.75,
         same_share: 0.5,
         most_contenders: 64,
         member_chance: 2e-2,

@@ -59,15 +59,15 @@ pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Va
 }
 
 /// [`augmented_value`] with the noise, and with the rivals of every effect.
-pub fn traced_value(traced: &Diagnosis) -> Value {
-    let robot = &traced.model.robot;
+pub fn diagnosis_value(diagnosis: &Diagnosis) -> Value {
+    let robot = &diagnosis.model.robot;
     let rows = |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|r| r.iter().copied().collect()).collect() };
-    let mut value = augmented_value(&traced.model, &traced.information);
-    let noise: Vec<f64> = traced.noise.iter().map(|n| n.slow_std_dev()).collect();
-    if traced.rate_hz.is_finite() {
-        value["noise"] = json!({"std_dev": noise, "rate_hz": traced.rate_hz});
+    let mut value = augmented_value(&diagnosis.model, &diagnosis.information);
+    let noise: Vec<f64> = diagnosis.noise.iter().map(|n| n.slow_std_dev()).collect();
+    if diagnosis.rate_hz.is_finite() {
+        value["noise"] = json!({"std_dev": noise, "rate_hz": diagnosis.rate_hz});
     }
-    for (i, rivals) in traced.rival_terms.iter().enumerate() {
+    for (i, rivals) in diagnosis.rival_terms.iter().enumerate() {
         let of = |r: &RivalTerm| {
             let mut rival = effect_value(robot, &r.term);
             rival["evidence"] = json!(r.evidence);
@@ -103,7 +103,7 @@ pub fn read_augmented(cursor: &Cursor, robot: &Robot) -> Option<(AugmentedModel,
     read_model_with_effects(cursor, robot).map(|read| (read.model, read.prior))
 }
 
-/// Reads what [`traced_value`] writes; noise and rivals may be missing.
+/// Reads what [`diagnosis_value`] writes; noise and rivals may be missing.
 pub(super) fn read_model_with_effects(cursor: &Cursor, robot: &Robot) -> Option<ReadModel> {
     let fields = cursor.fields(AUGMENTED_FIELDS)?;
     let mut model = AugmentedModel::declared(robot);

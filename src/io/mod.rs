@@ -32,7 +32,7 @@ mod warm_start;
 mod words;
 
 pub use crate::model::shortest;
-pub use augmented_document::{ReadModel, augmented_value, read_augmented, traced_value};
+pub use augmented_document::{ReadModel, augmented_value, diagnosis_value, read_augmented};
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};
 pub use design_document::{

@@ -32,7 +32,7 @@ pub struct MotionDocument {
     pub gravity: [f64; 3],
     pub joints: Vec<DrawnJoint>,
     pub motion: Option<SampledMotion>,
-    /// What the arm keeps off itself and obstacles with, in the frames of the joints.
+    /// Capsules that self-collision and obstacles are checked with, in the frames of the joints.
     pub shape: Vec<DrawnCapsule>,
     /// Whether nobody described the shape, and it was made from the kinematics.
     pub shape_guessed: bool,

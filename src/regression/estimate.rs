@@ -205,7 +205,7 @@ pub(crate) fn fitted(data: &Data, system: &System) -> Fitted {
         .map(|j| joint_normal(data, system, j, &at, &reduction))
         .collect();
     let columns = reduction.up.ncols();
-    let solution = Solution::new(&normals, &vec![1.0; normals.len()], columns);
+    let solution = Solution::new(&normals, columns);
     let values = solution.values.clone();
     let model = system.model.moved(&(&reduction.up * &values - &at));
     let joints: Vec<JointFit> = (0..normals.len()).map(|j| joint_fit(data, system, j)).collect();

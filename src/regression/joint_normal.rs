@@ -23,12 +23,12 @@ impl JointNormal {
         (self.torque_square - 2.0 * own.dot(&self.moment) + own.dot(&(&self.gram * &own))).max(0.0)
     }
 
-    /// Adds `weight` times this joint to the p × p equations.
-    pub fn add_to(&self, weight: f64, gram: &mut DMatrix<f64>, moment: &mut DVector<f64>) {
+    /// Adds this joint to the p × p equations.
+    pub fn add_to(&self, gram: &mut DMatrix<f64>, moment: &mut DVector<f64>) {
         for (b, &cb) in self.columns.iter().enumerate() {
-            moment[cb] += weight * self.moment[b];
+            moment[cb] += self.moment[b];
             for (a, &ca) in self.columns.iter().enumerate() {
-                gram[(ca, cb)] += weight * self.gram[(a, b)];
+                gram[(ca, cb)] += self.gram[(a, b)];
             }
         }
     }

@@ -58,5 +58,5 @@ pub(crate) use partial_regression::{Whitened, reduce};
 pub(crate) use product::transposed_product;
 pub(crate) use rank::{pseudo_inverse, pseudo_root};
 pub use settings::{SETTINGS, Settings};
-pub use solution::{RANK_TOLERANCE, Solution};
+pub use solution::Solution;
 pub(crate) use tail::{chi_square_tail, f_tail};

@@ -57,6 +57,9 @@ pub struct Settings {
     pub hidden_share: f64,
     /// A scaled normal matrix loses 16 digits at a condition number of 1e8 of the rows; eigenvalues below 1e-13 of the largest are rounding.
     pub rank_tolerance: f64,
+    /// Fraction of the largest singular value (columns scaled to equal length) below which a direction is not determined: the eigenvalues of a Gram matrix
+    /// carry rounding of 1e-14, which is 1e-7 in singular values, and positions are never measured to better than 1e-6 of the travel.
+    pub determined_tolerance: f64,
     /// Share of a joint's top speed (99 % of its samples are slower) below which it hardly moves.
     pub slow_share: f64,
     /// Time (s) that a joint hardly moves for when it rests: a reversal at ordinary accelerations passes `slow_share` in a tenth of that.
@@ -94,6 +97,7 @@ pub const SETTINGS: Settings = Settings {
     huber_settled: 1e-6,
     hidden_share: 1e-6,
     rank_tolerance: 1e-13,
+    determined_tolerance: 1e-6,
     slow_share: 0.05,
     rest_s: 0.5,
     most_freedom: 1e9,

@@ -1,13 +1,10 @@
 //! Solving weighted normal equations, and saying which directions the data do not determine.
 
 use super::joint_normal::JointNormal;
+use super::settings::SETTINGS;
 use nalgebra::{DMatrix, DVector};
 
-/// A singular value below this fraction of the largest (columns scaled to equal length) is none: the eigenvalues of a Gram matrix
-/// carry rounding of 1e-14, which is 1e-7 in singular values, and positions are never measured to better than 1e-6 of the travel.
-pub const RANK_TOLERANCE: f64 = 1e-6;
-
-/// The weighted equations `Σ wⱼ WⱼᵀWⱼ θ = Σ wⱼ Wⱼᵀτⱼ`, decomposed after scaling columns to equal length.
+/// The normal equations `Σ WⱼᵀWⱼ θ = Σ Wⱼᵀτⱼ` of weighted rows, decomposed after scaling columns to equal length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
     /// p; of least norm (in scaled columns) within what the data leave open.
@@ -24,13 +21,10 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// `weights` holds `wⱼ = 1/σⱼ²`; `columns` is p.
-    pub fn new(normals: &[JointNormal], weights: &[f64], columns: usize) -> Self {
+    /// Summed over the joints; `columns` is p.
+    pub fn new(normals: &[JointNormal], columns: usize) -> Self {
         let (mut gram, mut moment) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
-        normals
-            .iter()
-            .zip(weights)
-            .for_each(|(normal, &w)| normal.add_to(w, &mut gram, &mut moment));
+        normals.iter().for_each(|normal| normal.add_to(&mut gram, &mut moment));
         Self::of(gram, moment)
     }
 
@@ -47,7 +41,7 @@ impl Solution {
         let largest = singular_values.first().copied().unwrap_or(0.0);
         let rank = singular_values
             .iter()
-            .filter(|&&s| s > RANK_TOLERANCE * largest && s > 0.0)
+            .filter(|&&s| s > SETTINGS.determined_tolerance * largest && s > 0.0)
             .count();
         let mut inverse = DMatrix::zeros(p, p);
         for &i in &order[..rank] {

@@ -1,8 +1,7 @@
 //! Tail probabilities that have an answer for every argument: exact fits make F infinite, empty joints leave no degrees of freedom.
 
 use crate::regression::settings::SETTINGS;
-use statrs::distribution::ContinuousCDF;
-use statrs::distribution::{ChiSquared, FisherSnedecor};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 /// Chance of a mean square `statistic` times that of noise, F with `freedom` degrees of freedom above and below. Without degrees of freedom, or
 /// where the statistic is no number, nothing was tested: 1.

@@ -404,7 +404,7 @@ fn an_identification_is_a_table_pictures_and_a_report() {
     assert!(output.status.success(), "{}", stderr(&output));
     let table = stdout(&output);
     for needed in [
-        "left over: explained",
+        "residual: explained",
         "Joint J2 leaves",
         "a spring at the joint explains it",
         "stiffness",

@@ -4,7 +4,7 @@ use crate::bench::*;
 use dynident::diagnosis::{Change, Diagnosis, DiagnosisOptions, diagnose};
 use dynident::excitation::{Control, Halt, Progress, SearchOptions, search};
 use dynident::io::shipped::Shipped;
-use dynident::io::{DesignDocument, parse, read_excitation_request, robot_value, traced_value};
+use dynident::io::{DesignDocument, diagnosis_value, parse, read_excitation_request, robot_value};
 use dynident::model::{Limits, Robot};
 use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
 use dynident::trajectory::{FourierSeries, Trajectory};
@@ -74,7 +74,7 @@ fn identified(arm: &Arm, logs: &[&RecordedLog], validation: &dyn Trajectory, see
 
 fn request(robot: &Robot, traced: &Diagnosis, rival: &dynident::diagnosis::Rival) -> Value {
     let finding = &traced.report.findings[0];
-    let model = json!({"robot": robot_value(robot), "augmented": traced_value(traced)});
+    let model = json!({"robot": robot_value(robot), "augmented": diagnosis_value(traced)});
     json!({
         "fourier": {"order": 5, "fundamental_hz": 0.1}, "sample_rate_hz": 50, "periods": 6,
         "constraints": {"form": "exact", "start": "free"}, "criterion": "rival_evidence",

@@ -129,13 +129,13 @@ fn identified(
         ..DiagnosisOptions::default()
     };
     let mounting = moved.then_some(&request.robot);
-    let traced = diagnosed(&robot, mounting, [measured, held_out], &faults, &options);
+    let diagnosis = diagnosed(&robot, mounting, [measured, held_out], &faults, &options);
     // Gravity is where the data have it.
-    let robot = traced.model.robot.clone();
-    let Estimates { found, declared } = traced.estimates.clone().expect("there is no existing model");
+    let robot = diagnosis.model.robot.clone();
+    let Estimates { found, declared } = diagnosis.estimates.clone().expect("there is no existing model");
     let prepared: Vec<&PreparedLog> = read.used[..beside].iter().map(|u| &u.prepared).collect();
-    let mut judged = quality(&robot, &found.base, &prepared, &found.estimate, traced.explained.clone());
-    if beyond_repair(&traced.report.data_faults) {
+    let mut judged = quality(&robot, &found.base, &prepared, &found.estimate, diagnosis.explained.clone());
+    if beyond_repair(&diagnosis.report.data_faults) {
         judged.verdict = Verdict::DataFault;
     }
     progress.at("physical parameters", logs.len() + validation.len() + 1)?;
@@ -152,7 +152,7 @@ fn identified(
             fitted: &found,
             fit: fit.model(),
             bodies,
-            traced: &traced,
+            diagnosis: &diagnosis,
             logs: measured,
             band_hz: read.band_hz(),
         })
@@ -171,8 +171,8 @@ fn identified(
     };
     let mut document = answer.document();
     if request.trace {
-        document.effects = effects(&traced.report);
-        document.residual = Some(residual_document(&robot, &traced.report));
+        document.effects = effects(&diagnosis.report);
+        document.residual = Some(residual_document(&robot, &diagnosis.report));
     }
     Ok(Identified {
         document,
@@ -224,18 +224,18 @@ fn diagnosed(
     faults: &[DataFault],
     options: &DiagnosisOptions,
 ) -> Diagnosis {
-    let (mut traced, mounting) = match declared {
+    let (mut diagnosis, mounting) = match declared {
         None => (diagnose(robot, measured, held_out, options), None),
         Some(declared) => {
-            let (traced, gravity) = diagnose_mounted(robot, measured, held_out, options);
-            (traced, Some(mounting_fault(declared, &gravity)))
+            let (diagnosis, gravity) = diagnose_mounted(robot, measured, held_out, options);
+            (diagnosis, Some(mounting_fault(declared, &gravity)))
         }
     };
     report_faults(
-        &mut traced.report,
+        &mut diagnosis.report,
         mounting.into_iter().chain(faults.iter().cloned()).collect(),
     );
-    traced
+    diagnosis
 }
 
 /// The model with base parameters of bodies (standard parameters `values`), and its effects as they are.

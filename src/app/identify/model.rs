@@ -4,7 +4,7 @@ use crate::app::{Code, Error};
 use crate::diagnosis::Diagnosis;
 use crate::dynamics::inverse_dynamics;
 use crate::identification::physical::PhysicalFit;
-use crate::io::{FinalModel, IdentifyRequest, ModelFormat, Patched, robot_value, traced_value, urdf, urdf_gravity};
+use crate::io::{FinalModel, IdentifyRequest, ModelFormat, Patched, diagnosis_value, robot_value, urdf, urdf_gravity};
 use crate::model::{ChainEnds, LinkPrior, Robot, Rounding, from_mjcf, from_urdf_rounded};
 use crate::parameters::Layout;
 use crate::regression::{AugmentedModel, Fitted, Stretch, reported};
@@ -79,7 +79,7 @@ pub(super) struct Found<'a> {
     pub fit: &'a PhysicalFit,
     /// The model with base parameters of the bodies.
     pub bodies: &'a AugmentedModel,
-    pub traced: &'a Diagnosis,
+    pub diagnosis: &'a Diagnosis,
     pub logs: &'a [Stretch],
     /// Highest cut-off of their row filters [Hz], so that what the model is held against later is of the same band.
     pub band_hz: Option<f64>,
@@ -106,7 +106,7 @@ pub(super) fn model_files(found: &Found) -> Result<Option<ModelFiles>, Error> {
 
 /// The effects, with deviations of what they report.
 fn augmented_value(found: &Found) -> Value {
-    let mut value = traced_value(found.traced);
+    let mut value = diagnosis_value(found.diagnosis);
     for (at, term) in found.fitted.model.terms.iter().enumerate() {
         let known = reported(term, &found.fitted.term_covariance(at));
         for (i, (_, std_dev)) in known.into_iter().enumerate() {

@@ -4,10 +4,6 @@ use super::form::Form;
 use crate::diagnosis::settings::SETTINGS;
 use nalgebra::Vector3;
 
-/// Angle from which a direction is another mounting, and not a base that is out of level (rad): 10°. Feet and tables are level to a degree or two; an encoder
-/// offset of a few degrees looks like a tilt of a few degrees.
-pub const OTHER_MOUNTING: f64 = 0.1745;
-
 /// A direction with the signs of the torque columns that fit best.
 #[derive(Debug, Clone)]
 pub(crate) struct Fitted {
@@ -31,7 +27,7 @@ impl Fitted {
             rest: form.rest(declared, &plain),
             signs: plain,
         };
-        start.within(form, |u| u.angle(&declared) < OTHER_MOUNTING)
+        start.within(form, |u| u.angle(&declared) < SETTINGS.mounting.other_mounting)
     }
 
     pub(crate) fn refined(self, form: &Form) -> Self {

@@ -9,8 +9,7 @@ use super::direction::Fitted;
 use super::form::{Form, factorised, powers};
 use crate::diagnosis::held_out::paired_test;
 use crate::diagnosis::settings::SETTINGS;
-use crate::regression::SETTINGS as REGRESSION_SETTINGS;
-use crate::regression::time_blocks;
+use crate::regression::{SETTINGS as REGRESSION_SETTINGS, time_blocks};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A gain of one direction over another.

@@ -9,8 +9,7 @@ use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{Layout, ParameterKind};
 use crate::preparation::{Exclusion, exclusions};
-use crate::regression::AugmentedModel;
-use crate::regression::pseudo_inverse;
+use crate::regression::{AugmentedModel, pseudo_inverse};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 
 /// The quadratic form.
@@ -235,7 +234,7 @@ impl Form {
                 .collect::<Vec<f64>>()
         };
         let masks: Vec<usize> = match n {
-            _ if n <= SETTINGS.mounting.exhaustive_joints => (0..1 << n).collect(),
+            _ if n <= SETTINGS.data_quality.exhaustive_joints => (0..1 << n).collect(),
             _ => std::iter::once(0).chain((0..n).map(|j| 1 << j)).collect(),
         };
         let weighed = masks.into_iter().filter(|m| 2 * m.count_ones() as usize <= n).map(|mask| {
@@ -243,7 +242,11 @@ impl Form {
             let pair = |j: usize, k: usize| signs[j] * signs[k] * products[(at[j], at[k])];
             let rest: f64 = (0..n).map(|j| (0..n).map(|k| pair(j, k)).sum::<f64>()).sum();
             let rest = rest.max(SETTINGS.mounting.no_column * self.total());
-            (rest, rest * SETTINGS.mounting.sign_gain.powi(mask.count_ones() as i32), signs)
+            (
+                rest,
+                rest * SETTINGS.data_quality.sign_gain.powi(mask.count_ones() as i32),
+                signs,
+            )
         });
         let best = weighed
             .min_by(|a, b| a.1.total_cmp(&b.1))

@@ -11,6 +11,5 @@ mod refine;
 mod search;
 mod vote;
 
-pub use direction::OTHER_MOUNTING;
 pub use refine::{Gravity, diagnose_mounted};
 pub use search::{Mounting, mounting, mounting_until};

@@ -1,6 +1,6 @@
 //! The direction of gravity that the data ask for.
 
-use super::direction::{Fitted, OTHER_MOUNTING, starts};
+use super::direction::{Fitted, starts};
 use super::evidence::Gain;
 use super::form::Form;
 use super::vote::Bodies;
@@ -69,7 +69,7 @@ pub fn mounting_until(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &C
     // What the arm does not show of gravity (along parallel axes, say) is as declared.
     let best = chosen.1.clone().toward(&form, declared);
     let angle = best.direction.angle(&declared);
-    if angle < OTHER_MOUNTING {
+    if angle < SETTINGS.mounting.other_mounting {
         return None;
     }
     let ratio = level.rest.min(form.best_columns(declared)) / best.rest.max(f64::MIN_POSITIVE);

@@ -2,8 +2,7 @@
 
 use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::Effect;
-use crate::effects::{Unexplained, products, variable};
+use crate::effects::{Effect, Unexplained, products, variable};
 use crate::regression::{AugmentedModel, Data, Stretch, System, Term, reduce};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

@@ -2,18 +2,14 @@
 
 use super::level::{Along, Level};
 use crate::diagnosis::selection::chance;
+use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{NoiseModel, Stretch, deviation, reduce};
 use nalgebra::{DMatrix, DVector};
 
-/// Polynomials up to this degree stand in for courses that are neither fast nor exponential: a cubic has two turns, one more for safety.
-const DEGREE: usize = 4;
-
-/// Time constants of warming up, in units of the length of the log; longer ones are polynomials. A ratio of 1.8 leaves a fiftieth of the square of
-/// any between two of them: `(2√r/(1 + r))²` is 0.979 for the r = √1.8 to the nearer.
-const CONSTANTS: [f64; 6] = [0.06, 0.1, 0.18, 0.32, 0.6, 1.0];
+const DEGREE: usize = SETTINGS.replicates.level_degree;
 
 /// Courses of one joint that are tried: each degree, each time constant, and the levels of the periods.
-pub(crate) const TRIES: usize = DEGREE + CONSTANTS.len() + 1;
+pub(crate) const TRIES: usize = DEGREE + SETTINGS.replicates.level_constants.len() + 1;
 
 /// Whitened deviations of one joint from the mean over the periods.
 pub(crate) struct Deviations<'a> {
@@ -76,7 +72,9 @@ impl<'a> Deviations<'a> {
             (0..starts.len()).map(of_period).collect::<Vec<Vec<f64>>>()
         };
         let powers = (1..=DEGREE).map(|d| course(&|x| (2.0 * x - 1.0).powi(d as i32)));
-        powers.chain(CONSTANTS.map(|c| course(&|x| (-x / c).exp()))).collect()
+        powers
+            .chain(SETTINGS.replicates.level_constants.map(|c| course(&|x| (-x / c).exp())))
+            .collect()
     }
 
     /// `C'C` and `C'd` of the whitened courses, their mean over the periods taken out as it is of the data.

@@ -6,20 +6,17 @@ use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::by_code;
 use crate::model::Robot;
-use crate::regression::deviation;
-use crate::regression::{NoiseModel, Stretch, reduce};
+use crate::regression::{NoiseModel, Stretch, deviation, reduce};
 use nalgebra::{DMatrix, DVector};
-
-/// Time constants tried, in units of the length of the log.
-const COURSES: [f64; 7] = [0.1, 0.2, 0.35, 0.6, 1.0, 2.0, 5.0];
 
 pub(crate) fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
     let length = length_of(stretch)?;
-    let tries = (COURSES.len() * robot.joint_count()) as f64;
+    let courses = SETTINGS.replicates.drift_courses;
+    let tries = (courses.len() * robot.joint_count()) as f64;
     let mut best: Option<(f64, usize, f64)> = None;
     for j in 0..robot.joint_count() {
         let at = |course: f64| drift_fit(stretch, noise, j, course * length);
-        for &course in &COURSES {
+        for course in courses {
             let (gain, _, _) = at(course);
             if best.is_none_or(|b| gain > b.0) {
                 best = Some((gain, j, course * length));
@@ -144,8 +141,8 @@ fn drift_fit(stretch: &Stretch, noise: &[NoiseModel], j: usize, constant: f64) -
 /// Standard deviation of a time constant of which nothing is known but that it is one of those tried (s).
 fn spread_of_tried(stretch: &Stretch) -> f64 {
     let length = length_of(stretch).unwrap_or(0.0);
-    (COURSES[COURSES.len() - 1] * SETTINGS.replicates.course_ratio - COURSES[0] / SETTINGS.replicates.course_ratio) * length
-        / 12f64.sqrt()
+    let (courses, ratio) = (SETTINGS.replicates.drift_courses, SETTINGS.replicates.course_ratio);
+    (courses[courses.len() - 1] * ratio - courses[0] / ratio) * length / 12f64.sqrt()
 }
 
 /// Changes of friction from the start of the log to its end, with the time constant that they were fitted with (variable projection: the gain

@@ -4,8 +4,7 @@ use super::level::{Along, Level};
 use crate::diagnosis::report::Remainder;
 use crate::diagnosis::settings::SETTINGS;
 use crate::model::Robot;
-use crate::regression::deviation;
-use crate::regression::{NoiseModel, Stretch};
+use crate::regression::{NoiseModel, Stretch, deviation};
 
 /// What of one joint goes with the time of the log, or with its periods.
 #[derive(Debug, Clone)]

@@ -76,7 +76,7 @@ impl Trend {
     fn told(&self, data: &Data, system: &System) -> Option<Unsteady> {
         let block = &system.blocks[self.log][self.joint];
         let (kept, rows) = (block.residual.norm_squared(), block.rows.iter().filter(|r| **r).count());
-        (self.gain > SETTINGS.replicates.trend_share * kept).then(|| Unsteady {
+        (self.gain > SETTINGS.selection.least_share * kept).then(|| Unsteady {
             joint: self.joint,
             along: vec![Along::Time],
             rms: data.noise[self.joint].slow_std_dev() * (self.gain / rows.max(1) as f64).sqrt(),

@@ -1,4 +1,4 @@
-//! Accepted effects told as findings: values with deviations, errors before and after, and what should be known about them.
+//! Accepted effects as findings: values with deviations, errors before and after, and what should be known about them.
 
 use super::lack_of_fit::rms;
 use super::parameter::{ReportedParameter, joint_names};
@@ -35,7 +35,7 @@ pub(crate) fn between_findings(
 }
 
 /// What a finding is made of: the effects in the order of the decision, those that stay first.
-pub(crate) struct Told<'a> {
+pub(crate) struct FindingInputs<'a> {
     pub data: &'a Data<'a>,
     pub estimator: Estimator,
     /// The model without the effects, and the final one.
@@ -57,42 +57,42 @@ pub(crate) struct Told<'a> {
 
 /// One finding per effect; before and after by fitting the model with the effects up to it, and of those that do not stay with all that stay and it. `measured`
 /// are the stretches that errors are of, and the held-out ones.
-pub(crate) fn findings(told: &Told, measured: [&[Stretch]; 2]) -> Vec<Finding> {
+pub(crate) fn findings(inputs: &FindingInputs, measured: [&[Stretch]; 2]) -> Vec<Finding> {
     // Nuisance offsets come with the first offset that was found.
-    let first = told.terms[..told.stay]
+    let first = inputs.terms[..inputs.stay]
         .iter()
         .position(|t| t.effect.code() == "torque_offset");
     let with = |terms: Vec<Term>| {
-        let mut model = told.declared.clone();
+        let mut model = inputs.declared.clone();
         if terms.len() > first.unwrap_or(0) {
-            model.terms.extend(told.nuisance.iter().cloned());
+            model.terms.extend(inputs.nuisance.iter().cloned());
         }
         model.terms.extend(terms);
-        estimated_model(told.data, model, told.estimator)
+        estimated_model(inputs.data, model, inputs.estimator)
     };
     let errors = |count: usize| {
         let model = match count {
-            0 => told.declared.clone(),
-            all if all == told.stay => told.last.clone(),
-            some if some < told.stay => with(told.terms[..some].to_vec()),
+            0 => inputs.declared.clone(),
+            all if all == inputs.stay => inputs.last.clone(),
+            some if some < inputs.stay => with(inputs.terms[..some].to_vec()),
             // Beyond those that stay: all of them and this one.
             one => with(
-                told.terms[..told.stay]
+                inputs.terms[..inputs.stay]
                     .iter()
-                    .chain([&told.terms[one - 1]])
+                    .chain([&inputs.terms[one - 1]])
                     .cloned()
                     .collect(),
             ),
         };
         rms(&model, measured[0], measured[1])
     };
-    let errors: Vec<RmsPair> = (0..told.terms.len() + 1)
+    let errors: Vec<RmsPair> = (0..inputs.terms.len() + 1)
         .into_par_iter()
         .with_max_len(1)
         .map(errors)
         .collect();
-    let one = |i: usize| finding(told, i, errors[i.min(told.stay)].clone(), errors[i + 1].clone());
-    (0..told.terms.len()).map(one).collect()
+    let one = |i: usize| finding(inputs, i, errors[i.min(inputs.stay)].clone(), errors[i + 1].clone());
+    (0..inputs.terms.len()).map(one).collect()
 }
 
 /// The model fitted by `estimator`, without what is known of it.
@@ -114,13 +114,13 @@ pub(crate) fn reported_parameters(robot: &Robot, term: &Term, covariance: &DMatr
     ReportedParameter::of(names, reported(&term, covariance))
 }
 
-fn finding(told: &Told, at: usize, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
-    let robot = &told.last.robot;
-    let (term, accepted, contest) = (&told.terms[at], &told.accepted[at], &told.contests[at]);
+fn finding(inputs: &FindingInputs, at: usize, rms_before: RmsPair, rms_after: RmsPair) -> Finding {
+    let robot = &inputs.last.robot;
+    let (term, accepted, contest) = (&inputs.terms[at], &inputs.accepted[at], &inputs.contests[at]);
     Finding {
         effect: accepted.effect.into(),
         joints: joint_names(robot, &term.joints),
-        parameters: reported_parameters(robot, term, &told.covariances[at]),
+        parameters: reported_parameters(robot, term, &inputs.covariances[at]),
         rms_before,
         rms_after,
         evidence: Evidence {
@@ -130,11 +130,11 @@ fn finding(told: &Told, at: usize, rms_before: RmsPair, rms_after: RmsPair) -> F
             held_out_blocks: Evaluated::Value(accepted.held_out.blocks),
             held_out_periods: accepted.held_out.periods.into(),
         },
-        note: note(contest, &told.held_out[at]),
-        held_out: told.held_out[at].clone(),
-        in_model: at < told.stay,
+        note: note(contest, &inputs.held_out[at]),
+        held_out: inputs.held_out[at].clone(),
+        in_model: at < inputs.stay,
         rivals: contest.rivals.clone(),
-        survivals: told.survivals.get(at).cloned().unwrap_or_default(),
+        survivals: inputs.survivals.get(at).cloned().unwrap_or_default(),
     }
 }
 

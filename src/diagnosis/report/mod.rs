@@ -7,7 +7,7 @@ mod parameter;
 mod result;
 
 pub(crate) use detection_limits::{nuisance, undetected};
-pub(crate) use findings::{Told, between_findings, findings};
+pub(crate) use findings::{FindingInputs, between_findings, findings};
 pub(crate) use lack_of_fit::{at_rest, fits, rms};
 pub use parameter::ReportedParameter;
 pub(crate) use parameter::{is_determined, joint_names};

@@ -4,8 +4,7 @@
 //! not seen can tell that. And noise that is not as assumed shows between periods.
 
 use crate::diagnosis::settings::SETTINGS;
-use crate::regression::SETTINGS as REGRESSION_SETTINGS;
-use crate::regression::{Data, System, Whitened, pseudo_root, reduce, transposed_product};
+use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, pseudo_root, reduce, transposed_product};
 use nalgebra::{DMatrix, DVector};
 use std::ops::AddAssign;
 

@@ -7,8 +7,7 @@
 use super::acceptance::judge;
 use super::candidate::Candidate;
 use super::elimination::chance_of_loss;
-use super::score::appraise;
-use super::score::{Scored, Weighed, hypotheses, weigh};
+use super::score::{Scored, Weighed, appraise, hypotheses, weigh};
 use super::types::{Accepted, Threshold};
 use super::wald_test::wald;
 use crate::effects;

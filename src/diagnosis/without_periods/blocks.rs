@@ -1,7 +1,6 @@
 //! Normal equations of a fitted model by contiguous blocks of time.
 
-use crate::regression::SETTINGS as REGRESSION_SETTINGS;
-use crate::regression::{Data, System, TimeBlock, pseudo_root, time_blocks, transposed_product};
+use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, TimeBlock, pseudo_root, time_blocks, transposed_product};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// The blocks of a fitted system, in coordinates z in which all of them together have the unit matrix for their information: `θ = H z`, `Hᵀ G H = 1`.

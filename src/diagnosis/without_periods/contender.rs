@@ -2,8 +2,7 @@
 
 use super::blocks::{Blocks, Partial, residual};
 use crate::diagnosis::selection::{Scored, columns_of, reach};
-use crate::regression::SETTINGS as REGRESSION_SETTINGS;
-use crate::regression::{Data, System, Whitened, jackknife_sum, reduce};
+use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, jackknife_sum, reduce};
 use nalgebra::{DMatrix, DVector};
 
 /// Effects that come together, with their columns.

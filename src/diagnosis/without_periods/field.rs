@@ -340,7 +340,7 @@ impl<'a> Field<'a> {
                 o != i
                     && other.evidence > 0.0
                     && simpler
-                    && other.own.held_out() > SETTINGS.without_periods.simpler_share * best.own.held_out()
+                    && other.own.held_out() > SETTINGS.selection.simpler_share * best.own.held_out()
             })
             .max_by(|&a, &b| contenders[a].own.held_out().total_cmp(&contenders[b].own.held_out()))
     }

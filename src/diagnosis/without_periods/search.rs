@@ -1,8 +1,7 @@
 //! The search itself: what every robot may have on all joints at once, then single effects.
 
 use super::field::{Chosen, Field};
-use super::nuisance;
-use super::settle;
+use super::{nuisance, settle};
 use crate::diagnosis::selection::{Candidate, Selected, Threshold, drop_superfluous, is_physical, scan};
 use crate::regression::{Data, Term};
 

@@ -4,8 +4,7 @@ use super::nuisance;
 use crate::diagnosis::selection::{Selected, wald};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::Kind;
-use crate::regression::SETTINGS as REGRESSION_SETTINGS;
-use crate::regression::{AugmentedModel, Data, System, Term, f_tail};
+use crate::regression::{AugmentedModel, Data, SETTINGS as REGRESSION_SETTINGS, System, Term, f_tail};
 
 /// Takes out what is not beyond doubt, the weakest first. A spring whose stiffness is not gives its place to a torque offset.
 pub(crate) fn settle(data: &Data, now: &mut Selected) {

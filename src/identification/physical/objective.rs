@@ -44,7 +44,7 @@ impl FitObjective {
         let (mut gram, mut moment) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
         let mut torque_square = 0.0;
         for normal in &normals {
-            normal.add_to(1.0, &mut gram, &mut moment);
+            normal.add_to(&mut gram, &mut moment);
             torque_square += normal.torque_square;
         }
         let mut objective = Self {
