@@ -226,7 +226,7 @@ fn write_motion(
     };
     let parts = file.parts(TrajectoryFormat::of_file(path));
     let parts = parts.map_err(|why| Error::new(Code::FileUnwritable, format!("{}: the format {why}", path.display())))?;
-    files::write(path, parts.flatten().collect::<Vec<u8>>())
+    files::write_parts(path, parts)
 }
 
 fn rate(arguments: &Arguments, excited: &Excited) -> f64 {

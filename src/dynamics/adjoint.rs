@@ -42,6 +42,16 @@ impl MotionGradient {
         [self.q[at], self.qd[at], self.qdd[at]]
     }
 
+    /// Takes over the gradient at the samples of `part`, which stand from `first` on in this one.
+    pub(crate) fn put(&mut self, part: &Self, first: usize) {
+        let samples = part.stride.min(self.stride - first);
+        for (to, from) in [(&mut self.q, &part.q), (&mut self.qd, &part.qd), (&mut self.qdd, &part.qdd)] {
+            for (to, from) in to.chunks_exact_mut(self.stride).zip(from.chunks_exact(part.stride)) {
+                to[first..first + samples].copy_from_slice(&from[..samples]);
+            }
+        }
+    }
+
     /// Computes the gradient at `motion` of the F whose `∂F/∂Y` is `weights` (blocks as of [`RowBlocks::fill`]). Overwrites
     /// everything. The sign of the Coulomb column has no derivative; its smooth stand-in has.
     pub fn fill(&mut self, chain: &Chain, columns: &ColumnSet, motion: &Motion, coulomb: Coulomb, weights: &RowBlocks) {

@@ -80,6 +80,18 @@ impl Motion {
         self.samples
     }
 
+    /// Becomes the `samples` samples of `from` that begin with `first`, at most as many as there is room for.
+    pub(crate) fn copy_part(&mut self, from: &Motion, first: usize, samples: usize) {
+        debug_assert!(samples <= self.stride && self.joints == from.joints && first + samples <= from.samples);
+        self.samples = samples;
+        for (to, part) in [(&mut self.q, &from.q), (&mut self.qd, &from.qd), (&mut self.qdd, &from.qdd)] {
+            for (to, part) in to.chunks_exact_mut(self.stride).zip(part.chunks_exact(from.stride)) {
+                to[..samples].copy_from_slice(&part[first..first + samples]);
+                to[samples..].fill(0.0);
+            }
+        }
+    }
+
     /// Distance between two joints' values; a multiple of [`LANES`], at least [`Self::samples`].
     pub fn stride(&self) -> usize {
         self.stride

@@ -112,6 +112,12 @@ impl RowBlocks {
         self.stride
     }
 
+    /// Takes no more than the first `samples` samples from now on, at most as many as there is room for.
+    pub(crate) fn shorten(&mut self, samples: usize) {
+        debug_assert!(samples <= self.stride);
+        self.samples = samples;
+    }
+
     /// Block of row j: `stride × w_j`, column-major.
     pub fn block(&self, j: usize) -> &[f64] {
         &self.data[self.offsets[j]..self.offsets[j + 1]]

@@ -2,7 +2,7 @@
 
 use super::course::Course;
 use super::criterion::{SmoothCriterion, true_log_value};
-use super::evaluator::{Evaluator, Smoothing};
+use super::evaluator::{Basis, Evaluator, Smoothing, basis_of};
 use super::problem::{Criterion, Problem};
 use super::search::Control;
 use super::variables::Variables;
@@ -12,6 +12,7 @@ use crate::solver::{Ending, StopRule, minimize};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// One stage of a continuation: how smooth, on how many samples, for how long.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,6 +115,8 @@ pub(super) struct Descent<'a> {
     control: &'a dyn Control,
     evaluations: AtomicU64,
     slowest: f64,
+    /// Of the asked samples: constants, and at the highest order as large as all else that an evaluation holds.
+    basis: OnceLock<Arc<Basis>>,
 }
 
 /// End of a local solve.
@@ -136,6 +139,7 @@ impl<'a> Descent<'a> {
             control,
             evaluations: AtomicU64::new(0),
             slowest: slowest_top_velocity(problem),
+            basis: OnceLock::new(),
         }
     }
 
@@ -151,7 +155,7 @@ impl<'a> Descent<'a> {
 
     /// From a random start, with its course: evaluations of its own and the criterion at its best point then.
     pub fn run_from_random(&self, start: Vec<f64>) -> (Descended, Vec<(u32, f64)>) {
-        let evaluator = Evaluator::new(self.problem, self.variables, self.samples(Grid::Coarse));
+        let evaluator = self.evaluator(self.samples(Grid::Coarse));
         let mut course = Course::from(&start, self.true_value(&start), evaluator, self.criterion(1.0));
         let end = self.run_watched(start, &FROM_RANDOM, &mut |_, _| true, Some(&mut course));
         let points = course.end(end.value);
@@ -187,7 +191,7 @@ impl<'a> Descent<'a> {
                 coulomb: Coulomb::Smooth(stage.coulomb_fraction * self.slowest),
                 penalty: PENALTY_PER_POWER * stage.power,
             };
-            let mut evaluator = Evaluator::new(self.problem, self.variables, self.samples(stage.grid));
+            let mut evaluator = self.evaluator(self.samples(stage.grid));
             let rule = StopRule {
                 max_evaluations: stage.max_evaluations,
                 least_improvement: LEAST_IMPROVEMENT,
@@ -224,7 +228,7 @@ impl<'a> Descent<'a> {
         if !self.problem.has_path_limits() {
             return x;
         }
-        let mut evaluator = Evaluator::new(self.problem, self.variables, self.problem.samples());
+        let mut evaluator = self.evaluator(self.problem.samples());
         drawn_in_until(self.variables, x, |x| evaluator.path_holds(x, ROOM_FOR_ROUNDING))
     }
 
@@ -246,8 +250,16 @@ impl<'a> Descent<'a> {
 
     /// Logarithm of the criterion at `x` with the true sign on the asked samples.
     pub fn true_value(&self, x: &[f64]) -> f64 {
-        let mut evaluator = Evaluator::new(self.problem, self.variables, self.problem.samples());
+        let mut evaluator = self.evaluator(self.problem.samples());
         true_log_value(&self.criterion(1.0), evaluator.gram_at(Coulomb::Sign, x))
+    }
+
+    fn evaluator(&self, samples: usize) -> Evaluator<'a> {
+        let basis = match samples == self.problem.samples() {
+            true => Arc::clone(self.basis.get_or_init(|| Arc::new(basis_of(self.problem, samples)))),
+            false => Arc::new(basis_of(self.problem, samples)),
+        };
+        Evaluator::with_basis(self.problem, self.variables, samples, basis)
     }
 
     fn samples(&self, grid: Grid) -> usize {

@@ -129,9 +129,9 @@ pub(super) fn infeasible(problem: &Problem, reason: String) -> Design {
 
 /// Criteria and predicted accuracy of a series on the problem's samples, with the true sign.
 pub fn assess(problem: &Problem, series: &FourierSeries) -> (Criteria, Predicted) {
-    let every = problem.observation_matrix(series);
+    let [every, whitened] = problem.factors(series);
     let torque_noise = problem.torque_noise();
-    let mut all = whiten(&every, &torque_noise) * problem.spec().knowledge.periods.sqrt();
+    let mut all = whitened * problem.spec().knowledge.periods.sqrt();
     if let Some(given) = problem.given() {
         all = stacked(&all, &root(given));
     }
@@ -239,15 +239,6 @@ fn root(information: &DMatrix<f64>) -> DMatrix<f64> {
         row *= value.max(0.0).sqrt();
     }
     rows
-}
-
-/// Every row over the noise of its joint; rows go joint by joint within a sample.
-fn whiten(y_b: &DMatrix<f64>, noise: &[f64]) -> DMatrix<f64> {
-    let mut whitened = y_b.clone();
-    for (r, mut row) in whitened.row_iter_mut().enumerate() {
-        row /= noise[r % noise.len()];
-    }
-    whitened
 }
 
 /// `diag((WᵀW)⁻¹)^½` of the first `base` columns and `(WᵀW)⁻¹` of the others, by the triangular factor: of `R⁻¹ R⁻ᵀ`.

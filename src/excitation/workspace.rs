@@ -39,8 +39,7 @@ pub(super) fn workspace_gram(problem: &Problem) -> DMatrix<f64> {
             rng.random_range(-acceleration..acceleration),
         ]
     });
-    let y = problem.rows_along(&motion, 1.0, false);
-    y.tr_mul(&y) / STATES as f64
+    problem.gram_along(&motion, 1.0, false) / STATES as f64
 }
 
 /// Columns that look at other samples have no value at a state. They are averaged over random motions within the limits, as many samples as
@@ -52,8 +51,7 @@ fn over_motions(problem: &Problem) -> DMatrix<f64> {
     let motions = STATES.div_ceil(samples);
     let of = |index: usize| {
         let x = random_start(&variables, &mut random_numbers(0, 0, index));
-        let y = problem.rows_along(&variables.series(&x).sample(rate), 1.0 / rate, true);
-        y.tr_mul(&y) / (samples * motions) as f64
+        problem.gram_along(&variables.series(&x).sample(rate), 1.0 / rate, true) / (samples * motions) as f64
     };
     (0..motions)
         .map(of)

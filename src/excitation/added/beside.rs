@@ -4,19 +4,23 @@ use super::{Added, AddedColumn, Course};
 use crate::dynamics::{ColumnSet, Coulomb, Motion, MotionGradient, RowBlocks};
 use nalgebra::DMatrix;
 
-/// `[Y_b, C]` joint by joint, and derivatives with respect to it.
+/// `[Y_b, C]` joint by joint over a block of samples, and derivatives with respect to C over all samples.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Beside {
     source: Added,
     /// Columns of `Y_b`.
     base: usize,
     interval: f64,
+    /// Of the motion.
     stride: usize,
-    /// Per joint: the base columns, then the added ones that are not zero there; `stride` values each.
+    /// Per joint: the added columns that are not zero there, over all samples, and which each of them is.
+    added: Vec<Vec<(usize, Vec<f64>)>>,
+    /// Per joint: derivatives by those; `stride` values each.
+    weights: Vec<Vec<f64>>,
+    /// Per joint: the base columns, then the added ones, over the block; of the block's stride.
     blocks: Vec<Vec<f64>>,
     /// Per joint, which column each of them is.
     outputs: Vec<Vec<usize>>,
-    weights: Vec<Vec<f64>>,
 }
 
 /// Steps of central differences in q, in units of [rad or m]; the fastest ripple known (400 cycles a turn) errs by 3e-6 of its slope there.
@@ -35,9 +39,10 @@ impl Beside {
             base,
             interval,
             stride,
+            added: vec![Vec::new(); joints],
+            weights: vec![Vec::new(); joints],
             blocks: vec![Vec::new(); joints],
             outputs: vec![Vec::new(); joints],
-            weights: vec![Vec::new(); joints],
         }
     }
 
@@ -58,33 +63,55 @@ impl Beside {
         }
     }
 
-    pub fn fill(&mut self, columns: &ColumnSet, rows: &RowBlocks, motion: &Motion, coulomb: Coulomb) {
-        for j in 0..self.blocks.len() {
-            self.blocks[j].clear();
-            self.blocks[j].extend_from_slice(rows.block(j));
-            self.outputs[j].clear();
-            self.outputs[j].extend_from_slice(columns.row(j));
-        }
+    /// Computes the added columns along a motion.
+    pub fn see(&mut self, motion: &Motion, coulomb: Coulomb) {
+        self.added.iter_mut().for_each(Vec::clear);
         for column in self.source.along(&self.course(motion, coulomb)) {
-            for (j, values) in &column.rows {
-                self.outputs[*j].push(self.base + column.at);
-                self.blocks[*j].extend_from_slice(values);
-                let full = self.outputs[*j].len() * self.stride;
-                self.blocks[*j].resize(full, 0.0);
+            for (j, values) in column.rows {
+                self.added[j].push((column.at, values));
+            }
+        }
+        for (weights, added) in self.weights.iter_mut().zip(&self.added) {
+            weights.resize(added.len() * self.stride, 0.0);
+        }
+    }
+
+    /// Puts the added columns beside the rows of the block of samples that begins with `first`.
+    pub fn join(&mut self, columns: &ColumnSet, rows: &RowBlocks, first: usize) {
+        let (stride, samples) = (rows.stride(), rows.samples());
+        for (j, added) in self.added.iter().enumerate() {
+            let (block, outputs) = (&mut self.blocks[j], &mut self.outputs[j]);
+            block.clear();
+            block.extend_from_slice(rows.block(j));
+            outputs.clear();
+            outputs.extend_from_slice(columns.row(j));
+            for (at, values) in added {
+                outputs.push(self.base + at);
+                block.extend_from_slice(&values[first..first + samples]);
+                block.resize(outputs.len() * stride, 0.0);
             }
         }
     }
 
-    /// Room for the derivative by the block of a joint.
-    pub fn weights_mut(&mut self, joint: usize) -> &mut Vec<f64> {
-        let size = self.blocks[joint].len();
-        self.weights[joint].resize(size, 0.0);
-        &mut self.weights[joint]
+    /// Derivatives by the added columns of a joint over the block that begins with sample `first`, as [`Self::block`] has them.
+    pub fn set_weights(&mut self, joint: usize, first: usize, of_block: &[f64]) {
+        let columns = self.added[joint].len();
+        if columns == 0 {
+            return;
+        }
+        let block_stride = of_block.len() / columns;
+        let samples = block_stride.min(self.stride - first);
+        for (to, from) in self.weights[joint]
+            .chunks_exact_mut(self.stride)
+            .zip(of_block.chunks_exact(block_stride))
+        {
+            to[first..first + samples].copy_from_slice(&from[..samples]);
+        }
     }
 
     /// The derivative by the values of an added column on a joint's rows; `None` where the column is zero.
     fn weights_of(&self, joint: usize, at: usize) -> Option<&[f64]> {
-        let place = self.outputs[joint].iter().rposition(|&c| c == self.base + at)?;
+        let place = self.added[joint].iter().rposition(|(c, _)| *c == at)?;
         Some(&self.weights[joint][place * self.stride..(place + 1) * self.stride])
     }
 

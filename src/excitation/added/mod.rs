@@ -11,7 +11,6 @@ mod tests;
 pub(super) use beside::Beside;
 
 use crate::dynamics::{Coulomb, Motion};
-use nalgebra::DMatrix;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -65,18 +64,5 @@ impl Added {
     /// Every column along a motion.
     pub(super) fn along(&self, course: &Course) -> Vec<AddedColumn> {
         (0..self.0.groups()).flat_map(|g| self.0.columns(g, course)).collect()
-    }
-
-    /// Rows joint by joint within a sample, as [`RowBlocks::observation_matrix`] has them.
-    pub(super) fn observation_matrix(&self, course: &Course) -> DMatrix<f64> {
-        let joints = course.motion.joints();
-        let mut matrix = DMatrix::zeros(joints * course.motion.samples(), self.0.count());
-        for column in self.along(course) {
-            for (j, values) in &column.rows {
-                let rows = values.iter().enumerate();
-                rows.for_each(|(s, v)| matrix[(s * joints + j, column.at)] = *v);
-            }
-        }
-        matrix
     }
 }

@@ -1,5 +1,6 @@
 //! One evaluation of the criterion with its exact gradient: variables → coefficients → motion → Y_b → M, and the way back.
 
+mod block;
 mod path;
 #[cfg(test)]
 mod tests;
@@ -8,11 +9,13 @@ use super::added::Beside;
 use super::criterion::SmoothCriterion;
 use super::problem::{Problem, Start};
 use super::variables::Variables;
-use crate::dynamics::{ColumnSet, Coulomb, LANES, Motion, MotionGradient, RowBlocks};
+use crate::dynamics::{ColumnSet, Coulomb, LANES, Motion, MotionGradient};
 use crate::trajectory::harmonic;
+use block::Block;
 use matrixmultiply::dgemm;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// How smooth an evaluation is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,24 +34,37 @@ pub(super) struct Evaluator<'a> {
     /// Weight of every joint's rows in M: one for the condition number of a trajectory alone; otherwise `1/σ²` times the measurements that a
     /// sample stands for.
     row_weights: Vec<f64>,
-    /// Basis of q, qd, qdd: `stride × (2L + 1)` column-major, zero in the padding.
-    basis: [Vec<f64>; 3],
+    basis: Arc<Basis>,
     /// What is known beside the motion.
     known: Option<DMatrix<f64>>,
     motion: Motion,
-    rows: RowBlocks,
     /// Columns of effects, where there are any.
     beside: Option<Beside>,
-    weights: RowBlocks,
+    /// The samples that rows are computed of at a time.
+    block: Block,
     gradient: MotionGradient,
 }
+
+/// Numbers that the rows of one block of samples hold, 4 MB: what a core keeps near itself, and what a thread of a search holds twice, whatever the number of samples.
+const BLOCK_NUMBERS: usize = 500_000;
+
+/// Values of the harmonics at the samples, for q, qd and qdd: `stride × (2L + 1)` column-major, zero in the padding.
+pub(super) type Basis = [Vec<f64>; 3];
 
 impl<'a> Evaluator<'a> {
     /// On `samples` equispaced samples of one period, the first at t = 0.
     pub fn new(problem: &'a Problem, variables: &'a Variables, samples: usize) -> Self {
+        Self::with_basis(problem, variables, samples, Arc::new(basis_of(problem, samples)))
+    }
+
+    /// [`Self::new`] with the [`basis_of`] so many samples, which all threads share.
+    pub fn with_basis(problem: &'a Problem, variables: &'a Variables, samples: usize, basis: Arc<Basis>) -> Self {
+        Self::in_blocks(problem, variables, samples, basis, BLOCK_NUMBERS)
+    }
+
+    fn in_blocks(problem: &'a Problem, variables: &'a Variables, samples: usize, basis: Arc<Basis>, numbers: usize) -> Self {
         let joints = problem.robot().joint_count();
         let columns = ColumnSet::new(problem.robot(), problem.layout(), &problem.base().kept);
-        let rows = RowBlocks::new(&columns, samples);
         let motion = Motion::zeros(joints, samples);
         let period = 1.0 / problem.spec().fundamental_hz;
         let added = problem.spec().knowledge.added.as_ref();
@@ -58,11 +74,10 @@ impl<'a> Evaluator<'a> {
             variables,
             row_weights: row_weights(problem, samples),
             known: problem.known_before(),
-            basis: basis(problem.spec().order, problem.spec().fundamental_hz, samples, motion.stride()),
+            basis,
             motion,
-            weights: rows.clone(),
-            rows,
             beside,
+            block: Block::new(&columns, samples, numbers),
             gradient: MotionGradient::new(joints, samples),
             columns,
         }
@@ -73,12 +88,15 @@ impl<'a> Evaluator<'a> {
         let coulomb = smoothing.coulomb;
         let projected = self.variables.project(x);
         self.set_motion(&projected.coefficients);
-        self.fill(coulomb);
-        let (value, slope) = criterion.evaluate(self.gram());
-        self.set_weights(&slope);
-        let excess = self.add_torque_excess(smoothing.penalty);
-        self.gradient
-            .fill(self.problem.chain(), &self.columns, &self.motion, coulomb, &self.weights);
+        let (value, slope) = criterion.evaluate(self.gram(coulomb));
+        let mut excess = 0.0;
+        // The last block is still filled: where there is only one, it is filled once.
+        for index in (0..self.block.count()).rev() {
+            self.fill(index, coulomb);
+            self.set_weights(&slope);
+            excess += self.add_torque_excess(smoothing.penalty);
+            self.set_gradient(coulomb);
+        }
         let intrusion = self.add_intrusion(smoothing.penalty);
         if let Some(beside) = &self.beside {
             beside.add_local(&self.motion, coulomb, &mut self.gradient);
@@ -95,14 +113,18 @@ impl<'a> Evaluator<'a> {
     pub fn gram_at(&mut self, coulomb: Coulomb, x: &[f64]) -> DMatrix<f64> {
         let projected = self.variables.project(x);
         self.set_motion(&projected.coefficients);
-        self.fill(coulomb);
-        self.gram()
+        self.gram(coulomb)
     }
 
-    fn fill(&mut self, coulomb: Coulomb) {
-        self.rows.fill(self.problem.chain(), &self.columns, &self.motion, coulomb);
+    /// The rows of a block along the motion, unless they are those that are there.
+    fn fill(&mut self, index: usize, coulomb: Coulomb) {
+        if self.block.filled == Some(index) {
+            return;
+        }
+        self.block
+            .fill(index, self.problem.chain(), &self.columns, &self.motion, coulomb);
         if let Some(beside) = &mut self.beside {
-            beside.fill(&self.columns, &self.rows, &self.motion, coulomb);
+            beside.join(&self.columns, &self.block.rows, self.block.first());
         }
     }
 
@@ -110,12 +132,21 @@ impl<'a> Evaluator<'a> {
     fn block(&self, joint: usize) -> (&[f64], &[usize]) {
         match &self.beside {
             Some(beside) => (beside.block(joint), beside.outputs(joint)),
-            None => (self.rows.block(joint), self.columns.row(joint)),
+            None => (self.block.rows.block(joint), self.columns.row(joint)),
         }
+    }
+
+    /// The derivative by the motion of the block, from its weights.
+    fn set_gradient(&mut self, coulomb: Coulomb) {
+        let block = &mut self.block;
+        let (chain, columns) = (self.problem.chain(), &self.columns);
+        block.gradient.fill(chain, columns, &block.motion, coulomb, &block.weights);
+        self.gradient.put(&block.gradient, block.first());
     }
 
     fn set_motion(&mut self, coefficients: &DMatrix<f64>) {
         let (stride, size, joints) = (self.motion.stride(), coefficients.nrows(), coefficients.ncols());
+        self.block.filled = None;
         let parts = [&mut self.motion.q, &mut self.motion.qd, &mut self.motion.qdd];
         for (basis, part) in self.basis.iter().zip(parts) {
             multiply(
@@ -138,10 +169,22 @@ impl<'a> Evaluator<'a> {
     }
 
     /// `M = Σ_j w_j A_jᵀ A_j` over the row blocks, and what is given.
-    fn gram(&self) -> DMatrix<f64> {
-        let stride = self.rows.stride();
+    fn gram(&mut self, coulomb: Coulomb) -> DMatrix<f64> {
         let size = self.problem.columns();
         let mut total = self.known.clone().unwrap_or_else(|| DMatrix::zeros(size, size));
+        if let Some(beside) = &mut self.beside {
+            beside.see(&self.motion, coulomb);
+        }
+        for index in 0..self.block.count() {
+            self.fill(index, coulomb);
+            self.add_gram(&mut total);
+        }
+        total
+    }
+
+    /// Adds the part of the block that is filled.
+    fn add_gram(&self, total: &mut DMatrix<f64>) {
+        let stride = self.block.stride();
         let mut product = Vec::new();
         for j in 0..self.columns.joints() {
             let (block, outputs) = self.block(j);
@@ -160,12 +203,12 @@ impl<'a> Evaluator<'a> {
                 }
             }
         }
-        total
     }
 
-    /// `∂F/∂Y = 2 w Y G`, block by block.
+    /// `∂F/∂Y = 2 w Y G` on the block that is filled.
     fn set_weights(&mut self, slope: &DMatrix<f64>) {
-        let stride = self.rows.stride();
+        let stride = self.block.stride();
+        let first = self.block.first();
         let mut part = Vec::new();
         for j in 0..self.columns.joints() {
             let (_, outputs) = self.block(j);
@@ -176,16 +219,18 @@ impl<'a> Evaluator<'a> {
                 let column = slope.column(c);
                 part.extend(outputs.iter().map(|&r| weight * column[r]));
             }
-            let to = self.weights.block_mut(j);
-            let Some(beside) = &mut self.beside else {
-                let sizes = [stride, width, width];
-                multiply(sizes, (self.rows.block(j), [1, stride]), (&part, [1, width]), 0.0, to);
-                continue;
-            };
-            let block = beside.block(j).to_vec();
-            let all = beside.weights_mut(j);
-            multiply([stride, width, width], (&block, [1, stride]), (&part, [1, width]), 0.0, all);
-            to.copy_from_slice(&all[..to.len()]);
+            let Block { rows, weights, .. } = &mut self.block;
+            let (to, sizes) = (weights.block_mut(j), [stride, width, width]);
+            match &mut self.beside {
+                None => multiply(sizes, (rows.block(j), [1, stride]), (&part, [1, width]), 0.0, to),
+                Some(beside) => {
+                    let mut all = vec![0.0; stride * width];
+                    multiply(sizes, (beside.block(j), [1, stride]), (&part, [1, width]), 0.0, &mut all);
+                    let base = to.len();
+                    to.copy_from_slice(&all[..base]);
+                    beside.set_weights(j, first, &all[base..]);
+                }
+            }
         }
     }
 
@@ -242,6 +287,12 @@ fn multiply([m, k, n]: [usize; 3], (a, sa): (&[f64], [usize; 2]), (b, sb): (&[f6
             s(m),
         );
     }
+}
+
+/// The basis of `samples` equispaced samples of one period.
+pub(super) fn basis_of(problem: &Problem, samples: usize) -> Basis {
+    let stride = samples.next_multiple_of(LANES);
+    basis(problem.spec().order, problem.spec().fundamental_hz, samples, stride)
 }
 
 fn basis(order: usize, fundamental_hz: f64, samples: usize, stride: usize) -> [Vec<f64>; 3] {

@@ -207,3 +207,35 @@ fn assert_gradient(problem: &Problem, criterion: &SmoothCriterion) {
         );
     }
 }
+
+/// As many threads as there are, each with the rows of a block: what they hold does not grow with the number of samples.
+#[test]
+fn prop_blocks_of_samples_add_up_to_the_whole() {
+    let plain = problem(Form::Exact, Start::Zero, Criterion::DOptimality);
+    for problem in [with_columns(&plain, Criterion::DOptimality), plain] {
+        let variables = Variables::new(&problem);
+        let x: Vec<f64> = (0..variables.len()).map(|i| ((i * 7 + 3) as f64).sin()).collect();
+        let smoothing = Smoothing {
+            coulomb: Coulomb::Smooth(0.1),
+            penalty: 3.0,
+        };
+        for samples in [50, 47, 96] {
+            let at = |numbers: usize| {
+                let basis = Arc::new(basis_of(&problem, samples));
+                let mut evaluator = Evaluator::in_blocks(&problem, &variables, samples, basis, numbers);
+                let mut gradient = vec![0.0; x.len()];
+                let value = evaluator.evaluate(&SmoothCriterion::DOptimality, smoothing, &x, &mut gradient);
+                (evaluator.block.count(), value, gradient)
+            };
+            let (one, whole, slope) = at(usize::MAX);
+            let (many, parts, slope_of_parts) = at(1);
+            assert!(one == 1 && many == samples.div_ceil(LANES), "{one} {many}");
+            // Sums in another order: rounding, times the condition of M.
+            assert!((whole - parts).abs() < 1e-9 * whole.abs().max(1.0), "{whole} {parts}");
+            let size = slope.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            for (a, b) in slope.iter().zip(&slope_of_parts) {
+                assert!((a - b).abs() < 1e-8 * size, "{a} {b}");
+            }
+        }
+    }
+}

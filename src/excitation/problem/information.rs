@@ -71,39 +71,86 @@ impl Problem {
         self.spec.knowledge.given.iter().map(information).reduce(|a, b| a + b)
     }
 
-    /// `[Y_b, C]` of one period on the asked samples, with the true sign; rows go joint by joint within a sample.
-    pub(in super::super) fn observation_matrix(&self, series: &FourierSeries) -> DMatrix<f64> {
-        self.rows_along(&series.sample(self.spec.sample_rate_hz), 1.0 / self.spec.sample_rate_hz, true)
-    }
-
-    /// The same along any motion.
-    pub(in super::super) fn rows_along(&self, motion: &Motion, interval: f64, periodic: bool) -> DMatrix<f64> {
+    /// `[Y_b, C]` along a motion with the true sign, so many samples at a time; rows go joint by joint within a sample.
+    fn for_rows(&self, motion: &Motion, interval: f64, periodic: bool, mut each: impl FnMut(DMatrix<f64>)) {
         let columns = ColumnSet::new(&self.spec.robot, &self.layout, &self.base.kept);
-        let mut rows = RowBlocks::new(&columns, motion.samples());
-        rows.fill(&self.chain, &columns, motion, Coulomb::Sign);
-        let y_b = rows.observation_matrix(&columns);
-        let Some(added) = &self.spec.knowledge.added else { return y_b };
+        let (joints, base, samples) = (motion.joints(), self.base.len(), motion.samples());
         let course = Course {
             motion,
             interval,
             periodic,
             coulomb: Coulomb::Sign,
         };
-        let beside = added.observation_matrix(&course);
-        let mut all = y_b.resize_horizontally(self.columns(), 0.0);
-        all.columns_mut(self.base.len(), beside.ncols()).copy_from(&beside);
-        all
+        let added = self.spec.knowledge.added.as_ref().map_or_else(Vec::new, |a| a.along(&course));
+        let length = (BLOCK_NUMBERS / (joints * self.columns().max(1))).max(1).min(samples.max(1));
+        let (mut part, mut rows) = (Motion::zeros(joints, length), RowBlocks::new(&columns, length));
+        for first in (0..samples).step_by(length) {
+            let count = length.min(samples - first);
+            part.copy_part(motion, first, count);
+            rows.shorten(count);
+            rows.fill(&self.chain, &columns, &part, Coulomb::Sign);
+            let mut all = rows.observation_matrix(&columns).resize_horizontally(self.columns(), 0.0);
+            for column in &added {
+                for (j, values) in &column.rows {
+                    let values = values[first..first + count].iter().enumerate();
+                    values.for_each(|(s, v)| all[(s * joints + j, base + column.at)] = *v);
+                }
+            }
+            each(all);
+        }
+    }
+
+    /// Sum of `yᵀy` over the rows y of `[Y_b, C]` along any motion.
+    pub(in super::super) fn gram_along(&self, motion: &Motion, interval: f64, periodic: bool) -> DMatrix<f64> {
+        let mut total = DMatrix::zeros(self.columns(), self.columns());
+        self.for_rows(motion, interval, periodic, |y| total += y.tr_mul(&y));
+        total
+    }
+
+    /// Triangular factors of `[Y_b, C]` of one period on the asked samples, and of the same with every row over the noise of its joint: what is a matter of
+    /// lengths and angles of columns is that of the factor, which has as many rows as columns.
+    pub(in super::super) fn factors(&self, series: &FourierSeries) -> [DMatrix<f64>; 2] {
+        let mut factors = [(); 2].map(|()| DMatrix::zeros(self.columns(), self.columns()));
+        self.for_period(series, |y, whitened| {
+            factors[0] = factor_of(&factors[0], &y);
+            factors[1] = factor_of(&factors[1], &whitened);
+        });
+        factors
+    }
+
+    /// The rows of one period on the asked samples, as they are and over the noise of their joint.
+    fn for_period(&self, series: &FourierSeries, mut each: impl FnMut(DMatrix<f64>, DMatrix<f64>)) {
+        let noise = self.torque_noise();
+        let rate = self.spec.sample_rate_hz;
+        self.for_rows(&series.sample(rate), 1.0 / rate, true, |y| {
+            let mut whitened = y.clone();
+            for (r, mut row) in whitened.row_iter_mut().enumerate() {
+                row /= noise[r % noise.len()];
+            }
+            each(y, whitened);
+        });
     }
 
     /// `WᵀW` of one period of a series, every row over the noise of its joint.
     pub(in super::super) fn information_of(&self, series: &FourierSeries) -> DMatrix<f64> {
-        let noise = self.torque_noise();
-        let mut rows = self.observation_matrix(series);
-        for (r, mut row) in rows.row_iter_mut().enumerate() {
-            row /= noise[r % noise.len()];
-        }
-        rows.tr_mul(&rows)
+        let mut total = DMatrix::zeros(self.columns(), self.columns());
+        self.for_period(series, |_, w| total += w.tr_mul(&w));
+        total
     }
+}
+
+/// Numbers of an observation matrix that are held at a time, 2 MB: several times as many rows as columns, up to thirty joints.
+const BLOCK_NUMBERS: usize = 250_000;
+
+/// R of `[upper; lower]`, square; where a decomposition would not end, what is not finite stays in sight.
+fn factor_of(upper: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {
+    let size = upper.ncols();
+    if !is_finite(upper) || !is_finite(lower) {
+        return DMatrix::from_element(size, size, f64::NAN);
+    }
+    let mut both = upper.clone().resize_vertically(size + lower.nrows(), 0.0);
+    both.rows_mut(size, lower.nrows()).copy_from(lower);
+    both.qr().r()
 }
 
 /// Of a positive semidefinite matrix scaled to a unit diagonal; directions below 1e-10 of the largest are those in which rivals are the same.
