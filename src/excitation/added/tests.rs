@@ -8,7 +8,7 @@ use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
 use crate::parameters::Layout;
 use crate::regression::{AugmentedModel, Term};
 use crate::trajectory::harmonic;
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::f64::consts::TAU;
 
 const JOINTS: usize = 3;
@@ -156,14 +156,19 @@ fn gradient(source: &Added, model: &AugmentedModel, motion: &Motion, weights: &[
     let mut rows = RowBlocks::new(&set, SAMPLES);
     rows.fill(&Chain::new(robot), &set, motion, SMOOTH);
     let mut beside = Beside::new(source, set.len(), JOINTS, INTERVAL, motion.stride());
-    beside.fill(&set, &rows, motion, SMOOTH);
-    (0..JOINTS).for_each(|j| beside.weights_mut(j).fill(0.0));
-    for column in weights {
-        for (j, values) in &column.rows {
-            let place = beside.outputs(*j).iter().rposition(|&c| c == set.len() + column.at);
-            let first = place.expect("was filled in") * SAMPLES;
-            beside.weights_mut(*j)[first..first + SAMPLES].copy_from_slice(values);
+    beside.see(motion, SMOOTH);
+    beside.join(&set, &rows, 0);
+    for joint in 0..JOINTS {
+        let own = beside.outputs(joint).len() - set.row(joint).len();
+        let mut of_joint = vec![0.0; own * SAMPLES];
+        for column in weights {
+            for (_, values) in column.rows.iter().filter(|(j, _)| *j == joint) {
+                let place = beside.outputs(joint).iter().rposition(|&c| c == set.len() + column.at);
+                let first = (place.expect("was filled in") - set.row(joint).len()) * SAMPLES;
+                of_joint[first..first + SAMPLES].copy_from_slice(values);
+            }
         }
+        beside.set_weights(joint, 0, &of_joint);
     }
     let (mut local, basis) = (MotionGradient::new(JOINTS, SAMPLES), basis());
     beside.add_local(motion, SMOOTH, &mut local);
