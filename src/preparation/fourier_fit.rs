@@ -13,9 +13,8 @@ pub(crate) struct FourierFit {
     pub kept: usize,
     /// Highest harmonic kept.
     pub highest: usize,
-    /// Standard deviation that the noise leaves in the velocity [rad/s or m/s].
-    pub velocity_std: f64,
-    pub acceleration_std: f64,
+    /// Standard deviation that the noise leaves in position, velocity and acceleration.
+    pub std_dev: [f64; 3],
 }
 
 /// Half the width, in lines, over which a line is judged together with its neighbours.
@@ -89,7 +88,6 @@ pub(crate) fn fourier_fit(q: &[f64], period_s: f64, variance: Option<f64>, order
         qdd: series(2),
         kept: kept.len(),
         highest: kept.last().copied().unwrap_or(0),
-        velocity_std: std(1),
-        acceleration_std: std(2),
+        std_dev: [std(0), std(1), std(2)],
     }
 }

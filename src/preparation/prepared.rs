@@ -1,6 +1,7 @@
 //! What preprocessing hands on.
 
 use super::average::{Periods, Scatter};
+use super::motion_error::MotionError;
 use super::options::Choice;
 use super::row_filter::RowFilter;
 use super::torque_column::Exclusion;
@@ -35,6 +36,8 @@ pub struct PreparedLog {
     pub excluded: Vec<Option<Exclusion>>,
     /// Per joint: standard deviation that recording has added to a torque sample, steps of the file or the converter over √12 [N m or N].
     pub resolution: Vec<f64>,
+    /// Per joint: what is not known of its motion.
+    pub motion_error: Vec<MotionError>,
     /// Every decision, and why.
     pub choices: Vec<Choice>,
 }
@@ -82,6 +85,7 @@ impl PreparedLog {
             dead_zone: self.dead_zone.clone(),
             excluded: self.excluded.clone(),
             resolution: self.resolution.clone(),
+            motion_error: self.motion_error.clone(),
             choices: Vec::new(),
             ..*self
         }

@@ -112,6 +112,9 @@ fn finest(column: &[f64], usable: &[bool]) -> f64 {
 /// Variance of rounding to steps `d` that the mean over repetitions keeps, where each is measured with noise of standard deviation `noise`. Without noise every
 /// repetition is rounded alike, `d²/12`; noise smooths the steps, and of that `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
 pub(crate) fn rounded_alike(step: f64, noise: f64) -> f64 {
+    if step <= 0.0 {
+        return 0.0;
+    }
     step * step / 12.0 * (-(std::f64::consts::TAU * noise / step).powi(2)).exp()
 }
 

@@ -1,6 +1,7 @@
 //! The noise floor: what the torque does from one period to the next, or, without periods, what is left at high frequency.
 
 use super::dataset::Stretch;
+use crate::preparation::rounded_alike;
 use crate::regression::settings::SETTINGS;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +56,11 @@ impl NoiseModel {
 
     /// From the deviations of every period from the mean of all, joint by joint. `None` for fewer than two periods.
     pub fn from_periods(stretches: &[Stretch], joint: usize) -> Option<Self> {
+        Self::from_periods_and(stretches, joint, &[])
+    }
+
+    /// The same with errors that no period shows beside: `hidden` is their autocovariance by lag for one measurement [(N·m)² or N²].
+    pub(crate) fn from_periods_and(stretches: &[Stretch], joint: usize, hidden: &[f64]) -> Option<Self> {
         let mut covariance = vec![0.0; SETTINGS.noise_terms + 1];
         let mut freedom = 0.0;
         let repeating: Vec<&Stretch> = stretches.iter().filter(|s| s.periods.len() >= 2).collect();
@@ -73,51 +79,23 @@ impl NoiseModel {
             let measured_elsewhere = stretches.iter().any(|s| s.has_rows(joint));
             return (!measured_elsewhere).then(|| Self::absent(NoiseSource::Periods));
         }
-        let recorded = repeating
-            .iter()
-            .map(|s| s.resolution[joint] * (s.repetitions() as f64).sqrt());
-        let lasting = repeating.iter().map(|s| rows_of_a_step(s, joint)).fold(1.0, f64::max);
-        Some(
-            Self::from_covariance(NoiseSource::Periods, &covariance, freedom)
-                .no_finer_than(recorded.fold(0.0, f64::max), lasting),
-        )
-    }
-
-    /// The noise with what recording adds and periods do not show. `recorded` is the standard deviation of that, `d/√12 √K` for steps d and the mean over K
-    /// periods: without noise every period is rounded alike, and the mean over them as well. Noise σ smooths the steps; of their variance
-    /// `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
-    ///
-    /// A torque that stays within a step for `lasting` rows is off by the same all that time: those rows count as one, and white noise that says as little has
-    /// so many times the variance.
-    pub(crate) fn no_finer_than(self, recorded: f64, lasting: f64) -> Self {
-        if recorded <= 0.0 {
-            return self;
+        covariance.iter_mut().for_each(|c| *c /= freedom);
+        let own = covariance[0];
+        let counts = |variance: f64| variance > SETTINGS.negligible_variance * own;
+        let rounding = rounding(&repeating, joint, own);
+        if counts(rounding) {
+            covariance[0] += rounding;
         }
-        let own = self.std_dev * self.std_dev;
-        let smoothed = (-std::f64::consts::PI.powi(2) / 3.0 * own / (recorded * recorded)).exp();
-        let added = recorded * recorded * smoothed * lasting;
-        if added <= 1e-3 * own {
-            return self;
+        if hidden.first().is_some_and(|h| counts(*h)) {
+            covariance.iter_mut().zip(hidden).for_each(|(c, h)| *c += h);
         }
-        let std_dev = (own + added).sqrt();
-        // Rounding is white; where it is most of the noise, the noise is.
-        let white = added > own;
-        Self {
-            innovation: if white {
-                std_dev
-            } else {
-                self.innovation * std_dev / self.std_dev
-            },
-            autoregression: if white { Vec::new() } else { self.autoregression },
-            std_dev,
-            ..self
-        }
+        Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom))
     }
 
     /// Levinson's recursion, the order chosen by the Bayesian information criterion.
-    fn from_covariance(source: NoiseSource, sums: &[f64], freedom: f64) -> Self {
-        let variance = (sums[0] / freedom).max(f64::MIN_POSITIVE.sqrt());
-        let r: Vec<f64> = sums.iter().map(|c| c / sums[0].max(f64::MIN_POSITIVE)).collect();
+    fn from_covariance(source: NoiseSource, covariance: &[f64], freedom: f64) -> Self {
+        let variance = covariance[0].max(f64::MIN_POSITIVE.sqrt());
+        let r: Vec<f64> = covariance.iter().map(|c| c / covariance[0].max(f64::MIN_POSITIVE)).collect();
         let mut best = (0.0, Vec::new(), 1.0);
         let (mut a, mut error): (Vec<f64>, f64) = (Vec::new(), 1.0);
         for order in 1..r.len() {
@@ -180,6 +158,18 @@ impl NoiseModel {
             })
             .collect()
     }
+}
+
+/// Variance, for one measurement, of the rounding of torques that the mean over periods keeps, given noise of variance `own`. Without noise every period is
+/// rounded alike, by `d²/12` for steps d, and the mean over them as well; noise smooths the steps, and of their variance `exp(−4π² σ²/d²)` remains
+/// (Widrow & Kollár, Quantization Noise, 2008).
+///
+/// A torque that stays within a step for some rows is off by the same all that time: those rows count as one, and white noise that says as little has so many
+/// times the variance.
+fn rounding(repeating: &[&Stretch], joint: usize, own: f64) -> f64 {
+    let lasting = repeating.iter().map(|s| rows_of_a_step(s, joint)).fold(1.0, f64::max);
+    let alike = |s: &&Stretch| s.repetitions() as f64 * rounded_alike(s.resolution[joint] * 12f64.sqrt(), own.sqrt());
+    lasting * repeating.iter().map(alike).fold(0.0, f64::max)
 }
 
 /// Rows that follow each other with the same torque, in the mean over a period.

@@ -3,7 +3,7 @@
 use super::rows::clear_of_reversals;
 use crate::dynamics::Motion;
 use crate::effects::{Column, Span};
-use crate::preparation::{Exclusion, PreparedLog};
+use crate::preparation::{Exclusion, MotionError, PreparedLog};
 use std::sync::Arc;
 
 /// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike.
@@ -35,6 +35,8 @@ pub struct Stretch {
     pub excluded: Vec<Option<Exclusion>>,
     /// Per joint: standard deviation that recording has added to a torque [N·m or N]; no noise is less.
     pub resolution: Vec<f64>,
+    /// Per joint: what is not known of its motion, which no period shows.
+    pub motion_error: Vec<MotionError>,
     pub filter: Option<ColumnFilter>,
     /// The same rows from fewer samples, where a filter leaves most of them without say.
     pub coarse: Option<Coarse>,

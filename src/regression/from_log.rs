@@ -4,7 +4,7 @@ use super::dataset::{ColumnFilter, Stretch, Unfiltered};
 use super::decimation::coarse_filter;
 use super::rows::at_rest;
 use crate::dynamics::Motion;
-use crate::preparation::{Log, PreparedLog};
+use crate::preparation::{Log, MotionError, PreparedLog};
 use std::sync::Arc;
 
 impl Stretch {
@@ -24,6 +24,7 @@ impl Stretch {
             resting: vec![vec![false; samples]; joints],
             excluded: vec![None; joints],
             resolution: vec![0.0; joints],
+            motion_error: vec![MotionError::default(); joints],
             filter: None,
             coarse: None,
             unfiltered: None,
@@ -104,6 +105,7 @@ impl Stretch {
             resting: both(false),
             excluded: prepared.excluded.clone(),
             resolution: prepared.resolution.clone(),
+            motion_error: prepared.motion_error.clone(),
             filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
             coarse: None,
             unfiltered: None,

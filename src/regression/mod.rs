@@ -23,6 +23,7 @@ mod huber;
 mod jacobian;
 mod joint_normal;
 mod model;
+mod motion_error;
 mod noise_floor;
 mod normal_equations;
 mod partial_regression;

@@ -2,15 +2,25 @@
 
 use super::ar_noise::NoiseModel;
 use super::model::AugmentedModel;
+use super::motion_error::motion_error_covariance;
 use super::normal_equations::Data;
 use crate::model::Robot;
 
-/// The noise of every joint: from the periods where there are at least two, otherwise from what the model leaves.
+/// The noise of every joint: from the periods where there are at least two, with what errors of the positions add; otherwise from what the model leaves.
 pub(crate) fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
-    let from_periods: Option<Vec<NoiseModel>> = (0..robot.joint_count())
-        .map(|j| NoiseModel::from_periods(data.stretches, j))
-        .collect();
-    from_periods.unwrap_or_else(|| residual_noise(data, model))
+    let Some(torque_noise) = from_periods(robot, data, &vec![Vec::new(); robot.joint_count()]) else {
+        return residual_noise(data, model);
+    };
+    let system = data.with_noise(torque_noise.clone()).fit(model.clone());
+    let hidden = motion_error_covariance(&system.model, data.stretches);
+    from_periods(robot, data, &hidden).unwrap_or(torque_noise)
+}
+
+/// `hidden`: per joint, autocovariance of errors that no period shows.
+fn from_periods(robot: &Robot, data: &Data, hidden: &[Vec<f64>]) -> Option<Vec<NoiseModel>> {
+    (0..robot.joint_count())
+        .map(|j| NoiseModel::from_periods_and(data.stretches, j, &hidden[j]))
+        .collect()
 }
 
 /// Noise taken from the residual of an ordinary fit, weights refined once by the noise found.

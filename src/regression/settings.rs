@@ -5,6 +5,11 @@
 pub struct Settings {
     /// Sensor and filter dynamics of a few poles; more is decided against by the criterion anyway.
     pub noise_terms: usize,
+    /// Samples of a motion that the effect of its errors is evaluated at: the mean square over 64 is good to a quarter, and a period's
+    /// motion has hardly more independent ones.
+    pub motion_error_samples: usize,
+    /// Errors whose variance is a smaller part of the noise's are left out: a thousandth moves a deviation by 0.05 %.
+    pub negligible_variance: f64,
     /// Blocks over all logs. On the measured logs estimates from two halves differ by 0.9 to 1.4 of their deviations with sixteen, and a standard
     /// deviation from sixteen values is itself known to a fifth.
     pub jackknife_blocks: usize,
@@ -75,6 +80,8 @@ pub struct Settings {
 /// What every fit uses.
 pub const SETTINGS: Settings = Settings {
     noise_terms: 12,
+    motion_error_samples: 64,
+    negligible_variance: 1e-3,
     jackknife_blocks: 16,
     jackknife_least_outside: 0.1,
     jackknife_ridge: 0.02,

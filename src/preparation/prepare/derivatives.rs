@@ -9,7 +9,8 @@ use crate::preparation::filter::{
     LowPass, central_difference, central_difference_periodic, fourth_order_difference, fourth_order_difference_periodic,
     zero_phase,
 };
-use crate::preparation::fourier_fit::fourier_fit;
+use crate::preparation::fourier_fit::{FourierFit, fourier_fit};
+use crate::preparation::motion_error::MotionError;
 use crate::preparation::options::{Choice, FilterSpec, Method};
 use rayon::prelude::*;
 
@@ -23,19 +24,19 @@ const PAPER_POSITION: FilterSpec = FilterSpec {
 const POSITION_ORDER: usize = 8;
 
 impl Chain<'_> {
-    /// q, qd, qdd, and the standard deviation of the velocities where it is known.
+    /// q, qd, qdd, and what is not known of them.
     pub(crate) fn differentiate(
         &self,
         record: &Record,
         choices: &mut Vec<Choice>,
-    ) -> Result<(Motion, Vec<f64>), PreprocessError> {
+    ) -> Result<(Motion, Vec<MotionError>), PreprocessError> {
         match self.method(record) {
             Method::FourierFit => self.by_fourier(record, choices),
             method => self.by_filter(record, method, choices),
         }
     }
 
-    fn by_fourier(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<f64>), PreprocessError> {
+    fn by_fourier(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<MotionError>), PreprocessError> {
         let Some(periods) = &record.periods else {
             return Err(PreprocessError::NotPeriodic {
                 log: self.log.name.clone(),
@@ -63,7 +64,7 @@ impl Chain<'_> {
         }
         let highest = fits.iter().map(|f| f.highest).max().unwrap_or(0);
         let kept: Vec<usize> = fits.iter().map(|f| f.kept).collect();
-        let worst = fits.iter().map(|f| f.acceleration_std).fold(0.0, f64::max);
+        let worst = fits.iter().map(|f| f.std_dev[2]).fold(0.0, f64::max);
         choices.push(Choice::new(
             "derivatives",
             format!("Fourier fit, harmonics per joint {kept:?}, highest {highest} ({:.2} Hz)", highest as f64 / periods.period_s),
@@ -72,7 +73,12 @@ impl Chain<'_> {
                  {worst:.2e} rad/s² (m/s²) of noise in the accelerations"
             ),
         ));
-        Ok((motion, fits.iter().map(|f| f.velocity_std).collect()))
+        let samples = record.usable.len() as f64;
+        let error = |f: &FourierFit| MotionError {
+            std_dev: f.std_dev,
+            band: f.highest as f64 / samples,
+        };
+        Ok((motion, fits.iter().map(error).collect()))
     }
 
     fn by_filter(
@@ -80,7 +86,7 @@ impl Chain<'_> {
         record: &Record,
         method: Method,
         choices: &mut Vec<Choice>,
-    ) -> Result<(Motion, Vec<f64>), PreprocessError> {
+    ) -> Result<(Motion, Vec<MotionError>), PreprocessError> {
         let periodic = record.periods.is_some();
         let (spec, why) = match (self.options.position_filter, method) {
             (Some(spec), _) => (spec, "given"),
@@ -106,9 +112,9 @@ impl Chain<'_> {
             self.cancel.leave_if_set();
             let qd = difference(&q, step);
             let qdd = difference(&qd, step);
-            (velocity_noise(raw, &q, &filter), [q, qd, qdd])
+            (filtered_error(raw, &q, &filter), [q, qd, qdd])
         };
-        let (mut velocity_std, states): (Vec<f64>, Vec<[Vec<f64>; 3]>) = record.q.par_iter().map(of_joint).unzip();
+        let (mut errors, states): (Vec<MotionError>, Vec<[Vec<f64>; 3]>) = record.q.par_iter().map(of_joint).unzip();
         for (j, [q, qd, qdd]) in states.iter().enumerate() {
             (0..q.len()).for_each(|s| motion.set(j, s, [q[s], qd[s], qdd[s]]));
         }
@@ -138,7 +144,7 @@ impl Chain<'_> {
                     for (j, qd) in filtered.iter().enumerate() {
                         let qdd = difference(qd, step);
                         (0..qd.len()).for_each(|s| motion.set(j, s, [motion.positions(j)[s], qd[s], qdd[s]]));
-                        velocity_std[j] = filtered_noise(&logged[j], qd, &filter);
+                        errors[j].std_dev[1] = filtered_noise(&logged[j], qd, &filter);
                     }
                     let why = "they agree with the positions; filtered alike, and differenced once for the accelerations";
                     ("used", why.to_string())
@@ -146,7 +152,7 @@ impl Chain<'_> {
             };
             choices.push(Choice::new("logged_velocities", choice.0, choice.1));
         }
-        Ok((motion, velocity_std))
+        Ok((motion, errors))
     }
 
     fn differs(&self, joint: usize, part: f64) -> String {
@@ -201,12 +207,9 @@ fn filtered_noise(raw: &[f64], filtered: &[f64], filter: &LowPass) -> f64 {
     (removed * share / (1.0 - share).max(0.1)).sqrt()
 }
 
-/// Standard deviation of the velocity that is left after filtering, from what the filter took out: for white noise of variance σ²
-/// per sample, taken out above the cut-off, the velocity keeps `σ² 2/f_s ∫₀^fc (2πf)² df = σ² 8π² fc³ / 3 f_s`.
-fn velocity_noise(raw: &[f64], filtered: &[f64], filter: &LowPass) -> f64 {
+/// Error that is left after filtering, from what the filter took out: white noise, taken out above the cut-off.
+fn filtered_error(raw: &[f64], filtered: &[f64], filter: &LowPass) -> MotionError {
     let removed = raw.iter().zip(filtered).map(|(r, f)| (r - f).powi(2)).sum::<f64>() / raw.len() as f64;
     let share = 1.0 - 2.0 * filter.cutoff_hz / filter.rate_hz;
-    let variance = removed / share.max(0.1);
-    let pi = std::f64::consts::PI;
-    (variance * 8.0 * pi * pi * filter.cutoff_hz.powi(3) / (3.0 * filter.rate_hz)).sqrt()
+    MotionError::behind_low_pass(removed / share.max(0.1), filter.cutoff_hz, filter.rate_hz)
 }

@@ -50,7 +50,8 @@ pub fn prepare_until(
     chain.check_positions()?;
     let mut choices = Vec::new();
     let record = chain.record(&mut choices)?;
-    let (mut motion, velocity_std) = chain.differentiate(&record, &mut choices)?;
+    let (mut motion, motion_error) = chain.differentiate(&record, &mut choices)?;
+    let velocity_std: Vec<f64> = motion_error.iter().map(|e| e.std_dev[1]).collect();
     let still = hold_still(&mut motion, &velocity_std, log);
     let excluded = chain.excluded(&still, &mut choices)?;
     cancel.leave_if_set();
@@ -84,6 +85,7 @@ pub fn prepare_until(
         dead_zone,
         excluded,
         resolution: recorded,
+        motion_error,
         choices,
     })
 }
