@@ -26,12 +26,10 @@ impl MotionError {
         }
     }
 
-    /// Autocorrelation of the error of derivative `order` at `lag` samples, whose spectrum grows with the frequency's power `2 order` up to the band's end.
-    pub(crate) fn autocorrelation(&self, order: usize, lag: f64) -> f64 {
-        /// Lines that the spectrum is summed over: its period is so many times that of the highest frequency, longer than any noise model's memory.
-        const LINES: usize = 64;
-        let weight = |l: usize| (l as f64).powi(2 * order as i32);
-        let line = |l: usize| weight(l) * (std::f64::consts::TAU * self.band * lag * l as f64 / LINES as f64).cos();
-        (1..=LINES).map(line).sum::<f64>() / (1..=LINES).map(weight).sum::<f64>()
+    /// How much denser the spectrum of the error of derivative `order` is than that of white noise of the same variance, where it is densest: at the end of
+    /// its band, towards which it grows with the frequency's power `2 order`.
+    pub(crate) fn density(&self, order: usize) -> f64 {
+        let used = (2.0 * self.band).min(1.0);
+        if used > 0.0 { (2 * order + 1) as f64 / used } else { 1.0 }
     }
 }

@@ -56,11 +56,11 @@ impl NoiseModel {
 
     /// From the deviations of every period from the mean of all, joint by joint. `None` for fewer than two periods.
     pub fn from_periods(stretches: &[Stretch], joint: usize) -> Option<Self> {
-        Self::from_periods_and(stretches, joint, &[])
+        Self::from_periods_and(stretches, joint, 0.0)
     }
 
-    /// The same with errors that no period shows beside: `hidden` is their autocovariance by lag for one measurement [(N·m)² or N²].
-    pub(crate) fn from_periods_and(stretches: &[Stretch], joint: usize, hidden: &[f64]) -> Option<Self> {
+    /// The same with errors beside that no period shows, as white noise of variance `hidden` for one measurement [(N·m)² or N²].
+    pub(crate) fn from_periods_and(stretches: &[Stretch], joint: usize, hidden: f64) -> Option<Self> {
         let mut covariance = vec![0.0; SETTINGS.noise_terms + 1];
         let mut freedom = 0.0;
         let repeating: Vec<&Stretch> = stretches.iter().filter(|s| s.periods.len() >= 2).collect();
@@ -81,13 +81,9 @@ impl NoiseModel {
         }
         covariance.iter_mut().for_each(|c| *c /= freedom);
         let own = covariance[0];
-        let counts = |variance: f64| variance > SETTINGS.negligible_variance * own;
-        let rounding = rounding(&repeating, joint, own);
-        if counts(rounding) {
-            covariance[0] += rounding;
-        }
-        if hidden.first().is_some_and(|h| counts(*h)) {
-            covariance.iter_mut().zip(hidden).for_each(|(c, h)| *c += h);
+        let unseen = hidden + rounding(&repeating, joint, own);
+        if unseen > SETTINGS.negligible_variance * own {
+            covariance[0] += unseen;
         }
         Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom))
     }

@@ -145,6 +145,38 @@ fn no_sign_is_accused_on_the_clean_log_of_an_arm_without_friction() {
     assert!(faults.as_array().is_none_or(Vec::is_empty), "{faults}");
 }
 
+#[test]
+fn a_simulation_request_of_wrong_types_is_refused_at_the_field() {
+    let folder = Folder::new("wrong-types");
+    let good =
+        json!({"trajectory": {"fourier": {"fundamental_hz": 0.5, "a": [[0.1], [0.2]], "b": [[0.1], [0.2]], "offset": [0, 0]}}});
+    for (pointer, value) in [
+        ("/noise", json!({"torque": 0.1})),
+        ("/noise/torque", json!([0.1, "x"])),
+        ("/periods", json!("three")),
+        ("/seed", json!(-1)),
+        ("/trajectory", json!(null)),
+        ("/trajectory", json!({"fourier": null})),
+        ("/trajectory/fourier/a/1", json!({"no": "list"})),
+        ("/trajectory/fourier/fundamental_hz", json!([0.5])),
+    ] {
+        let mut document = good.clone();
+        document["noise"] = json!({"torque": [0.1, 0.1]});
+        match document.pointer_mut(pointer) {
+            Some(at) => *at = value.clone(),
+            None => document[&pointer[1..]] = value.clone(),
+        }
+        let request = folder.write("request.json", &document.to_string());
+        let refused = run(&["simulate", "--robot", "planar_two_link", "--request", &request]);
+        assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+        assert!(
+            stderr(&refused).contains(&format!("  {pointer}")),
+            "{value} at {pointer}: {}",
+            stderr(&refused)
+        );
+    }
+}
+
 /// The rows of a good log: time, two positions, two torques.
 fn good_rows() -> Vec<[f64; 5]> {
     let mut text = String::new();

@@ -16,13 +16,18 @@ pub const LOG: &str = "log.csv";
 pub const VALIDATION: &str = "validation.csv";
 pub const MODEL: &str = "model";
 pub const GIVEN: &str = "given.json";
+/// A URDF file that identified bodies are put into.
+pub const OWN_URDF: &str = "own.urdf";
+/// What a robot's file names as the shape of a link.
+pub const MESH: &str = "mesh.stl";
 pub const SETTINGS: &str = "settings.toml";
 
 /// Every base of a target. Logs and models are made by the program itself.
 pub fn of(target: Target) -> Vec<Draft> {
     let maker = Maker::new();
     match target {
-        Target::BaseParameters => robots().into_iter().map(|robot| Draft::new(vec![(ROBOT, robot)])).collect(),
+        Target::BaseParameters => robots().into_iter().map(Draft::new).collect(),
+        Target::Model => models(&maker),
         Target::Excite => excitations(&maker),
         Target::Identify => identifications(&maker),
         Target::Inspect => identifications(&maker),
@@ -94,7 +99,47 @@ const GRIPPER: &str = r#"<robot name="g"><link name="b"/><link name="l1"><inerti
 <joint name="g1" type="prismatic"><parent link="l1"/><child link="f1"/><axis xyz="0 1 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/></joint>
 <joint name="g2" type="prismatic"><parent link="l1"/><child link="f2"/><axis xyz="0 -1 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/></joint></robot>"#;
 
-fn robots() -> Vec<Document> {
+/// A box as triangles of one corner each: enough for a shape.
+fn mesh(binary: bool) -> Document {
+    let corners = (0..8).map(|k: u32| {
+        [0.05, 0.1, 0.3]
+            .map(|h: f32| h)
+            .into_iter()
+            .enumerate()
+            .map(move |(i, h)| if k >> i & 1 == 1 { h } else { -h })
+    });
+    let triangles: Vec<Vec<f32>> = corners.map(|c| c.collect::<Vec<_>>().repeat(3)).collect();
+    let words = |t: &Vec<f32>| {
+        let vertices: String = t.chunks(3).map(|c| format!("vertex {} {} {}\n", c[0], c[1], c[2])).collect();
+        format!("facet normal 0 0 0\nouter loop\n{vertices}endloop\nendfacet\n")
+    };
+    let text = format!("solid box\n{}endsolid box\n", triangles.iter().map(words).collect::<String>());
+    let mut bytes = vec![0u8; 80];
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for triangle in &triangles {
+        bytes.extend([0u8; 12]);
+        triangle.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        bytes.extend([0u8; 2]);
+    }
+    Document::Plain(if binary { bytes } else { text.into_bytes() })
+}
+
+/// Robots, and what their files name.
+fn robots() -> Vec<Vec<(&'static str, Document)>> {
+    let mjcf = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/ref_mjcf.xml");
+    let mjcf = std::fs::read_to_string(mjcf).expect("the reference is there");
+    let meshed = URDF.replace("package://x/y.stl", MESH);
+    let with_mesh = |binary: bool| vec![(ROBOT, Document::Xml(Element::parse(&meshed))), (MESH, mesh(binary))];
+    let mut all: Vec<Vec<(&'static str, Document)>> = arms().into_iter().map(|robot| vec![(ROBOT, robot)]).collect();
+    all.extend([
+        vec![(ROBOT, Document::Xml(Element::parse(&mjcf)))],
+        with_mesh(true),
+        with_mesh(false),
+    ]);
+    all
+}
+
+fn arms() -> Vec<Document> {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/iiwa14.urdf");
     let iiwa = std::fs::read_to_string(example).expect("the shipped robot is there");
     let with_tip = json!({"urdf": GRIPPER, "tip": "f1", "gravity": [0, 0, -9.81], "friction": ["viscous"], "source": "x"});
@@ -210,13 +255,25 @@ impl Maker {
 
     /// The model identified from a log, as JSON and as URDF.
     fn model(&self, log: &Table) -> (Value, String) {
+        let robot = self.file("r.json", &planar());
+        self.model_of(&robot, log)
+    }
+
+    /// The same of the robot in a URDF file.
+    fn urdf_model(&self, log: &Table) -> (Value, String) {
+        let path = self.folder.join("r.urdf");
+        std::fs::write(&path, URDF).expect("temporary files can be written");
+        self.model_of(&path.display().to_string(), log)
+    }
+
+    fn model_of(&self, robot: &str, log: &Table) -> (Value, String) {
         let path = self.folder.join("sprung.csv");
         std::fs::write(&path, log.render()).expect("temporary files can be written");
-        let (robot, log) = (self.file("r.json", &planar()), path.display().to_string());
+        let log = path.display().to_string();
         let [model, urdf] = ["model.json", "model.urdf"].map(|name| self.folder.join(name).display().to_string());
         let out = self.folder.join("out.json").display().to_string();
         self.run(&[
-            "identify", "--robot", &robot, "--log", &log, "--model", &model, "--urdf", &urdf, "--out", &out,
+            "identify", "--robot", robot, "--log", &log, "--model", &model, "--urdf", &urdf, "--out", &out,
         ]);
         let json = serde_json::from_str(&self.read("model.json")).expect("the model is JSON");
         (json, self.read("model.urdf"))
@@ -301,6 +358,19 @@ fn validations(maker: &Maker) -> Vec<Draft> {
         parts(document(model), request, &log),
         parts(Document::Xml(Element::parse(&urdf)), json!({}), &log),
         parts(document(planar()), json!({"trace": false}), &log),
+    ]
+}
+
+/// Stored models, written out, and put into files of one's own.
+fn models(maker: &Maker) -> Vec<Draft> {
+    let log = maker.sprung_log();
+    let (model, _) = maker.model(&log);
+    let (of_urdf, written) = maker.urdf_model(&log);
+    let own = |xml: &str| Document::Xml(Element::parse(xml));
+    vec![
+        Draft::new(vec![(MODEL, document(model))]),
+        Draft::new(vec![(MODEL, document(of_urdf.clone())), (OWN_URDF, own(URDF))]),
+        Draft::new(vec![(MODEL, document(of_urdf)), (OWN_URDF, own(&written))]),
     ]
 }
 

@@ -20,13 +20,15 @@ pub enum Target {
     Simulate,
     Motion,
     Settings,
+    /// Exports of a stored model, also into a URDF file of one's own.
+    Model,
     /// Panics, aborts and endless loops on demand: shows that they are seen.
     Itself,
 }
 
 impl Target {
     /// Those that stand for the program.
-    pub const ALL: [Target; 8] = [
+    pub const ALL: [Target; 9] = [
         Target::BaseParameters,
         Target::Inspect,
         Target::Identify,
@@ -35,6 +37,7 @@ impl Target {
         Target::Simulate,
         Target::Motion,
         Target::Settings,
+        Target::Model,
     ];
 
     pub fn name(self) -> &'static str {
@@ -47,6 +50,7 @@ impl Target {
             Target::Simulate => "simulate",
             Target::Motion => "motion",
             Target::Settings => "settings",
+            Target::Model => "model",
             Target::Itself => "itself",
         }
     }
@@ -147,6 +151,20 @@ fn arguments(target: Target, folders: &Folders) -> Vec<String> {
                 folders.part(bases::SETTINGS).unwrap_or_default(),
             ];
             return all;
+        }
+        Target::Model => {
+            // Standing first, and alone where nothing else is known of it.
+            all.extend(folders.part(bases::MODEL));
+            all.extend(["urdf", "xml", "sdf", "csv", "c", "py"].iter().flat_map(|ending| {
+                let file = folders.result(&format!("model.{ending}"));
+                ["--out".to_string(), file]
+            }));
+            all.extend(
+                folders
+                    .part(bases::OWN_URDF)
+                    .into_iter()
+                    .flat_map(|own| ["--patch-urdf".to_string(), own]),
+            );
         }
         Target::Validate => {
             give("--model", folders.part(bases::MODEL));

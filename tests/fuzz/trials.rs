@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// Inputs per target: about a minute on two cores together.
-const INPUTS: [(Target, u64); 8] = [
+const INPUTS: [(Target, u64); 9] = [
     (Target::BaseParameters, 600),
     (Target::Inspect, 300),
     (Target::Identify, 200),
@@ -20,6 +20,7 @@ const INPUTS: [(Target, u64); 8] = [
     (Target::Simulate, 200),
     (Target::Motion, 300),
     (Target::Settings, 200),
+    (Target::Model, 200),
 ];
 
 pub fn all() -> Vec<Trial> {

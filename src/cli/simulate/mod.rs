@@ -13,6 +13,7 @@ use crate::trajectory::{FourierSeries, QuinticWayPoints, SineSeries, Trajectory}
 use nalgebra::DMatrix;
 use serde::Deserialize;
 use serde_json::Value;
+use serde_path_to_error::Segment;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -94,7 +95,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     if !problems.is_empty() {
         return Err(invalid(problems));
     }
-    let request: Request = serde_json::from_value(document).map_err(|e| invalid(vec![FieldProblem::new("", e.to_string())]))?;
+    let request: Request = read(&document).map_err(|problem| invalid(vec![problem]))?;
     check(&request, &robot, &mut problems);
     if !problems.is_empty() {
         return Err(invalid(problems));
@@ -119,6 +120,20 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         format!("{} rows of {} joints\n", log.time.len(), log.q.len())
     })?;
     Ok(Ending::Done)
+}
+
+/// A value as its type, or where in it the type is not met.
+fn read<T: serde::de::DeserializeOwned>(value: &Value) -> Result<T, FieldProblem> {
+    serde_path_to_error::deserialize(value).map_err(|e| FieldProblem::new(pointer(e.path()), e.inner().to_string()))
+}
+
+fn pointer(path: &serde_path_to_error::Path) -> String {
+    let step = |segment: &Segment| match segment {
+        Segment::Seq { index } => format!("/{index}"),
+        Segment::Map { key } | Segment::Enum { variant: key } => format!("/{}", key.replace('~', "~0").replace('/', "~1")),
+        Segment::Unknown => String::new(),
+    };
+    path.iter().map(step).collect()
 }
 
 /// Entries of a list that cannot be read, each by its place.

@@ -42,8 +42,9 @@ pub(crate) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> 
     };
     let (mut levels, mut count) = (Vec::new(), 0);
     let mut rows = vec![false; column.len()];
-    // Noise smooths steps; where rounding is all there is, the top of a wave is one step.
-    let coarse = step_of(column, left).filter(|step| noise <= 0.5 * step);
+    // Noise smooths steps; where rounding is all there is, the top of a wave is one step. Third differences of rounded values are whole steps: the median of two
+    // steps, which a fast wave has, reads as noise of 0.66 of one.
+    let coarse = step_of(column, left).filter(|step| noise <= *step);
     let natural = |level: &f64| turns_at(column, q, *level) || coarse.is_some_and(|step| beyond(column, *level) <= step);
     let (top, bottom) = (top.filter(|(l, _)| !natural(l)), bottom.filter(|(l, _)| !natural(l)));
     for (level, side, piled) in [top.map(|(l, c)| (l, 1.0, c)), bottom.map(|(l, c)| (l, -1.0, c))]

@@ -1,6 +1,7 @@
 //! Base parameters, bodies and effects as one table.
 
 use super::FinalModel;
+use crate::model::shortest;
 
 impl FinalModel {
     /// Columns `kind, name, joint, value, std_dev, unit, expression`; lines end with a line feed.
@@ -8,14 +9,14 @@ impl FinalModel {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut put = |row: [&str; 7]| writer.write_record(row).expect("writing to memory does not fail");
         put(["kind", "name", "joint", "value", "std_dev", "unit", "expression"]);
-        let text = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v}"));
+        let text = |v: Option<f64>| v.map_or_else(String::new, shortest);
         for row in &self.base_parameters {
             let (value, std_dev) = (text(row.value), text(row.std_dev));
             put(["base_parameter", &row.name, "", &value, &std_dev, &row.unit, &row.expression]);
         }
         for (j, joint) in self.robot.joints().iter().enumerate() {
             for (name, value, unit) in self.body_values(j) {
-                put(["body", name, &joint.name, &format!("{value}"), "", &unit, ""]);
+                put(["body", name, &joint.name, &shortest(value), "", &unit, ""]);
             }
         }
         for (term, deviations) in self.terms.iter().zip(&self.deviations) {
@@ -25,7 +26,7 @@ impl FinalModel {
             for (at, (info, value)) in infos.iter().zip(values).enumerate() {
                 let std_dev = text(deviations.get(at).copied().flatten());
                 let name = format!("{}.{}", term.effect.code(), info.name);
-                put(["effect", &name, &joints, &format!("{value}"), &std_dev, &info.unit, ""]);
+                put(["effect", &name, &joints, &shortest(value), &std_dev, &info.unit, ""]);
             }
         }
         String::from_utf8(writer.into_inner().expect("writing to memory does not fail")).expect("made of text")
