@@ -61,6 +61,48 @@ class LogErrors:
 
 
 @dataclass(frozen=True)
+class DetectableEffect:
+    """The smallest size of an effect that a recording reveals."""
+
+    effect: str
+    #: None for an effect of the whole robot.
+    joints: list[str]
+    parameter: str
+    unit: str
+    #: None where no size is found; `hidden` says why.
+    size: float | None
+    hidden: str | None
+
+
+@dataclass(frozen=True)
+class InseparableEffects:
+    """An effect that is found, and one that it is not told apart from at that size."""
+
+    effect: str
+    joints: list[str]
+    parameter: str
+    rival: str
+    rival_joints: list[str]
+    correlation: float
+    #: Size of the effect from which on the rival is excluded; None where no size does.
+    told_apart_from: float | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class Detectable:
+    """What a recording of a design would reveal, with the chance `power`."""
+
+    power: float
+    false_alarm: float
+    periods: float
+    torque_noise: list[float]
+    noise_source: str
+    effects: list[DetectableEffect]
+    pairs: list[InseparableEffects]
+
+
+@dataclass(frozen=True)
 class Design:
     """A designed trajectory."""
 
@@ -74,6 +116,16 @@ class Design:
     @property
     def period_s(self) -> float:
         return 1.0 / self.fundamental_hz
+
+    @property
+    def detectable(self) -> Detectable | None:
+        """What a recording would reveal; None where there is no trajectory."""
+        d = self.document.get("detectable")
+        if d is None:
+            return None
+        effects = [DetectableEffect(**{k: e.get(k) for k in DetectableEffect.__dataclass_fields__}) for e in d["effects"]]
+        pairs = [InseparableEffects(**{k: p.get(k) for k in InseparableEffects.__dataclass_fields__}) for p in d["pairs"]]
+        return Detectable(d["power"], d["false_alarm"], d["periods"], d["torque_noise"], d["noise_source"], effects, pairs)
 
     def samples(
         self,

@@ -1,5 +1,6 @@
 //! Design an excitation trajectory.
 
+use super::detectable::Basis;
 use super::{Code, Error};
 use crate::cancel::CancelFlag;
 use crate::excitation::{
@@ -148,7 +149,12 @@ pub fn excite_beside(
     let first_run = backoff
         .filter(|_| design.criteria.is_some())
         .and_then(|asked| first_run(problem, &design.series, asked));
-    let document = DesignDocument::new(request, &designs, first_run.as_ref(), started.elapsed().as_secs_f64());
+    let searched_s = started.elapsed().as_secs_f64();
+    let series: Vec<&FourierSeries> = designs.iter().filter(|(_, d)| d.criteria.is_some()).map(|(_, d)| &d.series).collect();
+    let basis = Basis::new(request);
+    let assessed = basis.assess(&designs, &series);
+    let document = DesignDocument::new(request, &designs, first_run.as_ref(), assessed.as_ref(), searched_s);
+    let design = &designs[0].1;
     Excited {
         document,
         series: design.criteria.map(|_| design.series.clone()),

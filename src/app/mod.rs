@@ -1,5 +1,6 @@
 //! Use cases as plain functions: progress and cancellation are handed in, errors carry stable codes.
 
+mod detectable;
 mod diagnose;
 mod error;
 mod excite;

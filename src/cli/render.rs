@@ -1,7 +1,7 @@
 //! What people and programs see.
 
 use crate::app::{Error, Problem};
-use crate::io::{DesignDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument};
+use crate::io::{DesignDocument, DetectableEffectDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument, significant};
 use std::fmt::Write;
 
 /// To standard error: a problem document with `--json`, else lines for people.
@@ -77,6 +77,7 @@ pub fn summary(design: &DesignDocument) -> String {
         search.evaluations, search.elapsed_s, search.seed
     );
     limits_used(&mut text, design);
+    would_reveal(&mut text, design);
     for note in &design.notes {
         let _ = writeln!(text, "  note: {note}");
     }
@@ -105,6 +106,44 @@ fn limits_used(text: &mut String, design: &DesignDocument) {
             .map(|k| used(k).map_or(format!(" {:>13}", "-"), |v| format!(" {v:13.2}")))
             .collect();
         let _ = writeln!(text, "    {joint:18}{row}");
+    }
+}
+
+/// The smallest size of every effect that a recording reveals, a line per effect and parameter, and what it takes for what.
+fn would_reveal(text: &mut String, design: &DesignDocument) {
+    let Some(found) = &design.detectable else { return };
+    let percent = 100.0 * found.power;
+    let noise: Vec<String> = found.torque_noise.iter().map(|n| significant(*n, 3)).collect();
+    let _ = writeln!(
+        text,
+        "  a recording of {} periods reveals ({percent:.0} % of logs, torque noise {} from {}):",
+        found.periods,
+        noise.join(" "),
+        found.noise_source.replace('_', " ")
+    );
+    let mut kinds: Vec<(&str, &str, &str)> = Vec::new();
+    for e in found.effects.iter().filter(|e| e.size.is_some()) {
+        let kind = (e.effect, e.parameter.as_str(), e.unit.as_str());
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    for (effect, parameter, unit) in kinds {
+        let own = |e: &&DetectableEffectDocument| (e.effect, e.parameter.as_str(), e.unit.as_str()) == (effect, parameter, unit);
+        let size = |e: &DetectableEffectDocument| {
+            let size = e.size.map(|s| format!("{} {}", e.joints.join("/"), significant(s, 3)));
+            size.map(|s| s.trim_start().to_string())
+        };
+        let sizes: Vec<String> = found.effects.iter().filter(own).filter_map(size).collect();
+        let _ = writeln!(text, "    {effect} {parameter} [{unit}]: {}", sizes.join(", "));
+    }
+    let mut taken: Vec<(&str, &str)> = found.pairs.iter().map(|p| (p.effect, p.rival)).collect();
+    taken.sort_unstable();
+    taken.dedup();
+    let one_way = |(a, b): &(&str, &str)| a <= b || !taken.contains(&(b, a));
+    let named: Vec<String> = taken.iter().filter(|p| one_way(p)).map(|(a, b)| format!("{a} / {b}")).collect();
+    if !named.is_empty() {
+        let _ = writeln!(text, "  not told apart at these sizes on some joint: {}", named.join(", "));
     }
 }
 

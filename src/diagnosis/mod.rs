@@ -9,6 +9,7 @@ mod alternatives;
 mod conclusion;
 mod course;
 mod data_quality;
+mod detectable;
 mod held_out;
 mod mounting;
 mod next_design;
@@ -28,6 +29,7 @@ pub use alternatives::RivalTerm;
 pub use data_quality::{
     DataFault, FaultKind, LostRows, RawLog, Remedy, column_faults, column_faults_until, leave_out, lost_rows, sample_faults,
 };
+pub use detectable::{Detectable, Hidden, Inseparable, Plan, Visible, detectable};
 pub use mounting::{Gravity, Mounting, diagnose_mounted, mounting, mounting_until};
 pub use next_design::{EffectColumns, information_over};
 pub use options::DiagnosisOptions;

@@ -21,6 +21,8 @@ pub struct Settings {
     pub held_out: HeldOutTest,
     /// Changes of the data that a finding must survive.
     pub stability: Stability,
+    /// What a planned recording would reveal.
+    pub detectable: DetectableSizes,
 }
 
 /// Data faults.
@@ -266,6 +268,25 @@ pub struct Stability {
     pub cutoff_step: f64,
 }
 
+/// What a planned recording would reveal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DetectableSizes {
+    /// Chance that an effect of the size reported is found.
+    pub power: f64,
+    /// Rows per second that a diagnosis makes of periods recorded faster: their samples are averaged.
+    pub rows_per_second: f64,
+    /// Rows that the columns are taken over, of all joints and motions: forty seconds of seven joints at two hundred a second. A sample stands for several where there are more.
+    pub most_rows: usize,
+    /// Periods from which on a diagnosis looks for what changes between them.
+    pub fewest_periods: f64,
+    /// Joints up to which a plan is assessed: every pair of joints has its crosstalk, and the table of all against all grows with the fourth power.
+    pub most_joints: usize,
+    /// Share of an effect that another must explain to be found in its place: the noncentralities that the tests of two effects need differ by less than a factor of ten.
+    pub least_share: f64,
+    /// Shapes of a grid that an effect is looked for in the place of another.
+    pub most_shapes: usize,
+}
+
 /// What every diagnosis uses.
 pub const SETTINGS: Settings = Settings {
     data_quality: DataQuality {
@@ -375,5 +396,14 @@ pub const SETTINGS: Settings = Settings {
     stability: Stability {
         doubtful: 1e-2,
         cutoff_step: 0.25,
+    },
+    detectable: DetectableSizes {
+        power: 0.9,
+        rows_per_second: 200.0,
+        most_rows: 56_000,
+        fewest_periods: 3.0,
+        most_joints: 16,
+        least_share: 0.1,
+        most_shapes: 64,
     },
 };

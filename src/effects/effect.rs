@@ -207,6 +207,13 @@ pub trait Effect: Sync + Send {
         &[]
     }
 
+    /// Coefficients (parameters of a distortion, `count` of them) of the effect with size one, in each of its parameters that have a size. `middle` is the middle of
+    /// where its first joint moves. Each parameter by itself unless said otherwise.
+    fn units(&self, _form: usize, count: usize, _middle: f64) -> Vec<Vec<f64>> {
+        let unit = |at: usize| (0..count).map(|i| if i == at { 1.0 } else { 0.0 }).collect();
+        (0..count).map(unit).collect()
+    }
+
     /// What is reported: the coefficients in the order of the columns, then the shape parameters; for a distortion its parameters.
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo>;
 

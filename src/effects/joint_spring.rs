@@ -44,6 +44,11 @@ impl Effect for JointSpring {
         &[0]
     }
 
+    /// At rest in the middle of the motion, where it pulls least.
+    fn units(&self, _form: usize, _count: usize, middle: f64) -> Vec<Vec<f64>> {
+        vec![vec![1.0, -middle]]
+    }
+
     /// Stiff beyond doubt (three standard deviations), and at rest where the joint can be, as far as the data tell: otherwise it is a torque offset.
     fn is_plausible(&self, coefficients: &[f64], covariance: &DMatrix<f64>, travel: Travel) -> bool {
         let [k, c] = [coefficients[0], coefficients[1]];

@@ -55,6 +55,11 @@ impl Effect for PositionRipple {
         ]
     }
 
+    /// Of phase zero.
+    fn units(&self, _form: usize, _count: usize, _middle: f64) -> Vec<Vec<f64>> {
+        vec![vec![1.0, 0.0]]
+    }
+
     fn is_rare(&self) -> bool {
         true
     }

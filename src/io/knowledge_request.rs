@@ -39,6 +39,8 @@ pub struct DesignTerms {
     pub terms: Vec<Term>,
     /// Places of finding and rival among them.
     pub rivals: Option<[usize; 2]>,
+    /// The model that the design is made for: its base values, and those of its effects that are no question.
+    pub known: Option<AugmentedModel>,
 }
 
 /// Reads `model`: inline, or by the id of the identification that it is of.
@@ -168,6 +170,12 @@ pub(super) fn read_knowledge(
             return (knowledge, terms);
         }
         let own = &model.read.model;
+        let open = rivals.as_ref().map(|(at, _)| *at);
+        let settled = own.terms.iter().enumerate().filter(|(at, _)| Some(*at) != open);
+        terms.known = Some(AugmentedModel {
+            terms: settled.map(|(_, term)| term.clone()).collect(),
+            ..own.clone()
+        });
         let bare = AugmentedModel {
             terms: Vec::new(),
             ..own.clone()

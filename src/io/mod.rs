@@ -36,7 +36,8 @@ pub use augmented_document::{ReadModel, augmented_value, diagnosis_value, read_a
 pub use base_document::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};
 pub use design_document::{
-    Coefficients, CriteriaDocument, DesignDocument, EffectDocument, FirstRunDocument, FurtherDocument, MarginDocument,
+    Assessed, AssumedParameterDocument, Coefficients, CriteriaDocument, DesignDocument, DetectableDocument,
+    DetectableEffectDocument, EffectDocument, FirstRunDocument, FurtherDocument, InseparableDocument, MarginDocument,
     PredictedDocument, SearchDocument, StartDocument,
 };
 pub use excitation_request::{ExcitationRequest, Search, criterion_name, read_excitation_request};

@@ -32,6 +32,17 @@ impl Stretch {
         }
     }
 
+    /// One period of a motion that will be recorded: [`Self::of_motion`] without the rows at which a joint rests, which a recording does not count either.
+    pub(crate) fn of_planned(motion: Motion, interval: f64) -> Self {
+        let resting: Vec<Vec<bool>> = (0..motion.joints()).map(|j| at_rest(motion.velocities(j), interval)).collect();
+        let moving = |rests: &Vec<bool>| rests.iter().map(|r| !r).collect();
+        Self {
+            usable: resting.iter().map(moving).collect(),
+            resting,
+            ..Self::of_motion(motion, interval, true)
+        }
+    }
+
     /// From a prepared log and the record it was prepared from, which has the periods one by one.
     pub fn new(prepared: &PreparedLog, log: &Log) -> Self {
         let filter = &prepared.row_filter;

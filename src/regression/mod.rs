@@ -57,7 +57,7 @@ pub use normal_equations::Prior;
 pub(crate) use normal_equations::{Data, System, Thinned};
 pub(crate) use partial_regression::{Whitened, reduce};
 pub(crate) use product::transposed_product;
-pub(crate) use rank::{pseudo_inverse, pseudo_root};
+pub(crate) use rank::{directions, pseudo_inverse, pseudo_root};
 pub use settings::{SETTINGS, Settings};
 pub use solution::Solution;
 pub(crate) use tail::{chi_square_tail, f_tail};

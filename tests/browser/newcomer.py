@@ -45,6 +45,8 @@ def design(page, options):
     axes = check(page, "design")
     assert len(axes) >= 5, axes
     assert page.locator("#criteria tbody tr").count() >= 5
+    assert page.locator("#detectable details").count() == 2
+    assert page.locator("#detectable details").first.locator("tbody tr").count() > 50
     assert page.locator("#coefficients math mfrac").count() == 2
     value = float(page.locator("#summary .figure:has(dt:text-is('Condition number')) dd").inner_text())
     assert 1 < value < 200, value

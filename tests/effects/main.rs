@@ -3,6 +3,7 @@
 mod augmented;
 mod bench;
 mod columns;
+mod detectable;
 mod false_alarms;
 mod faults;
 mod findings;

@@ -1,16 +1,19 @@
 //! Results of an excitation design.
 
 mod accuracy;
+mod detectable;
 mod effects;
 mod margins;
 mod runs;
 
 pub use accuracy::{CriteriaDocument, PredictedDocument, RecommendedDocument};
+pub use detectable::{Assessed, AssumedParameterDocument, DetectableDocument, DetectableEffectDocument, InseparableDocument};
 pub use effects::{EffectDocument, RivalsDocument};
 pub use margins::{ClearanceDocument, MarginDocument};
 pub use runs::{Coefficients, FirstRunDocument, FurtherDocument};
 
 use self::accuracy::{RECOMMENDATION, criteria_document, predicted_document};
+use self::detectable::detectable;
 use self::effects::{effects, rivals};
 use self::margins::{clearance_documents, margin_documents};
 use self::runs::{first_run_document, further_document};
@@ -40,6 +43,9 @@ pub struct DesignDocument {
     pub effects: Vec<EffectDocument>,
     /// How well two explanations of a residual are told apart, where they are asked for.
     pub rivals: Option<RivalsDocument>,
+    /// What a recording of all trajectories would reveal of what the model lacks, and what it would not tell apart; null
+    /// without a trajectory, and for arms of more than 16 joints.
+    pub detectable: Option<DetectableDocument>,
     /// Of `q_i(t) = offset_i + Σ_l a_il/(ω l) sin(ω l t) − b_il/(ω l) cos(ω l t)`, ω = 2π · fundamental_hz.
     pub coefficients: Option<Coefficients>,
     /// Position of every joint around which it moves [rad or m].
@@ -108,7 +114,13 @@ pub struct SearchDocument {
 impl DesignDocument {
     /// # Panics
     /// If there is no design: a search hands out one even where it is infeasible.
-    pub fn new(request: &ExcitationRequest, designs: &[(Problem, Design)], first_run: Option<&FirstRun>, elapsed_s: f64) -> Self {
+    pub fn new(
+        request: &ExcitationRequest,
+        designs: &[(Problem, Design)],
+        first_run: Option<&FirstRun>,
+        assessed: Option<&Assessed>,
+        elapsed_s: f64,
+    ) -> Self {
         let (problem, design) = &designs[0];
         let spec = problem.spec();
         let found = design.criteria.is_some();
@@ -125,6 +137,7 @@ impl DesignDocument {
             recommended_criterion: RECOMMENDATION,
             effects: effects(problem, &request.effects, design),
             rivals: rivals(problem, &request.effects, design),
+            detectable: assessed.map(|a| detectable(problem, a)),
             coefficients: found.then(|| Coefficients::of(&design.series)),
             offset: found.then(|| design.series.offset.clone()),
             fundamental_hz: spec.fundamental_hz,

@@ -8,6 +8,7 @@ import { fourierSeries } from './expression.js';
 import { fill, figure, h, number, odds, perSecond, seconds, sentence, table, unit, words } from './dom.js';
 import { meshesOf } from './meshes.js';
 import { on } from './known-form.js';
+import { detectable } from './detectable.js';
 import { downloads, earlier, identifyLink } from './design-downloads.js';
 import { motionPlots } from './motion-plots.js';
 import { player } from './player.js';
@@ -34,12 +35,12 @@ export async function showDesign(target, result) {
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };
   const drawn = await postJson('/motion', { robot: result.request.robot, trajectory, samples: 1001 });
-  const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
+  const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', detectable: 'Detectable', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
   const space = result.request.constraints?.space;
   const shape = space ? drawn.shape : [];
   const played = player(drawn, space, { shape, clearances: result.clearances ?? [], meshes: meshesOf(result.request.robot, drawn) });
   // What was asked for comes first.
-  const present = [evidence(result), summary(result), notes(result), criteria(result), motionPlots(drawn), played, margins(result), clearances(result, played), accuracy(result, await units(result)), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
+  const present = [evidence(result), summary(result), notes(result), criteria(result), motionPlots(drawn), played, margins(result), clearances(result, played), accuracy(result, await units(result)), detectable(result), spectrum(result, drawn), coefficients(result, drawn), starts(result), compareWith(result)].filter(Boolean);
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, present.filter((p) => names[p.id]).map((p) => h('a', { href: `#${p.id}` }, names[p.id]))), present);
 }
 

@@ -28,7 +28,8 @@ pub struct ExcitationRequestSchema {
     criterion: CriterionSchema,
     #[schema(required = false)]
     constraints: ConstraintsSchema,
-    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies; that of the data of `model`, or 1, if left out.
+    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies and detectable sizes; that of the data of
+    /// `model`, or 1 (for detectable sizes a thousandth of the effort limits), if left out.
     torque_noise: Option<Vec<f64>>,
     #[schema(required = false)]
     search: SearchSchema,

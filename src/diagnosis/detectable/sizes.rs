@@ -1,0 +1,185 @@
+//! The smallest size of every effect that is found.
+
+use super::gains::{Gain, Gains};
+use super::planned::{Planned, tried};
+use super::power::noncentrality;
+use super::signals::Signal;
+use crate::diagnosis::selection::{Candidate, is_plausible};
+use crate::diagnosis::settings::SETTINGS;
+use crate::effects::{self, Kind, ParameterInfo};
+use crate::regression::SETTINGS as REGRESSION;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Why an effect is not seen, whatever its size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Hidden {
+    /// The base parameters imitate it exactly: an identification takes it up in them.
+    Absorbed,
+    /// It changes no torque on this motion.
+    NoTorque,
+    /// It would have to be larger than it is on robots, where the diagnosis takes it for an imitation; the size at which its columns would be seen.
+    BeyondRange(f64),
+    /// Its torque depends on those of the robot, of which no values are known.
+    NeedsValues,
+    /// It is a part of the base parameters, and seen only as a change against an existing model.
+    AgainstModel,
+    /// It is looked for between the periods, from three on.
+    BetweenPeriods,
+}
+
+/// What is seen of an effect on one place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Visible {
+    pub effect: &'static str,
+    /// None for the whole robot.
+    pub joints: Vec<usize>,
+    /// What has the size.
+    pub parameter: ParameterInfo,
+    /// Sign of the size, where the effect has both: the one that is harder to see.
+    pub sign: f64,
+    /// The other parameters, as they are assumed.
+    pub assumed: Vec<(ParameterInfo, f64)>,
+    /// The smallest that is found.
+    pub size: Result<f64, Hidden>,
+    /// Place of its signal.
+    pub(super) signal: usize,
+}
+
+/// Noncentralities that candidates need, by effect, cost and grid.
+type Needed = HashMap<(&'static str, usize, usize), f64>;
+
+pub(super) fn sizes(planned: &Planned, signals: &[Signal], gains: &Gains) -> Vec<Visible> {
+    let needed = needed(planned, gains);
+    let of = |at: usize| visible(planned, signals, gains, &needed, at);
+    (0..signals.len()).into_par_iter().map(of).collect()
+}
+
+fn key(candidate: &Candidate, gain: &Gain) -> (&'static str, usize, usize) {
+    (candidate.effect.code(), gain.cost, tried(candidate))
+}
+
+fn needed(planned: &Planned, gains: &Gains) -> Needed {
+    let mut needed = Needed::new();
+    for (candidate, row) in planned.candidates.iter().zip(gains) {
+        for gain in row.iter().flatten() {
+            let threshold = || planned.threshold(candidate, gain.cost);
+            needed
+                .entry(key(candidate, gain))
+                .or_insert_with(|| noncentrality(threshold(), gain.cost, SETTINGS.detectable.power));
+        }
+    }
+    needed
+}
+
+fn visible(planned: &Planned, signals: &[Signal], gains: &Gains, needed: &Needed, at: usize) -> Visible {
+    let signal = &signals[at];
+    let candidate = &planned.candidates[signal.candidate];
+    let infos = candidate.effect.parameters(candidate.form, &planned.system.model.robot, &candidate.joints);
+    let both = !candidate.effect.positive(candidate.form).contains(&signal.parameter);
+    let signs: &[f64] = if both { &[1.0, -1.0] } else { &[1.0] };
+    let least = |sign: f64| (sign, least_size(planned, gains, needed, at, sign));
+    let (sign, size) = signs.iter().map(|s| least(*s)).fold((1.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    let seen = match () {
+        _ if signal.own == 0.0 => Err(Hidden::NoTorque),
+        _ if signal.left < REGRESSION.hidden_share * signal.own => Err(Hidden::Absorbed),
+        _ if !is_real(planned, candidate, signal, sign * size) => Err(Hidden::BeyondRange(size)),
+        _ => Ok(size),
+    };
+    Visible {
+        effect: candidate.effect.code(),
+        joints: candidate.joints.clone(),
+        assumed: assumed(candidate, signal, &infos),
+        parameter: infos[signal.parameter].clone(),
+        sign,
+        size: seen,
+        signal: at,
+    }
+}
+
+/// The size at which some candidate passes with the power asked for.
+fn least_size(planned: &Planned, gains: &Gains, needed: &Needed, at: usize, sign: f64) -> f64 {
+    let of = |(candidate, row): (&Candidate, &Vec<Option<Gain>>)| {
+        let gain = row[at].as_ref().filter(|g| g.gain > 0.0 && !g.at_an_end)?;
+        let size = (needed[&key(candidate, gain)] / gain.gain).sqrt();
+        is_physical(planned, candidate, gain, sign * size).then_some(size)
+    };
+    planned.candidates.iter().zip(gains).filter_map(of).fold(f64::INFINITY, f64::min)
+}
+
+/// As the diagnosis judges an effect: positive where it must be, and that of a real thing.
+fn is_physical(planned: &Planned, candidate: &Candidate, gain: &Gain, size: f64) -> bool {
+    let values: Vec<f64> = gain.coefficients.iter().map(|c| c * size).collect();
+    let positive: Vec<usize> = candidate.effect.positive(candidate.form).iter().copied().filter(|&i| i < values.len()).collect();
+    let significant = |&i: &usize| values[i] > -3.0 * gain.covariance[(i, i)].max(0.0).sqrt();
+    let in_range = |(v, [low, high]): (&f64, &[f64; 2])| v > low && v < high;
+    positive.iter().all(significant)
+        && (positive.is_empty() || positive.iter().any(|&i| values[i] > 0.0))
+        && (!candidate.is_distortion() || values.iter().zip(&candidate.bounds).all(in_range))
+        && (candidate.is_distortion()
+            || is_plausible(&planned.system, &candidate.joints, candidate.effect, &values, &gain.covariance))
+}
+
+/// Whether the effect of that size is one that robots have.
+fn is_real(planned: &Planned, candidate: &Candidate, signal: &Signal, size: f64) -> bool {
+    let values: Vec<f64> = signal.unit.iter().map(|u| u * size).collect();
+    let in_range = |(v, [low, high]): (&f64, &[f64; 2])| v > low && v < high;
+    match candidate.is_distortion() {
+        true => size.is_finite() && values.iter().zip(&candidate.bounds).all(in_range),
+        false => {
+            let certain = nalgebra::DMatrix::zeros(values.len(), values.len());
+            size.is_finite() && is_plausible(&planned.system, &candidate.joints, candidate.effect, &values, &certain)
+        }
+    }
+}
+
+/// Values of the other parameters that an effect is assumed to have.
+fn assumed(candidate: &Candidate, signal: &Signal, infos: &[ParameterInfo]) -> Vec<(ParameterInfo, f64)> {
+    let values = match candidate.is_distortion() {
+        true => signal.unit.clone(),
+        false => candidate.effect.reported(candidate.form, &signal.unit, &signal.shape),
+    };
+    let other = |i: &usize| *i != signal.parameter;
+    let listed = (0..infos.len().min(values.len())).filter(other);
+    listed.filter(|&i| !is_function_of_size(candidate, i)).map(|i| (infos[i].clone(), values[i])).collect()
+}
+
+/// The stiffness of a gear is its compliance in another unit.
+fn is_function_of_size(candidate: &Candidate, parameter: usize) -> bool {
+    candidate.is_distortion() && parameter >= candidate.effect.steps().len()
+}
+
+/// Beside the effects that have a size, those that no identification log shows.
+pub(super) fn with_the_others(planned: &Planned, mut list: Vec<Visible>) -> Vec<Visible> {
+    let robot = &planned.system.model.robot;
+    for effect in effects::all() {
+        let why = match effect.kind() {
+            // Over a log it is seen between the periods.
+            Kind::AgainstModel if effect.code() != "friction_drift" => Hidden::AgainstModel,
+            Kind::AgainstModel | Kind::BetweenPeriods => Hidden::BetweenPeriods,
+            kind if !planned.has_values && (kind == Kind::Distortion || effect.reads_torques()) => Hidden::NeedsValues,
+            // None of its shapes lies where robots have them and this motion shows them.
+            _ => Hidden::BeyondRange(f64::INFINITY),
+        };
+        for joints in effect.places(robot) {
+            let known = planned.system.model.terms.iter().any(|t| t.effect.code() == effect.code() && t.joints == joints);
+            let listed = list.iter().any(|v| v.effect == effect.code() && v.joints == joints);
+            if known || listed {
+                continue;
+            }
+            let Some(parameter) = effect.parameters(0, robot, &joints).into_iter().next() else { continue };
+            list.push(Visible {
+                effect: effect.code(),
+                joints,
+                parameter,
+                sign: 1.0,
+                assumed: Vec::new(),
+                size: Err(why),
+                signal: usize::MAX,
+            });
+        }
+    }
+    let order = |code: &str| effects::all().iter().position(|e| e.code() == code);
+    list.sort_by_key(|v| (order(v.effect), v.joints.clone()));
+    list
+}
