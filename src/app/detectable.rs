@@ -61,7 +61,11 @@ fn model(request: &ExcitationRequest) -> AugmentedModel {
     if let Some(known) = &request.effects.known {
         if known.base.names == declared.base.names {
             let (values, terms) = (known.values.clone(), known.terms.clone());
-            return AugmentedModel { values, terms, ..declared };
+            return AugmentedModel {
+                values,
+                terms,
+                ..declared
+            };
         }
     }
     match Layout::standard(robot).prior(robot) {
@@ -86,6 +90,12 @@ fn noise(request: &ExcitationRequest) -> (Vec<f64>, &'static str) {
 }
 
 fn of_effort(robot: &Robot) -> Option<Vec<f64>> {
-    let of = |joint: &crate::model::Joint| joint.limits.effort.filter(|e| e.is_finite() && *e > 0.0).map(|e| NOISE_SHARE * e);
+    let of = |joint: &crate::model::Joint| {
+        joint
+            .limits
+            .effort
+            .filter(|e| e.is_finite() && *e > 0.0)
+            .map(|e| NOISE_SHARE * e)
+    };
     robot.joints().iter().map(of).collect()
 }

@@ -150,7 +150,11 @@ pub fn excite_beside(
         .filter(|_| design.criteria.is_some())
         .and_then(|asked| first_run(problem, &design.series, asked));
     let searched_s = started.elapsed().as_secs_f64();
-    let series: Vec<&FourierSeries> = designs.iter().filter(|(_, d)| d.criteria.is_some()).map(|(_, d)| &d.series).collect();
+    let series: Vec<&FourierSeries> = designs
+        .iter()
+        .filter(|(_, d)| d.criteria.is_some())
+        .map(|(_, d)| &d.series)
+        .collect();
     let basis = Basis::new(request);
     let assessed = basis.assess(&designs, &series);
     let document = DesignDocument::new(request, &designs, first_run.as_ref(), assessed.as_ref(), searched_s);

@@ -1,7 +1,9 @@
 //! What people and programs see.
 
 use crate::app::{Error, Problem};
-use crate::io::{DesignDocument, DetectableEffectDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument, significant};
+use crate::io::{
+    DesignDocument, DetectableEffectDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument, significant,
+};
 use std::fmt::Write;
 
 /// To standard error: a problem document with `--json`, else lines for people.
@@ -141,7 +143,11 @@ fn would_reveal(text: &mut String, design: &DesignDocument) {
     taken.sort_unstable();
     taken.dedup();
     let one_way = |(a, b): &(&str, &str)| a <= b || !taken.contains(&(b, a));
-    let named: Vec<String> = taken.iter().filter(|p| one_way(p)).map(|(a, b)| format!("{a} / {b}")).collect();
+    let named: Vec<String> = taken
+        .iter()
+        .filter(|p| one_way(p))
+        .map(|(a, b)| format!("{a} / {b}"))
+        .collect();
     if !named.is_empty() {
         let _ = writeln!(text, "  not told apart at these sizes on some joint: {}", named.join(", "));
     }

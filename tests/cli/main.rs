@@ -89,7 +89,11 @@ fn excite_writes_the_result_and_the_trajectory() {
     let effects = design["detectable"]["effects"].as_array().unwrap();
     let offsets: Vec<&Value> = effects.iter().filter(|e| e["effect"] == "torque_offset").collect();
     assert_eq!(offsets.len(), 2, "{effects:?}");
-    assert!(offsets.iter().all(|o| o["unit"] == "N m" && o["size"].as_f64().unwrap() > 0.0));
+    assert!(
+        offsets
+            .iter()
+            .all(|o| o["unit"] == "N m" && o["size"].as_f64().unwrap() > 0.0)
+    );
     assert_eq!(folder.read("motion.csv").lines().count(), 502);
     assert_eq!(
         std::fs::read_dir(&folder.0).unwrap().count(),

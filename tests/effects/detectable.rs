@@ -1,7 +1,9 @@
 //! Sizes that a planned recording is said to reveal, held against logs that have them.
 
 use crate::bench::*;
-use dynident::diagnosis::{Detectable, DiagnosisOptions, Hidden, Inseparable, Plan, ResidualReport, Visible, detectable, diagnose};
+use dynident::diagnosis::{
+    Detectable, DiagnosisOptions, Hidden, Inseparable, Plan, ResidualReport, Visible, detectable, diagnose,
+};
 use dynident::model::Robot;
 use dynident::regression::AugmentedModel;
 use dynident::simulate::{Experiment, HiddenEffect, simulate};
@@ -62,7 +64,11 @@ impl Bench {
             periods: PERIODS,
             rate_hz: RATE,
             effects,
-            noise: &if std::env::var("DYN_WHITE").is_ok() { dynident::simulate::Noise::white(noise_levels(self.robot.joint_count())) } else { sensor_noise(self.robot.joint_count()) },
+            noise: &if std::env::var("DYN_WHITE").is_ok() {
+                dynident::simulate::Noise::white(noise_levels(self.robot.joint_count()))
+            } else {
+                sensor_noise(self.robot.joint_count())
+            },
             seed,
         });
         diagnose(&self.robot, &[stretch(&log, "planned")], &[], &DiagnosisOptions::default()).report
@@ -72,12 +78,16 @@ impl Bench {
     fn apart(&self, visible: &Visible, pair: &Inseparable, size: f64, seeds: std::ops::Range<u64>) -> f64 {
         let hidden = [hidden(visible, size, self.robot.joint_count())];
         let names = |joints: &[usize]| -> Vec<String> { joints.iter().map(|&j| self.robot.joints()[j].name.clone()).collect() };
-        let is = |effect: &str, joints: &[String], code: &str, on: &[usize]| effect == code && (on.is_empty() || joints == names(on));
+        let is =
+            |effect: &str, joints: &[String], code: &str, on: &[usize]| effect == code && (on.is_empty() || joints == names(on));
         let apart = |seed: &u64| {
             let findings = self.report(&hidden, *seed).findings;
             let found = findings.iter().any(|f| is(&f.effect, &f.joints, pair.effect, &pair.joints));
             let named = findings.iter().any(|f| {
-                let beside = f.rivals.iter().any(|r| is(&r.effect, &r.joints, pair.rival, &pair.rival_joints));
+                let beside = f
+                    .rivals
+                    .iter()
+                    .any(|r| is(&r.effect, &r.joints, pair.rival, &pair.rival_joints));
                 beside || is(&f.effect, &f.joints, pair.rival, &pair.rival_joints)
             });
             found && !named
@@ -125,8 +135,14 @@ fn hidden(visible: &Visible, size: f64, joints: usize) -> HiddenEffect {
             coefficient: size,
             exponent: 2.0,
         },
-        "asymmetric_viscous_friction" => AsymmetricViscousFriction { joint, coefficient: size },
-        "load_dependent_friction" => LoadDependentFriction { joint, coefficient: size },
+        "asymmetric_viscous_friction" => AsymmetricViscousFriction {
+            joint,
+            coefficient: size,
+        },
+        "load_dependent_friction" => LoadDependentFriction {
+            joint,
+            coefficient: size,
+        },
         "presliding_hysteresis" => PreslidingHysteresis {
             joint,
             amplitude: size,
@@ -216,8 +232,18 @@ fn table() {
     let bench = Bench::new(robot, 7);
     let started = std::time::Instant::now();
     let planned = bench.planned();
-    println!("{} effects, {} pairs in {:.3} s", planned.effects.len(), planned.pairs.len(), started.elapsed().as_secs_f64());
-    for (at, visible) in planned.effects.iter().enumerate().filter(|(_, v)| v.effect.contains(code.as_str())) {
+    println!(
+        "{} effects, {} pairs in {:.3} s",
+        planned.effects.len(),
+        planned.pairs.len(),
+        started.elapsed().as_secs_f64()
+    );
+    for (at, visible) in planned
+        .effects
+        .iter()
+        .enumerate()
+        .filter(|(_, v)| v.effect.contains(code.as_str()))
+    {
         let place: Vec<String> = visible.joints.iter().map(|j| format!("J{}", j + 1)).collect();
         let head = format!("{:28} {:6} {:10}", visible.effect, place.join(" "), visible.parameter.name);
         let Ok(size) = visible.size else {
@@ -231,11 +257,27 @@ fn table() {
             0 => (f64::NAN, Vec::new()),
             _ => bench.rate(visible, factor, 0..seeds),
         };
-        let pairs = planned.pairs.iter().filter(|p| p.effect == visible.effect && p.joints == visible.joints && p.parameter == visible.parameter.name);
+        let pairs = planned
+            .pairs
+            .iter()
+            .filter(|p| p.effect == visible.effect && p.joints == visible.joints && p.parameter == visible.parameter.name);
         let pairs: Vec<String> = pairs
-            .map(|p| format!("{} {:?} {:.3} {:.2}", p.rival, p.rival_joints, p.correlation, p.told_apart_from.map_or(f64::NAN, |t| t / size)))
+            .map(|p| {
+                format!(
+                    "{} {:?} {:.3} {:.2}",
+                    p.rival,
+                    p.rival_joints,
+                    p.correlation,
+                    p.told_apart_from.map_or(f64::NAN, |t| t / size)
+                )
+            })
             .collect();
-        println!("{head} {:10.4} {:6} {:.3} {names:?} | {pairs:?}", visible.sign * size, visible.parameter.unit, rate);
+        println!(
+            "{head} {:10.4} {:6} {:.3} {names:?} | {pairs:?}",
+            visible.sign * size,
+            visible.parameter.unit,
+            rate
+        );
     }
 }
 
@@ -243,7 +285,10 @@ fn table() {
 #[test]
 #[ignore = "minutes to hours: pairs of effects against logs"]
 fn pairs() {
-    let seeds: u64 = std::env::var("DYNIDENT_DETECTABLE").ok().and_then(|n| n.parse().ok()).unwrap_or(40);
+    let seeds: u64 = std::env::var("DYNIDENT_DETECTABLE")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(40);
     let bench = Bench::new(four_axes(), 7);
     let planned = bench.planned();
     for pair in &planned.pairs {
@@ -276,7 +321,11 @@ fn val_effects_of_the_size_given_are_found_as_often_as_said() {
     let bench = Bench::new(four_axes(), 7);
     let planned = bench.planned();
     for (effect, joint) in [("torque_offset", 2), ("presliding_hysteresis", 0)] {
-        let visible = planned.effects.iter().find(|v| v.effect == effect && v.joints == [joint]).unwrap();
+        let visible = planned
+            .effects
+            .iter()
+            .find(|v| v.effect == effect && v.joints == [joint])
+            .unwrap();
         let (rate, names) = bench.rate(visible, 1.0, 0..SEEDS);
         let hits = (rate * SEEDS as f64).round() as u64;
         assert!((47..=58).contains(&hits), "{visible:?}: {hits} of {SEEDS}, {names:?}");
@@ -287,18 +336,27 @@ fn val_effects_of_the_size_given_are_found_as_often_as_said() {
 fn prop_sizes_go_with_the_noise_and_fall_with_the_root_of_the_periods() {
     let bench = Bench::new(four_axes(), 7);
     let sizes = |planned: Detectable| -> Vec<Option<f64>> {
-        let searched = planned.effects.into_iter().filter(|v| !["friction_drift", "external_contact"].contains(&v.effect));
+        let searched = planned
+            .effects
+            .into_iter()
+            .filter(|v| !["friction_drift", "external_contact"].contains(&v.effect));
         searched.map(|v| v.size.ok()).collect()
     };
     let [plain, loud, long] = [(6.0, 1.0), (6.0, 2.0), (24.0, 1.0)].map(|(p, f)| sizes(bench.planned_with(p, f)));
     let mut compared = 0;
     for ((plain, loud), long) in plain.iter().zip(&loud).zip(&long) {
         // With twice the noise some leave their range.
-        let (Some(plain), Some(loud), Some(long)) = (plain, loud, long) else { continue };
+        let (Some(plain), Some(loud), Some(long)) = (plain, loud, long) else {
+            continue;
+        };
         // Whether a rival that stands in for the effect would be physical depends on the size, in steps.
         compared += usize::from((loud / plain - 2.0).abs() < 1e-9 && (long / plain - 0.5).abs() < 1e-9);
     }
-    assert!(compared * 10 > plain.iter().flatten().count() * 9, "{compared} of {}", plain.len());
+    assert!(
+        compared * 10 > plain.iter().flatten().count() * 9,
+        "{compared} of {}",
+        plain.len()
+    );
 }
 
 /// The first joint stands upright and the second one's axis keeps its direction to it: the base inertias of both hold their rotors'. The encoder of the last joint turns with
@@ -306,13 +364,22 @@ fn prop_sizes_go_with_the_noise_and_fall_with_the_root_of_the_periods() {
 #[test]
 fn what_base_parameters_hold_is_absorbed_and_what_is_alike_is_a_pair() {
     let planned = Bench::new(four_axes(), 7).planned();
-    let of = |effect: &str, joint: usize| planned.effects.iter().find(|v| v.effect == effect && v.joints == [joint]).unwrap();
+    let of = |effect: &str, joint: usize| {
+        planned
+            .effects
+            .iter()
+            .find(|v| v.effect == effect && v.joints == [joint])
+            .unwrap()
+    };
     for (effect, joint) in [("rotor_inertia", 0), ("rotor_inertia", 1), ("encoder_offset", 3)] {
         assert_eq!(of(effect, joint).size, Err(Hidden::Absorbed), "{effect} {joint}");
     }
     assert!(of("rotor_inertia", 2).size.is_ok());
     for joint in 0..4 {
-        let pair = planned.pairs.iter().find(|p| p.effect == "torque_offset" && p.joints == [joint] && p.rival == "joint_spring");
+        let pair = planned
+            .pairs
+            .iter()
+            .find(|p| p.effect == "torque_offset" && p.joints == [joint] && p.rival == "joint_spring");
         let pair = pair.expect("an offset is the limit of a spring");
         assert!(pair.correlation > 1.0 - 1e-9 && pair.told_apart_from.is_none(), "{pair:?}");
     }

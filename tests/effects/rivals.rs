@@ -93,7 +93,7 @@ fn design(document: &Value) -> (FourierSeries, DesignDocument) {
     };
     let found = search(&request.problem, &options, &Forever);
     let designs = [(request.problem.clone(), found)];
-    let document = DesignDocument::new(&request, &designs, None, 0.0);
+    let document = DesignDocument::new(&request, &designs, None, None, 0.0);
     (designs[0].1.series.clone(), document)
 }
 

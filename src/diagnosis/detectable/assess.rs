@@ -32,9 +32,6 @@ pub fn detectable(plan: &Plan) -> Detectable {
     Detectable {
         power: SETTINGS.detectable.power,
         pairs: pairs(&planned, &all, &fits, &effects),
-        effects: with_the_others(
-            &planned,
-            [effects, drifts(plan, &planned), touches(plan, &planned)].concat(),
-        ),
+        effects: with_the_others(&planned, [effects, drifts(plan, &planned), touches(plan, &planned)].concat()),
     }
 }

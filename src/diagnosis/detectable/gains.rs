@@ -81,7 +81,11 @@ fn grid(candidate: &Candidate, at: usize, signals: &[Signal]) -> Vec<Vec<f64>> {
 }
 
 fn fitted(candidate: &Candidate, shape: &[f64], base: &DMatrix<f64>, gain: f64, along: DVector<f64>) -> Gain {
-    let free = if candidate.is_distortion() { 0 } else { candidate.shapes.len() };
+    let free = if candidate.is_distortion() {
+        0
+    } else {
+        candidate.shapes.len()
+    };
     let at_an_end = |(shape, value): (&crate::effects::Shape, &f64)| *value <= shape.low || *value >= shape.high;
     Gain {
         gain,

@@ -45,7 +45,9 @@ fn of_effect(planned: &Planned, signals: &[Signal], gains: &Gains, visible: &Vis
     let accounts = accounts(planned, gains, visible.signal, size);
     let candidate = &planned.candidates[signals[visible.signal].candidate];
     let is_own = |a: &&Account| a.candidate.effect.code() == candidate.effect.code() && a.candidate.joints == candidate.joints;
-    let Some(own) = accounts.iter().find(is_own) else { return Vec::new() };
+    let Some(own) = accounts.iter().find(is_own) else {
+        return Vec::new();
+    };
     let joints = planned.system.model.robot.joint_count();
     let reached = reach(candidate, joints);
     let meets = |a: &&Account| reach(a.candidate, joints).iter().any(|j| reached.contains(j));

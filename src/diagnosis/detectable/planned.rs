@@ -11,7 +11,9 @@ pub(super) fn stretches(plan: &Plan) -> Vec<Stretch> {
     let most = (SETTINGS.detectable.most_rows / (plan.series.len() * plan.torque_noise.len()).max(1)) as f64;
     let of = |series: &&crate::trajectory::FourierSeries| {
         let period = 1.0 / series.fundamental_hz;
-        let samples = (period * plan.rate_hz.min(SETTINGS.detectable.rows_per_second)).round().clamp(8.0, most.max(8.0));
+        let samples = (period * plan.rate_hz.min(SETTINGS.detectable.rows_per_second))
+            .round()
+            .clamp(8.0, most.max(8.0));
         let rate = samples / period;
         Stretch::of_planned(series.sample(rate), 1.0 / rate)
     };

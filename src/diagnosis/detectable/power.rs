@@ -22,7 +22,9 @@ pub(super) fn power(threshold: f64, freedom: usize, lambda: f64) -> f64 {
 /// The noncentrality with which the test has this power.
 pub(super) fn noncentrality(threshold: f64, freedom: usize, wanted: f64) -> f64 {
     // The power grows with the noncentrality; at (√threshold + 6)² a normal deviate of six standard deviations is missing to fail.
-    let root = bisected(0.0, threshold.max(0.0).sqrt() + 6.0, |x| power(threshold, freedom, x * x) >= wanted);
+    let root = bisected(0.0, threshold.max(0.0).sqrt() + 6.0, |x| {
+        power(threshold, freedom, x * x) >= wanted
+    });
     root * root
 }
 

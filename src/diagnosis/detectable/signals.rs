@@ -72,7 +72,10 @@ fn cross(system: &System, rows: &[Vec<(usize, DVector<f64>)>]) -> DVector<f64> {
 
 /// Middle of where a joint moves.
 fn middle(system: &System, joint: usize) -> f64 {
-    let positions = system.evaluated.iter().flat_map(|e| e.motion.positions(joint).iter().copied());
+    let positions = system
+        .evaluated
+        .iter()
+        .flat_map(|e| e.motion.positions(joint).iter().copied());
     let [low, high] = positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], q| [l.min(q), h.max(q)]);
     0.5 * (low + high)
 }

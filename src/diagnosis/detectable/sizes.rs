@@ -75,11 +75,16 @@ fn needed(planned: &Planned, gains: &Gains) -> Needed {
 fn visible(planned: &Planned, signals: &[Signal], gains: &Gains, needed: &Needed, at: usize) -> Visible {
     let signal = &signals[at];
     let candidate = &planned.candidates[signal.candidate];
-    let infos = candidate.effect.parameters(candidate.form, &planned.system.model.robot, &candidate.joints);
+    let infos = candidate
+        .effect
+        .parameters(candidate.form, &planned.system.model.robot, &candidate.joints);
     let both = !candidate.effect.positive(candidate.form).contains(&signal.parameter);
     let signs: &[f64] = if both { &[1.0, -1.0] } else { &[1.0] };
     let least = |sign: f64| (sign, least_size(planned, gains, needed, at, sign));
-    let (sign, size) = signs.iter().map(|s| least(*s)).fold((1.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    let (sign, size) = signs
+        .iter()
+        .map(|s| least(*s))
+        .fold((1.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
     let seen = match () {
         _ if signal.own == 0.0 => Err(Hidden::NoTorque),
         _ if signal.left < REGRESSION.hidden_share * signal.own => Err(Hidden::Absorbed),
@@ -104,20 +109,37 @@ fn least_size(planned: &Planned, gains: &Gains, needed: &Needed, at: usize, sign
         let size = (needed[&key(candidate, gain)] / gain.gain).sqrt();
         is_physical(planned, candidate, gain, sign * size).then_some(size)
     };
-    planned.candidates.iter().zip(gains).filter_map(of).fold(f64::INFINITY, f64::min)
+    planned
+        .candidates
+        .iter()
+        .zip(gains)
+        .filter_map(of)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// As the diagnosis judges an effect: positive where it must be, and that of a real thing.
 fn is_physical(planned: &Planned, candidate: &Candidate, gain: &Gain, size: f64) -> bool {
     let values: Vec<f64> = gain.coefficients.iter().map(|c| c * size).collect();
-    let positive: Vec<usize> = candidate.effect.positive(candidate.form).iter().copied().filter(|&i| i < values.len()).collect();
+    let positive: Vec<usize> = candidate
+        .effect
+        .positive(candidate.form)
+        .iter()
+        .copied()
+        .filter(|&i| i < values.len())
+        .collect();
     let significant = |&i: &usize| values[i] > -3.0 * gain.covariance[(i, i)].max(0.0).sqrt();
     let in_range = |(v, [low, high]): (&f64, &[f64; 2])| v > low && v < high;
     positive.iter().all(significant)
         && (positive.is_empty() || positive.iter().any(|&i| values[i] > 0.0))
         && (!candidate.is_distortion() || values.iter().zip(&candidate.bounds).all(in_range))
         && (candidate.is_distortion()
-            || is_plausible(&planned.system, &candidate.joints, candidate.effect, &values, &gain.covariance))
+            || is_plausible(
+                &planned.system,
+                &candidate.joints,
+                candidate.effect,
+                &values,
+                &gain.covariance,
+            ))
 }
 
 /// Whether the effect of that size is one that robots have.
@@ -141,7 +163,10 @@ fn assumed(candidate: &Candidate, signal: &Signal, infos: &[ParameterInfo]) -> V
     };
     let other = |i: &usize| *i != signal.parameter;
     let listed = (0..infos.len().min(values.len())).filter(other);
-    listed.filter(|&i| !is_function_of_size(candidate, i)).map(|i| (infos[i].clone(), values[i])).collect()
+    listed
+        .filter(|&i| !is_function_of_size(candidate, i))
+        .map(|i| (infos[i].clone(), values[i]))
+        .collect()
 }
 
 /// The stiffness of a gear is its compliance in another unit.
@@ -162,12 +187,19 @@ pub(super) fn with_the_others(planned: &Planned, mut list: Vec<Visible>) -> Vec<
             _ => Hidden::BeyondRange(f64::INFINITY),
         };
         for joints in effect.places(robot) {
-            let known = planned.system.model.terms.iter().any(|t| t.effect.code() == effect.code() && t.joints == joints);
+            let known = planned
+                .system
+                .model
+                .terms
+                .iter()
+                .any(|t| t.effect.code() == effect.code() && t.joints == joints);
             let listed = list.iter().any(|v| v.effect == effect.code() && v.joints == joints);
             if known || listed {
                 continue;
             }
-            let Some(parameter) = effect.parameters(0, robot, &joints).into_iter().next() else { continue };
+            let Some(parameter) = effect.parameters(0, robot, &joints).into_iter().next() else {
+                continue;
+            };
             list.push(Visible {
                 effect: effect.code(),
                 joints,
