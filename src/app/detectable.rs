@@ -58,15 +58,14 @@ impl Basis {
 fn model(request: &ExcitationRequest) -> AugmentedModel {
     let robot = request.problem.robot();
     let declared = AugmentedModel::declared(robot);
-    if let Some(known) = &request.effects.known {
-        if known.base.names == declared.base.names {
-            let (values, terms) = (known.values.clone(), known.terms.clone());
-            return AugmentedModel {
-                values,
-                terms,
-                ..declared
-            };
-        }
+    let known = request.effects.known.as_ref().filter(|k| k.base.names == declared.base.names);
+    if let Some(known) = known {
+        let (values, terms) = (known.values.clone(), known.terms.clone());
+        return AugmentedModel {
+            values,
+            terms,
+            ..declared
+        };
     }
     match Layout::standard(robot).prior(robot) {
         Some(phi) => AugmentedModel {

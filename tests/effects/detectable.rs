@@ -64,11 +64,7 @@ impl Bench {
             periods: PERIODS,
             rate_hz: RATE,
             effects,
-            noise: &if std::env::var("DYN_WHITE").is_ok() {
-                dynident::simulate::Noise::white(noise_levels(self.robot.joint_count()))
-            } else {
-                sensor_noise(self.robot.joint_count())
-            },
+            noise: &sensor_noise(self.robot.joint_count()),
             seed,
         });
         diagnose(&self.robot, &[stretch(&log, "planned")], &[], &DiagnosisOptions::default()).report
