@@ -32,8 +32,8 @@ pub enum TrajectoryFormat {
     Npz,
 }
 
-/// Rows of formats that are made in memory.
-const MOST_IN_MEMORY: usize = 500_000;
+/// Positions in a file of a format that is made in memory, of all joints together: with velocities, accelerations and the file itself about 70 bytes each, 100 MB.
+const MOST_IN_MEMORY: usize = 1_400_000;
 
 impl TrajectoryFormat {
     pub const ALL: [(&'static str, Self); 7] = [
@@ -71,10 +71,10 @@ impl TrajectoryFormat {
         }
     }
 
-    /// Rows that can be written.
-    pub fn most_rows(self) -> usize {
+    /// Rows that can be written of so many joints.
+    pub fn most_rows(self, joints: usize) -> usize {
         match self {
-            Self::Mcap | Self::Npz => MOST_IN_MEMORY,
+            Self::Mcap | Self::Npz => MOST_IN_MEMORY / joints.max(1),
             _ => MOST_ROWS,
         }
     }
@@ -108,10 +108,10 @@ impl TrajectoryFile<'_> {
             run_in: self.run_in.clone(),
             run_out: self.run_out.clone(),
         };
-        if course.rows() > format.most_rows() {
+        let most = format.most_rows(self.joints.len());
+        if course.rows() > most {
             return Err(format!(
-                "has more than {} rows; take a lower rate or fewer periods",
-                format.most_rows()
+                "has more than {most} rows; take a lower rate or fewer periods, or a format of text"
             ));
         }
         let text = |parts: Box<dyn Iterator<Item = String> + Send>| Box::new(parts.map(String::into_bytes)) as Parts;

@@ -185,7 +185,7 @@ pub async fn trajectory(
         run_in_s,
         run_out_s,
     };
-    let most = format.most_rows() as f64;
+    let most = format.most_rows(joints.len()) as f64;
     let periods = query.take(
         "periods",
         1,
