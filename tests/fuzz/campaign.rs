@@ -30,7 +30,7 @@ pub struct Campaign {
 }
 
 /// Targets by turns: whole identifications and what is read on the way to them make up half.
-const TURNS: [Target; 20] = {
+pub const TURNS: [Target; 21] = {
     use Target::*;
     [
         Identify,
@@ -53,6 +53,7 @@ const TURNS: [Target; 20] = {
         Inspect,
         Simulate,
         Settings,
+        Model,
     ]
 };
 
@@ -63,7 +64,7 @@ impl Campaign {
             .target
             .as_deref()
             .map(|name| Target::named(name).expect("a known target"));
-        Recipe::of_seed(target.unwrap_or(TURNS[(seed % 20) as usize]), seed)
+        Recipe::of_seed(target.unwrap_or(TURNS[(seed % TURNS.len() as u64) as usize]), seed)
     }
 
     /// Runs to the end, or until interrupted.

@@ -1,6 +1,6 @@
 //! What the test command tries.
 
-use super::campaign::{Campaign, shrunk};
+use super::campaign::{Campaign, TURNS, shrunk};
 use super::case::Recipe;
 use super::http;
 use super::recordings;
@@ -28,6 +28,7 @@ pub fn all() -> Vec<Trial> {
         Trial::test("the_harness_sees_what_it_looks_for", faults_are_seen),
         Trial::test("what_is_changed_is_accepted_unchanged", bases_are_accepted),
         Trial::test("the_same_seed_is_the_same_input", seeds_repeat),
+        Trial::test("a_campaign_tries_every_target", every_target_has_a_turn),
         Trial::test("a_failed_input_shrinks_to_what_it_needs", failures_shrink),
         Trial::test("http_bodies", http::bodies),
     ];
@@ -40,6 +41,13 @@ pub fn all() -> Vec<Trial> {
         trials.push(trial("corpus", Box::new(move || replayed(target))));
     }
     trials
+}
+
+fn every_target_has_a_turn() -> Result<(), Failed> {
+    match Target::ALL.iter().find(|t| !TURNS.contains(t)) {
+        Some(target) => Err(format!("{} has none", target.name()).into()),
+        None => Ok(()),
+    }
 }
 
 fn mutated(target: Target, inputs: u64) -> Result<(), Failed> {
