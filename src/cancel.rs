@@ -15,10 +15,12 @@ pub struct CancelFlag(Arc<AtomicBool>);
 pub struct Cancelled;
 
 impl CancelFlag {
+    /// Asks whoever looks at this flag to end.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
+    /// Whether the work is to end.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

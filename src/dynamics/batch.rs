@@ -12,6 +12,7 @@ pub enum Coulomb {
 }
 
 impl Coulomb {
+    /// The sign of friction at velocity `qd` [rad/s or m/s]: −1 to 1.
     #[inline(always)]
     pub fn value(self, qd: f64) -> f64 {
         match self {
@@ -72,10 +73,12 @@ impl Motion {
         motion
     }
 
+    /// Number of joints n.
     pub fn joints(&self) -> usize {
         self.joints
     }
 
+    /// Number of samples N.
     pub fn samples(&self) -> usize {
         self.samples
     }
@@ -97,6 +100,7 @@ impl Motion {
         self.stride
     }
 
+    /// Sets position, velocity and acceleration of one joint at one sample [rad, rad/s, rad/s² or m, m/s, m/s²].
     pub fn set(&mut self, joint: usize, sample: usize, [q, qd, qdd]: [f64; 3]) {
         let at = joint * self.stride + sample;
         self.q[at] = q;

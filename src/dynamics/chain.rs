@@ -19,6 +19,7 @@ pub struct Chain {
 }
 
 impl Chain {
+    /// The chain of `robot`, with what does not change from sample to sample worked out.
     pub fn new(robot: &Robot) -> Self {
         let links = robot
             .joints()
@@ -38,6 +39,7 @@ impl Chain {
         }
     }
 
+    /// Number of joints n.
     pub fn joint_count(&self) -> usize {
         self.links.len()
     }

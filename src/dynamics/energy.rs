@@ -8,12 +8,14 @@ use nalgebra::Vector3;
 /// Energies of the arm (J).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energy {
+    /// Kinetic energy (J).
     pub kinetic: f64,
     /// Zero where every first moment lies in the base origin.
     pub potential: f64,
 }
 
 impl Energy {
+    /// Kinetic and potential energy together (J).
     pub fn total(&self) -> f64 {
         self.kinetic + self.potential
     }

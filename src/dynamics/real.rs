@@ -17,9 +17,12 @@ pub trait Real:
     + Sync
     + 'static
 {
+    /// The same number in every lane.
     fn splat(v: f64) -> Self;
+    /// Sine and cosine [argument in rad].
     fn sin_cos(self) -> (Self, Self);
 
+    /// Zero in every lane.
     fn zero() -> Self {
         Self::splat(0.0)
     }
@@ -53,6 +56,7 @@ impl Pack {
         Self(lanes)
     }
 
+    /// Writes the lanes to the beginning of a slice.
     #[inline(always)]
     pub fn store(self, to: &mut [f64]) {
         to[..LANES].copy_from_slice(&self.0);

@@ -61,10 +61,12 @@ impl ColumnSet {
         self.columns
     }
 
+    /// Whether it has no column.
     pub fn is_empty(&self) -> bool {
         self.columns == 0
     }
 
+    /// Number of joints n.
     pub fn joints(&self) -> usize {
         self.rows.len()
     }
@@ -104,10 +106,12 @@ impl RowBlocks {
         }
     }
 
+    /// Number of samples N.
     pub fn samples(&self) -> usize {
         self.samples
     }
 
+    /// Numbers from one column of a block to the next: the samples, rounded up to whole vectors.
     pub fn stride(&self) -> usize {
         self.stride
     }
@@ -123,6 +127,7 @@ impl RowBlocks {
         &self.data[self.offsets[j]..self.offsets[j + 1]]
     }
 
+    /// The block of joint `j` for writing, laid out as in [`block`](Self::block).
     pub fn block_mut(&mut self, j: usize) -> &mut [f64] {
         &mut self.data[self.offsets[j]..self.offsets[j + 1]]
     }

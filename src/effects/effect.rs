@@ -7,7 +7,9 @@ use nalgebra::{DMatrix, Vector3};
 /// One stretch of motion, with the torques that the present model predicts for it: all that a column can be made of.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
+    /// The robot as declared, under the gravity that the effects give it.
     pub robot: &'a Robot,
+    /// The motion after all distortions.
     pub motion: &'a Motion,
     /// Rigid-body torque of every joint over the samples, without friction [N·m or N]; n × N.
     pub rigid: &'a [Vec<f64>],
@@ -36,6 +38,7 @@ impl Scene<'_> {
 /// The torque that one unit of a coefficient adds: rows of the joints named, zero on all others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
+    /// `(joint, values over the samples)` of every joint that the column is not zero on [N·m or N per unit of the coefficient].
     pub rows: Vec<(usize, Vec<f64>)>,
 }
 
@@ -51,7 +54,9 @@ impl Column {
 /// What the regressor is evaluated at: a distortion changes it before Y is computed.
 #[derive(Debug, Clone)]
 pub struct World {
+    /// The motion that the robot really makes.
     pub motion: Motion,
+    /// The gravity that it is really under [m/s²].
     pub gravity: Vector3<f64>,
     /// Factor on the torque of every joint.
     pub gain: Vec<f64>,
@@ -85,11 +90,14 @@ pub enum Reads {
 /// A parameter that is reported.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterInfo {
+    /// Name as it is reported.
     pub name: String,
+    /// Unit as it is reported.
     pub unit: String,
 }
 
 impl ParameterInfo {
+    /// A parameter of this name and unit, without a range.
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -101,8 +109,11 @@ impl ParameterInfo {
 /// A parameter the columns are not linear in: where it may lie, and the values a search starts from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
+    /// Smallest value.
     pub low: f64,
+    /// Largest value.
     pub high: f64,
+    /// Values that a search begins from.
     pub grid: Vec<f64>,
 }
 
@@ -132,18 +143,22 @@ pub struct Span {
 /// Positions that a joint can take [rad or m]: its limits, or what it was seen to take where it has none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Travel {
+    /// Lowest position.
     pub low: f64,
+    /// Highest position.
     pub high: f64,
 }
 
 /// What a reader is told about an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct About {
+    /// What it is, in words.
     pub meaning: &'static str,
     /// When it can be identified, and when base parameters hide it.
     pub identifiable: &'static str,
     /// Codes of effects it is easily taken for.
     pub rivals: &'static [&'static str],
+    /// Where its law is published.
     pub source: &'static str,
 }
 
@@ -152,8 +167,10 @@ pub trait Effect: Sync + Send {
     /// The stable code of findings.
     fn code(&self) -> &'static str;
 
+    /// The effect in words: its law, and what it stands for.
     fn about(&self) -> About;
 
+    /// How it enters the model.
     fn kind(&self) -> Kind {
         Kind::Additive
     }

@@ -20,8 +20,11 @@ pub struct Backoff {
 /// The trajectory with the factor on the amplitudes that all limits allow: the one asked for, or the largest found below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstRun {
+    /// Factor of the amplitudes, from 0 to 1.
     pub amplitude: f64,
+    /// Factor of the period, from 1.
     pub slowness: f64,
+    /// The trajectory that is left.
     pub series: FourierSeries,
 }
 

@@ -146,6 +146,7 @@ fn scaled_gram(v: &DMatrix<f64>, d: &DVector<f64>) -> DMatrix<f64> {
 /// joint they are standard deviations to expect from one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criteria {
+    /// Condition number of the observation matrix of the base parameters.
     pub condition_number: f64,
     /// Condition number after scaling every column of Y_b to length one: what remains when units are chosen freely.
     pub scaled_condition_number: f64,

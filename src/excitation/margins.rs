@@ -5,11 +5,16 @@ use super::torque_proof::{TorqueExtremes, certified_torques};
 use crate::trajectory::{FourierSeries, Trajectory};
 use std::f64::consts::{PI, TAU};
 
+/// What a limit is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
+    /// Position [rad or m].
     Position,
+    /// Velocity [rad/s or m/s].
     Velocity,
+    /// Acceleration [rad/s² or m/s²].
     Acceleration,
+    /// Jerk [rad/s³ or m/s³].
     Jerk,
     /// Predicted by the prior link parameters; its limit is over the safety factor.
     Torque,
@@ -19,6 +24,7 @@ impl Quantity {
     /// Those of one joint's motion.
     pub const MOTION: [Quantity; 4] = [Quantity::Position, Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
 
+    /// Name in documents.
     pub fn name(self) -> &'static str {
         ["position", "velocity", "acceleration", "jerk", "torque"][self as usize]
     }
@@ -29,6 +35,7 @@ impl Quantity {
 pub struct Margin {
     /// From 0.
     pub joint: usize,
+    /// What the limit is of.
     pub quantity: Quantity,
     /// The limit: lower limits and those on negative velocities are below `peak`.
     pub limit: f64,

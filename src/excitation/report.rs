@@ -20,6 +20,7 @@ pub enum Outcome {
     Stalled,
     /// No trajectory of this kind can do it; the reason in words.
     Infeasible(String),
+    /// It was cancelled.
     Cancelled,
 }
 
@@ -43,7 +44,9 @@ pub struct StartReport {
     pub initial: f64,
     /// After its local solve.
     pub reached: f64,
+    /// Evaluations of the criterion.
     pub evaluations: u32,
+    /// Whether the minimiser ended at a minimum.
     pub converged: bool,
     /// Evaluations of this start, and the criterion at its best point then; from `initial` to `reached`, closer together at first.
     pub course: Vec<(u32, f64)>,
@@ -65,19 +68,25 @@ pub struct Predicted {
 /// Result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
+    /// How the search ended.
     pub status: Outcome,
     /// Meets every constraint; at rest when infeasible.
     pub series: FourierSeries,
     /// Of the true Y_b (true sign) on the asked samples, computed afresh from `series`; `None` without a trajectory.
     pub criteria: Option<Criteria>,
+    /// Deviations that a recording is expected to give; `None` without torque noise.
     pub predicted: Option<Predicted>,
     /// How well two rivals are told apart, where there are two.
     pub rivals: Option<RivalReport>,
+    /// What is left to every limit.
     pub margins: Vec<Margin>,
     /// Of every pair that keeps a distance, with limits in space.
     pub clearances: Vec<Clearance>,
+    /// Every start and how it ended.
     pub starts: Vec<StartReport>,
+    /// Evaluations of the criterion, of all starts.
     pub evaluations: u64,
+    /// Rounds of starts.
     pub rounds: usize,
 }
 

@@ -19,11 +19,14 @@ pub struct Quality {
     pub extrapolation: Vec<f64>,
     /// Share of the torque that the model explains beyond a constant.
     pub explained: Explained,
+    /// The judgement.
     pub verdict: Verdict,
 }
 
+/// Whether a log is good enough to identify from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
+    /// It is.
     Good,
     /// Away from the log's own path the model errs by far more than on it.
     PoorExcitation,
@@ -36,6 +39,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Name in documents.
     pub fn code(self) -> &'static str {
         match self {
             Self::Good => "good",

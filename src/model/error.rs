@@ -11,12 +11,16 @@ pub struct ModelError(pub Vec<FieldProblem>);
 /// One problem and the place it stands in, as a JSON pointer into the robot document.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldProblem {
+    /// JSON pointer (RFC 6901) to the field.
     pub pointer: String,
+    /// What is wrong with it.
     pub detail: String,
+    /// What to do about it.
     pub hint: Option<String>,
 }
 
 impl FieldProblem {
+    /// A problem without a hint.
     pub fn new(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
         Self {
             pointer: pointer.into(),
@@ -25,6 +29,7 @@ impl FieldProblem {
         }
     }
 
+    /// The same with what to do about it.
     pub fn with_hint(self, hint: impl Into<String>) -> Self {
         Self {
             hint: Some(readable(hint)),

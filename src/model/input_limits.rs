@@ -39,7 +39,9 @@ pub struct InputLimits {
     pub model_effects: usize,
     /// Largest mass (kg), inertia [kg m²] and friction [N·m·s/rad, N·m] of a link; the largest industrial arms weigh 10 t.
     pub mass: f64,
+    /// Largest moment or product of inertia [kg m²].
     pub inertia: f64,
+    /// Largest coefficient of friction [N·m s/rad or N s/m; N·m or N].
     pub friction: f64,
     /// Largest distance between two joints, or of a centre of mass from its joint (m): millimetres taken for metres land far above.
     pub length: f64,

@@ -4,6 +4,7 @@ use super::{Capsule, Limits};
 use crate::spatial::{PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 
+/// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
     /// Turns about z; position in rad, torque in N·m.
@@ -51,8 +52,11 @@ pub struct LinkPrior {
 /// Axis of a link frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
+    /// Along x.
     X,
+    /// Along y.
     Y,
+    /// Along z.
     Z,
 }
 
@@ -101,13 +105,17 @@ impl LinkBounds {
 /// A joint, its place in the chain, and the link behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
+    /// Name, one line of text.
     pub name: String,
+    /// How it moves.
     pub kind: JointKind,
     /// Pose of this joint's frame in the previous one at q = 0; the joint moves about or along its z axis.
     pub placement: Transform,
     /// The parameters the placement was made from, if it was given that way.
     pub mdh: Option<Mdh>,
+    /// What it must not exceed.
     pub limits: Limits,
+    /// What is known of the link beforehand.
     pub prior: Option<LinkPrior>,
     /// Capsules that together contain the link; empty where its shape is not known.
     pub geometry: Vec<Capsule>,
@@ -149,10 +157,12 @@ impl Joint {
         }
     }
 
+    /// The same joint with other limits.
     pub fn with_limits(self, limits: Limits) -> Self {
         Self { limits, ..self }
     }
 
+    /// Whether it turns.
     pub fn is_revolute(&self) -> bool {
         self.kind == JointKind::Revolute
     }

@@ -16,6 +16,7 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// No limit on anything.
     pub fn unlimited() -> Self {
         Self {
             position: None,

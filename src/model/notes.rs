@@ -10,6 +10,7 @@ pub struct Notes {
 }
 
 impl Notes {
+    /// Adds a note.
     pub fn push(&mut self, note: impl Into<String>) {
         if self.kept.len() < INPUT_LIMITS.notes {
             self.kept.push(note.into());
@@ -18,6 +19,7 @@ impl Notes {
         }
     }
 
+    /// Adds several notes.
     pub fn extend(&mut self, notes: impl IntoIterator<Item = String>) {
         notes.into_iter().for_each(|n| self.push(n));
     }

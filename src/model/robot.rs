@@ -49,6 +49,7 @@ impl Robot {
         }
     }
 
+    /// Name of the robot.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -58,14 +59,17 @@ impl Robot {
         self.gravity
     }
 
+    /// Joints from the base to the flange.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
+    /// Number of joints n.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
 
+    /// Friction that is declared on every joint.
     pub fn friction(&self) -> Friction {
         self.friction
     }

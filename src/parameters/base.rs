@@ -104,10 +104,12 @@ impl BaseParameters {
         }
     }
 
+    /// Number of base parameters b.
     pub fn len(&self) -> usize {
         self.kept.len()
     }
 
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.kept.is_empty()
     }
@@ -121,6 +123,7 @@ impl BaseParameters {
 /// The same by rank-revealing elimination of an observation matrix, and how clear the decision was.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NumericBase {
+    /// The base parameters.
     pub base: BaseParameters,
     /// Smallest part of a kept column that the columns before it cannot make, relative to the column.
     pub weakest_kept: f64,

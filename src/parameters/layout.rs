@@ -7,28 +7,41 @@ use nalgebra::DVector;
 /// The ten inertial parameters of a link, in the paper's order (3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Inertial {
+    /// Mass (kg).
     M,
+    /// First moment along x [kg m].
     MX,
+    /// First moment along y [kg m].
     MY,
+    /// First moment along z [kg m].
     MZ,
+    /// Moment of inertia about x [kg m²].
     XX,
+    /// Product of inertia xy, entry of the tensor [kg m²].
     XY,
+    /// Product of inertia xz, entry of the tensor [kg m²].
     XZ,
+    /// Moment of inertia about y [kg m²].
     YY,
+    /// Product of inertia yz, entry of the tensor [kg m²].
     YZ,
+    /// Moment of inertia about z [kg m²].
     ZZ,
 }
 
 impl Inertial {
+    /// All ten, in the order of a link's standard parameters.
     pub const ALL: [Inertial; 10] = {
         use Inertial::*;
         [M, MX, MY, MZ, XX, XY, XZ, YY, YZ, ZZ]
     };
 
+    /// Symbol without a link's number.
     pub fn symbol(self) -> &'static str {
         ["M", "MX", "MY", "MZ", "XX", "XY", "XZ", "YY", "YZ", "ZZ"][self as usize]
     }
 
+    /// Unit in the link frame.
     pub fn unit(self) -> &'static str {
         match self {
             Inertial::M => "kg",
@@ -38,8 +51,10 @@ impl Inertial {
     }
 }
 
+/// Which of a link's standard parameters it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ParameterKind {
+    /// Of the rigid body.
     Inertial(Inertial),
     /// `FV qd`
     Viscous,
@@ -50,7 +65,9 @@ pub enum ParameterKind {
 /// One standard parameter: what it is and of which link (counted from 0).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Parameter {
+    /// Number of the link, from 0.
     pub link: usize,
+    /// Which of its parameters.
     pub kind: ParameterKind,
 }
 
@@ -60,6 +77,7 @@ impl Parameter {
         format!("{}{}", self.symbol(), self.link + 1)
     }
 
+    /// Symbol without the link's number.
     pub fn symbol(&self) -> &'static str {
         match self.kind {
             ParameterKind::Inertial(i) => i.symbol(),
@@ -79,6 +97,7 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// Standard parameters of `robot`: per link ten of the body, then declared friction.
     pub fn standard(robot: &Robot) -> Self {
         let mut kinds: Vec<_> = Inertial::ALL.map(ParameterKind::Inertial).to_vec();
         if robot.friction().viscous {
@@ -98,14 +117,17 @@ impl Layout {
         }
     }
 
+    /// Number of standard parameters p.
     pub fn len(&self) -> usize {
         self.parameters.len()
     }
 
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.parameters.is_empty()
     }
 
+    /// The parameters in order.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
@@ -115,6 +137,7 @@ impl Layout {
         self.per_link
     }
 
+    /// Names in order, such as `MX3`.
     pub fn names(&self) -> Vec<String> {
         self.parameters.iter().map(Parameter::name).collect()
     }

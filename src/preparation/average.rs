@@ -10,6 +10,7 @@ use std::borrow::Cow;
 /// Where the whole periods lie in a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Periods {
+    /// Length of a period (s).
     pub period_s: f64,
     /// Whole periods K.
     pub count: usize,

@@ -4,6 +4,7 @@ use crate::model::{decimals, shortest};
 use crate::preparation::filter::FilterError;
 use thiserror::Error;
 
+/// Why a log cannot be prepared.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PreprocessError {
     #[error("log `{log}` has {actual} joints, the robot has {expected}")]

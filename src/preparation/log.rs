@@ -5,6 +5,7 @@
 pub struct Log {
     /// The file's name, or whatever the user calls it.
     pub name: String,
+    /// Sampling rate (Hz).
     pub rate_hz: f64,
     /// Time of the first sample on the log's own clock (s).
     pub start_s: f64,
@@ -19,14 +20,17 @@ pub struct Log {
 }
 
 impl Log {
+    /// Number of joints n.
     pub fn joints(&self) -> usize {
         self.q.len()
     }
 
+    /// Number of samples N.
     pub fn samples(&self) -> usize {
         self.usable.len()
     }
 
+    /// Samples over the rate (s).
     pub fn duration_s(&self) -> f64 {
         self.samples() as f64 / self.rate_hz
     }

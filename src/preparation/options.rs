@@ -16,7 +16,9 @@ impl PreprocessOptions {
 /// How a log becomes rows of the observation matrix. The default decides everything from the data and says why.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PreprocessOptions {
+    /// What is known of the period.
     pub period: Period,
+    /// How derivatives are made.
     pub method: Method,
     /// Zero-phase low-pass on positions before differences are taken (not used by the Fourier fit).
     pub position_filter: Option<FilterSpec>,
@@ -35,6 +37,7 @@ pub struct PreprocessOptions {
 
 /// The paper's chain (section 4.3): average over periods, order 20 at 2 Hz on positions, order 12 at 1.6 Hz on torques, central differences.
 impl PreprocessOptions {
+    /// The published preparation (section 4.3) of a log of this period.
     pub fn paper(period_s: f64) -> Self {
         Self {
             period: Period::Known { period_s, order: None },
@@ -44,6 +47,7 @@ impl PreprocessOptions {
     }
 }
 
+/// What is known of the period of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Period {
     /// From the positions' autocorrelation.
@@ -57,6 +61,7 @@ pub enum Period {
     None,
 }
 
+/// How velocities and accelerations are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
     /// Fourier fit where the log repeats, parallel filter otherwise.
@@ -73,19 +78,25 @@ pub enum Method {
 /// Butterworth, run forwards and backwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilterSpec {
+    /// Order of the Butterworth filter.
     pub order: usize,
+    /// Frequency at which half of the power is left (Hz).
     pub cutoff_hz: f64,
 }
 
 /// One decision of preprocessing, for the answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
+    /// What was chosen.
     pub what: &'static str,
+    /// The choice.
     pub value: String,
+    /// The reason.
     pub why: String,
 }
 
 impl Choice {
+    /// A choice with its reason.
     pub fn new(what: &'static str, value: impl Into<String>, why: impl Into<String>) -> Self {
         Self {
             what,

@@ -14,6 +14,7 @@ use std::sync::Arc;
 /// what both torque and regressor columns go through, and whatever adds columns sends them the same way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedLog {
+    /// Name of the log.
     pub name: String,
     /// Samples of `motion` per second; for a log that repeats, N samples to the period.
     pub rate_hz: f64,
@@ -29,6 +30,7 @@ pub struct PreparedLog {
     pub periods: Option<Periods>,
     /// Noise measured without a model; `None` with fewer than two periods.
     pub scatter: Option<Scatter>,
+    /// How rows are made of samples.
     pub row_filter: RowFilter,
     /// Per joint: rows below this speed are left out [rad/s or m/s].
     pub dead_zone: Vec<f64>,
@@ -43,10 +45,12 @@ pub struct PreparedLog {
 }
 
 impl PreparedLog {
+    /// Number of joints n.
     pub fn joints(&self) -> usize {
         self.torque.len()
     }
 
+    /// Number of samples N.
     pub fn samples(&self) -> usize {
         self.usable.len()
     }

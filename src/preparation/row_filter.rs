@@ -5,8 +5,11 @@ use crate::preparation::filter::{LowPass, Padding, zero_phase};
 /// Filter, ends and decimation. Parallel filtering has the same filter in both places; the paper filters torque alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowFilter {
+    /// What torques go through.
     pub torque: Option<LowPass>,
+    /// What columns of the model go through.
     pub columns: Option<LowPass>,
+    /// How the filters begin and end.
     pub padding: Padding,
     /// Samples dropped at both ends.
     pub edges: usize,

@@ -4,6 +4,7 @@ use super::dataset::Stretch;
 use crate::preparation::rounded_alike;
 use crate::regression::settings::SETTINGS;
 
+/// Where a noise model is taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseSource {
     /// Scatter between periods: needs no model.
@@ -15,6 +16,7 @@ pub enum NoiseSource {
 /// Noise on the torque of one joint: variance and correlation in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseModel {
+    /// Where it is taken from.
     pub source: NoiseSource,
     /// Standard deviation of one measurement [N·m or N].
     pub std_dev: f64,

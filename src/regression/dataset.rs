@@ -12,6 +12,7 @@ pub type ColumnFilter = Arc<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
 /// One stretch of motion with its torque: the average over the periods of a log, or the log itself.
 #[derive(Clone)]
 pub struct Stretch {
+    /// Name of the log.
     pub name: String,
     /// N samples, before the filter.
     pub motion: Motion,
@@ -37,6 +38,7 @@ pub struct Stretch {
     pub resolution: Vec<f64>,
     /// Per joint: what is not known of its motion, which no period shows.
     pub motion_error: Vec<MotionError>,
+    /// What torque and columns go through; `None` where every sample is a row.
     pub filter: Option<ColumnFilter>,
     /// The same rows from fewer samples, where a filter leaves most of them without say.
     pub coarse: Option<Coarse>,
@@ -52,6 +54,7 @@ pub struct Stretch {
 /// that goes together over more rows than a model of it has terms.
 #[derive(Clone)]
 pub struct Unfiltered {
+    /// The same stretch before the filter.
     pub stretch: Arc<Stretch>,
     pub(crate) filter: ColumnFilter,
 }
@@ -76,6 +79,7 @@ impl std::fmt::Debug for Stretch {
 }
 
 impl Stretch {
+    /// Number of joints n.
     pub fn joints(&self) -> usize {
         self.torque.len()
     }

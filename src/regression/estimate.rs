@@ -43,14 +43,18 @@ pub struct Estimate {
     pub covariance: DMatrix<f64>,
     /// Standard deviations by the paper's (15): `σ² (WᵀW)⁻¹`, every row counted as independent.
     pub textbook_std_dev: DVector<f64>,
+    /// Fit of every joint.
     pub joints: Vec<JointFit>,
+    /// Solution of the normal equations: rank, values and covariance of white noise.
     pub solution: Solution,
+    /// Iterations of the weights.
     pub iterations: usize,
 }
 
 /// The fit of one joint's rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointFit {
+    /// Rows that count.
     pub rows: usize,
     /// Root mean square residual [N m or N].
     pub rms: f64,
@@ -83,6 +87,7 @@ impl Estimate {
         100.0 * self.std_dev(c) / self.values[c].abs()
     }
 
+    /// Whether the data determine parameter `c`.
     pub fn is_determined(&self, c: usize) -> bool {
         self.solution.is_determined(c)
     }
@@ -93,6 +98,7 @@ impl Estimate {
 pub struct Fitted {
     /// What the estimate is of: base parameters of the robot as described, or, with a tilt in the model, of any gravity.
     pub base: BaseParameters,
+    /// The model at its estimate.
     pub model: AugmentedModel,
     /// Base parameters, then per effect its coefficients and free shapes.
     pub estimate: Estimate,

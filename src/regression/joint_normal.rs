@@ -7,8 +7,11 @@ use nalgebra::{DMatrix, DVector};
 pub struct JointNormal {
     /// Model column of every row and column of `gram`.
     pub columns: Vec<usize>,
+    /// `Wⱼᵀ Wⱼ`, w × w.
     pub gram: DMatrix<f64>,
+    /// `Wⱼᵀ τⱼ`, w.
     pub moment: DVector<f64>,
+    /// `τⱼᵀ τⱼ` [(N·m)² or N²; without unit where rows are whitened].
     pub torque_square: f64,
     /// Rows that are data.
     pub rows: usize,

@@ -9,8 +9,11 @@ use nalgebra::{DMatrix, DVector, Rotation3};
 /// An effect with its values.
 #[derive(Clone)]
 pub struct Term {
+    /// Which effect.
     pub effect: &'static dyn Effect,
+    /// Which of its forms, from 0.
     pub form: usize,
+    /// Joints that it acts on, from 0, in the order of the effect's own.
     pub joints: Vec<usize>,
     /// Of the columns.
     pub coefficients: Vec<f64>,
@@ -101,10 +104,13 @@ impl Term {
 /// Base parameters and effects.
 #[derive(Debug, Clone)]
 pub struct AugmentedModel {
+    /// The robot as declared.
     pub robot: Robot,
+    /// Base parameters that the model has.
     pub base: BaseParameters,
     /// Values of the base parameters.
     pub values: DVector<f64>,
+    /// Effects with their values.
     pub terms: Vec<Term>,
 }
 

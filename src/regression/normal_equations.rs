@@ -17,6 +17,7 @@ use std::sync::{Arc, OnceLock};
 /// What an earlier identification knows about the first parameters of a model (its base parameters, then its own effects).
 #[derive(Debug, Clone)]
 pub struct Prior {
+    /// Values.
     pub mean: DVector<f64>,
     /// Inverse covariance.
     pub information: DMatrix<f64>,

@@ -13,6 +13,7 @@ pub struct Solution {
     pub inverse: DMatrix<f64>,
     /// Of the scaled matrix, largest first; p of them.
     pub singular_values: Vec<f64>,
+    /// Rank of the equations.
     pub rank: usize,
     /// One unit vector over the scaled columns per undetermined direction.
     pub null_directions: Vec<DVector<f64>>,
@@ -28,6 +29,7 @@ impl Solution {
         Self::of(gram, moment)
     }
 
+    /// Solves `gram θ = moment` in the directions that the data determine.
     pub fn of(gram: DMatrix<f64>, moment: DVector<f64>) -> Self {
         let p = moment.len();
         let scale = DVector::from_fn(p, |c, _| gram[(c, c)].max(0.0).sqrt());

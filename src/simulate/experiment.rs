@@ -20,12 +20,17 @@ pub struct Experiment<'a> {
     pub robot: &'a Robot,
     /// True standard parameters, in the order of [`Layout::standard`].
     pub parameters: &'a [f64],
+    /// The motion that is commanded, and followed exactly.
     pub trajectory: &'a dyn Trajectory,
     /// How often the trajectory is run through; may end within a period.
     pub periods: f64,
+    /// Sampling rate (Hz).
     pub rate_hz: f64,
+    /// What the declared model lacks.
     pub effects: &'a [HiddenEffect],
+    /// Noise of the sensors.
     pub noise: &'a Noise,
+    /// Of the noise: the same seed gives the same log.
     pub seed: u64,
 }
 

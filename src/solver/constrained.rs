@@ -15,10 +15,13 @@ pub type Constraints<'a> = dyn FnMut(&[f64], &mut [f64], Option<&mut [f64]>) + '
 pub struct ConstrainedMinimum {
     /// The best point evaluated that meets every constraint to the tolerance; where there was none, the one that breaks them least.
     pub x: Vec<f64>,
+    /// Value of the objective there.
     pub value: f64,
     /// Largest g beyond its tolerance at `x`; at most 0 where the point is feasible.
     pub violation: f64,
+    /// Evaluations of the objective.
     pub evaluations: u32,
+    /// Why it ended.
     pub ending: Ending,
 }
 

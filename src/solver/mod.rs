@@ -15,6 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StopRule {
+    /// Most evaluations of the objective.
     pub max_evaluations: u32,
     /// Stop when an iteration improves f by less than this (f is a logarithm: relative change of what it is the logarithm of).
     pub least_improvement: f64,
@@ -25,15 +26,20 @@ pub struct StopRule {
 pub struct Minimum {
     /// The best point evaluated, which need not be the last.
     pub x: Vec<f64>,
+    /// Value of the objective there.
     pub value: f64,
+    /// Evaluations of the objective.
     pub evaluations: u32,
+    /// Why it ended.
     pub ending: Ending,
 }
 
+/// Why a minimisation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
     /// Improvement per iteration fell below the rule, or to rounding.
     Converged,
+    /// The evaluations are spent.
     EvaluationsSpent,
     /// The objective asked to stop.
     Interrupted,

@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 /// entry of the inertia tensor, not the positive integral.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkInertia {
+    /// Mass (kg).
     pub mass: f64,
     /// `m · l_C` [kg m].
     pub first_moment: Vector3<f64>,
@@ -19,6 +20,7 @@ pub struct LinkInertia {
 /// Mass, centre of mass and inertia about it: the paper's `mu` (2) without friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhysicalInertia {
+    /// Mass (kg).
     pub mass: f64,
     /// Centre of mass in the link frame (m).
     pub center_of_mass: Vector3<f64>,
@@ -27,6 +29,7 @@ pub struct PhysicalInertia {
 }
 
 impl LinkInertia {
+    /// No mass.
     pub fn zero() -> Self {
         Self {
             mass: 0.0,

@@ -5,11 +5,14 @@ use nalgebra::{Matrix3, Vector3};
 /// Pose of a frame B in a frame A: `x_A = rotation · x_B + translation` (translation in metres).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
+    /// Rotation R, 3 × 3.
     pub rotation: Matrix3<f64>,
+    /// Translation p (m).
     pub translation: Vector3<f64>,
 }
 
 impl Transform {
+    /// The transform that changes nothing.
     pub fn identity() -> Self {
         Self {
             rotation: Matrix3::identity(),
@@ -35,6 +38,7 @@ impl Transform {
         Self::from_rotation(Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0))
     }
 
+    /// Translation by `(x, y, z)` (m).
     pub fn trans(x: f64, y: f64, z: f64) -> Self {
         Self {
             rotation: Matrix3::identity(),
@@ -42,6 +46,7 @@ impl Transform {
         }
     }
 
+    /// Rotation alone.
     pub fn from_rotation(rotation: Matrix3<f64>) -> Self {
         Self {
             rotation,
@@ -58,6 +63,7 @@ impl Transform {
         }
     }
 
+    /// The transform back: `(Rᵀ, −Rᵀ p)`.
     pub fn inverse(&self) -> Self {
         let transposed = self.rotation.transpose();
         Self {

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 /// So `qd_i = Σ a cos + b sin`: coefficients are velocity amplitudes [rad/s or m/s].
 #[derive(Debug, Clone, PartialEq)]
 pub struct FourierSeries {
+    /// Fundamental frequency ω_f/2π (Hz).
     pub fundamental_hz: f64,
     /// n × L.
     pub a: DMatrix<f64>,
@@ -30,6 +31,7 @@ impl FourierSeries {
         }
     }
 
+    /// Harmonics N_f.
     pub fn order(&self) -> usize {
         self.a.ncols()
     }

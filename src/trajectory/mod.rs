@@ -15,6 +15,7 @@ use crate::dynamics::Motion;
 
 /// A motion of n joints in time.
 pub trait Trajectory {
+    /// Number of joints n.
     fn joints(&self) -> usize;
 
     /// Length (s); periodic trajectories repeat after it.

@@ -17,11 +17,13 @@ use std::sync::Arc;
 /// One stretch of motion that columns are evaluated along.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<'a> {
+    /// The motion of the candidate trajectory.
     pub motion: &'a Motion,
     /// Time between samples (s).
     pub interval: f64,
     /// Whether the sample after the last is the first.
     pub periodic: bool,
+    /// How the sign of friction is taken at reversals.
     pub coulomb: Coulomb,
 }
 
@@ -39,8 +41,10 @@ pub trait AddedColumns: Debug + Send + Sync {
     /// Columns of all groups.
     fn count(&self) -> usize;
 
+    /// Groups of columns, each computed in one go.
     fn groups(&self) -> usize;
 
+    /// The columns of a group along `course`.
     fn columns(&self, group: usize, course: &Course) -> Vec<AddedColumn>;
 
     /// Joints whose motion changes the columns of a group.

@@ -75,22 +75,27 @@ impl Problem {
         Ok(problem)
     }
 
+    /// The robot that moves.
     pub fn robot(&self) -> &Robot {
         &self.spec.robot
     }
 
+    /// What was asked for.
     pub fn spec(&self) -> &ProblemSpec {
         &self.spec
     }
 
+    /// Standard parameters of the robot, in order.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
+    /// Base parameters of the robot.
     pub fn base(&self) -> &BaseParameters {
         &self.base
     }
 
+    /// The robot's chain for dynamics.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }

@@ -55,7 +55,12 @@ pub enum Start {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Given {
     /// A trajectory that has been or will be recorded, so many periods of it, with the noise of the problem.
-    Motion { series: FourierSeries, periods: f64 },
+    Motion {
+        /// The trajectory.
+        series: FourierSeries,
+        /// Periods of it.
+        periods: f64,
+    },
     /// `WᵀW` over all columns, rows over their noise.
     Information(DMatrix<f64>),
 }
@@ -67,6 +72,7 @@ pub struct Knowledge {
     pub added: Option<Added>,
     /// Two of the effects, for [`Criterion::RivalEvidence`].
     pub rivals: Option<Rivals>,
+    /// Trajectories that are recorded anyway, whose information counts.
     pub given: Vec<Given>,
     /// Periods of the new trajectory that will be recorded.
     pub periods: f64,
@@ -86,14 +92,21 @@ impl Default for Knowledge {
 /// A request as it was made; [`Problem::new`](crate::excitation::Problem::new) checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProblemSpec {
+    /// The robot that is to move.
     pub robot: Robot,
+    /// Harmonics of the Fourier series N_f, equation (12).
     pub order: usize,
     /// Harmonics that every joint has, from 1 to `order`; for `None` all of them.
     pub harmonics: Option<Vec<Vec<usize>>>,
+    /// Fundamental frequency ω_f/2π (Hz).
     pub fundamental_hz: f64,
+    /// Rate at which the criterion is evaluated (Hz).
     pub sample_rate_hz: f64,
+    /// What is minimised.
     pub criterion: Criterion,
+    /// How limits are imposed.
     pub form: Form,
+    /// How the trajectory begins.
     pub start: Start,
     /// Position of every joint at the start [rad or m]; for `None` zero where the limits allow it, else the middle of the range.
     pub start_position: Option<Vec<f64>>,
@@ -104,5 +117,6 @@ pub struct ProblemSpec {
     pub torque: Option<TorqueLimits>,
     /// What the arm keeps off.
     pub space: Option<SpaceLimits>,
+    /// What is known before: noise, priors, an earlier model.
     pub knowledge: Knowledge,
 }

@@ -36,7 +36,9 @@ pub struct Hypothesis {
 /// Two explanations that exclude each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rivals {
+    /// The effect that was found.
     pub finding: Hypothesis,
+    /// The effect that explains the same.
     pub rival: Hypothesis,
     /// `WᵀW` of the data that both came from, over all columns; `None` where it is not known.
     pub recorded: Option<DMatrix<f64>>,
@@ -47,7 +49,9 @@ pub struct Rivals {
 /// Evidence to be expected between two rivals: twice the logarithm of the odds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedEvidence {
+    /// Expected evidence where the finding is true.
     pub if_finding: f64,
+    /// Expected evidence where the rival is true.
     pub if_rival: f64,
     nested: [bool; 2],
     /// In which case something can be left over.

@@ -8,6 +8,7 @@ use crate::excitation::variables::Variables;
 /// How long and how widely to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchOptions {
+    /// Of every random number: the same seed gives the same answer.
     pub seed: u64,
     /// Random starts at least made before a search without limits may end.
     pub starts: usize,
@@ -34,7 +35,9 @@ impl Default for SearchOptions {
 /// Why a search should end now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Halt {
+    /// The time limit was reached.
     TimeUp,
+    /// It was cancelled.
     Cancelled,
 }
 
@@ -57,6 +60,7 @@ pub trait Control: Sync {
 pub struct Found<'a> {
     /// Epochs that are over.
     pub epochs: usize,
+    /// Evaluations of the criterion.
     pub evaluations: u64,
     pub(super) variables: &'a Variables,
     pub(super) champions: &'a [Point],
@@ -84,9 +88,13 @@ impl Found<'_> {
 pub struct Progress {
     /// Value of the criterion at the best point so far (the condition number, not its logarithm); infinite before the first.
     pub best: f64,
+    /// Starts that have ended.
     pub starts_finished: usize,
+    /// Starts in all.
     pub starts: usize,
+    /// Evaluations of the criterion up to now.
     pub evaluations: u64,
+    /// Rounds that have ended.
     pub rounds_finished: usize,
     /// The random start that has just ended; `None` after local solves around known points.
     pub start: Option<StartReport>,

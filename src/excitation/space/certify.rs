@@ -19,6 +19,7 @@ pub struct Clearance {
     pub from: String,
     /// Least distance seen (m), at `at_s` (s).
     pub least: f64,
+    /// When the arm is closest (s).
     pub at_s: f64,
     /// Proven bound on the least distance over all time (m).
     pub certified: f64,

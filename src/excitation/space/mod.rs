@@ -19,22 +19,29 @@ use nalgebra::Vector3;
 pub struct SpaceLimits {
     /// Least distance kept from everything (m).
     pub clearance: f64,
+    /// Planes that the arm stays on one side of.
     pub half_spaces: Vec<HalfSpace>,
+    /// Boxes that the arm keeps off.
     pub boxes: Vec<Obstacle>,
+    /// Whether the arm keeps off itself, and how.
     pub self_collision: Option<SelfCollision>,
 }
 
 /// The arm stays where `normal · p ≥ offset`: a floor has the normal (0, 0, 1) and its height as offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HalfSpace {
+    /// Name in documents and reports.
     pub name: String,
+    /// Unit vector out of the plane, in the base frame.
     pub normal: Vector3<f64>,
+    /// Distance of the plane from the origin along the normal (m).
     pub offset: f64,
 }
 
 /// A box with edges along the axes of the base frame that the arm stays out of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
+    /// Name in documents and reports.
     pub name: String,
     /// (m)
     pub center: Vector3<f64>,
@@ -45,6 +52,7 @@ pub struct Obstacle {
 /// Links keep off each other, but for neighbours and the pairs named here (joint numbers from 0, the smaller first).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SelfCollision {
+    /// Pairs of links that are not looked at, beside neighbours.
     pub ignored: Vec<(usize, usize)>,
 }
 

@@ -26,6 +26,7 @@ pub struct ConsistentOptions {
     pub least_eigenvalue: f64,
     /// Least viscous friction [N m s/rad or N s/m]; the paper asks for 0.1.
     pub least_viscous: f64,
+    /// What makes ten numbers a body.
     pub cone: Cone,
 }
 

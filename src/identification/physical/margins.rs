@@ -4,6 +4,7 @@ use super::consistent::{ConsistentOptions, boxes};
 use crate::model::{LinkBounds, Robot};
 use crate::parameters::{Layout, ParameterKind};
 
+/// What makes parameters those of a body, or was asked of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Constraint {
     /// Mass above zero (kg).
@@ -32,13 +33,18 @@ pub enum Constraint {
     CenterOfMassBox,
     /// Stated bounds, in the unit of what they bound.
     BoundMass,
+    /// A bound on the centre of mass.
     BoundCenterOfMass,
+    /// A bound on the inertia about the centre of mass.
     BoundInertia,
+    /// A bound on viscous friction.
     BoundViscous,
+    /// A bound on Coulomb friction.
     BoundCoulomb,
 }
 
 impl Constraint {
+    /// Name in documents.
     pub fn code(self) -> &'static str {
         match self {
             Self::Mass => "mass_positive",
@@ -67,7 +73,9 @@ impl Constraint {
 pub struct ConstraintMargin {
     /// From 0.
     pub link: usize,
+    /// Which constraint.
     pub constraint: Constraint,
+    /// What is left to it: in its own unit (kg, kg m², N·m s/rad, N·m), of the pseudo-inertia as a fraction.
     pub margin: f64,
 }
 
@@ -115,6 +123,7 @@ pub fn margins(layout: &Layout, values: &[f64]) -> Vec<ConstraintMargin> {
 pub struct ActiveBound {
     /// From 0.
     pub link: usize,
+    /// Which constraint.
     pub constraint: Constraint,
     /// By how much the root of the cost is above that of the best fit without this constraint, in percent.
     pub cost_percent: f64,

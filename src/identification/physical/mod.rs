@@ -35,31 +35,41 @@ use crate::spatial::PhysicalInertia;
 pub struct PhysicalFit {
     /// Standard parameters in the order of [`Layout::standard`], then any columns added to the observation (offsets).
     pub values: Vec<f64>,
+    /// How well the bodies fit.
     pub fit: FitRms,
+    /// What is left to every constraint.
     pub margins: Vec<ConstraintMargin>,
     /// Constraints that hold the solution of the convex problem, with their cost in fit.
     pub active: Vec<ActiveBound>,
+    /// How the solver ended.
     pub ending: FitEnding,
     /// Iterations of the solver, over all starts.
     pub iterations: u32,
 }
 
+/// How a fit of bodies ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitEnding {
+    /// At the optimum.
     Converged,
     /// Solved to a looser tolerance than asked for.
     Stalled,
+    /// The iterations or the time were spent before.
     BudgetExhausted,
     /// No parameters meet all constraints.
     Infeasible,
+    /// It was cancelled.
     Cancelled,
 }
 
 /// What simulators call one link: mass, centre of mass, inertia about it, friction of its joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhysicalLink {
+    /// Mass, centre of mass and inertia.
     pub inertia: PhysicalInertia,
+    /// Viscous friction [N·m s/rad or N s/m].
     pub viscous: f64,
+    /// Coulomb friction [N·m or N].
     pub coulomb: f64,
 }
 
@@ -102,8 +112,11 @@ pub enum FeasibleMethod {
 /// What to ask of physical parameters.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FeasibleOptions {
+    /// Which problems are solved.
     pub method: FeasibleMethod,
+    /// Options of the convex problem.
     pub consistent: ConsistentOptions,
+    /// Options of the published problem (10a-d).
     pub paper: PaperOptions,
 }
 
@@ -130,7 +143,9 @@ impl FeasibleOptions {
 /// Physical parameters as asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeasibleFit {
+    /// Bodies of the convex problem.
     pub consistent: PhysicalFit,
+    /// Bodies of the published problem, where it was asked for.
     pub paper: Option<PaperFit>,
     method: FeasibleMethod,
 }
@@ -144,6 +159,7 @@ impl FeasibleFit {
         }
     }
 
+    /// Which problems were solved.
     pub fn method(&self) -> FeasibleMethod {
         self.method
     }

@@ -65,6 +65,7 @@ impl FitObjective {
         self.map.ncols()
     }
 
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

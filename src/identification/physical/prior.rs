@@ -7,7 +7,9 @@ use nalgebra::{Matrix3, Vector3};
 /// Mass and length that make a link's parameters comparable: M by `mass`, first moments by `mass · length`, inertias by `mass · length²`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkScale {
+    /// Mass that stands for a link's (kg).
     pub mass: f64,
+    /// Length that stands for a link's (m).
     pub length: f64,
 }
 

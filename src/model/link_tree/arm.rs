@@ -131,7 +131,9 @@ fn locked_to(tree: &LinkTree, link: usize, is_carrier: &[bool]) -> Vec<(usize, T
 /// A movable joint of a chain with the links that move with it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CarriedLinks {
+    /// Name of the joint.
     pub joint: String,
+    /// Name of the link that it moves.
     pub link: String,
     /// The links locked to it, with their inertia about the frame of `link`, where they have one.
     pub locked: Vec<(String, Option<LinkInertia>)>,

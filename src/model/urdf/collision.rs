@@ -11,9 +11,11 @@ use roxmltree::Node;
 /// A mesh that describes the shape of a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkMesh {
+    /// Name of the link.
     pub link: String,
     /// As the file has it: `package://…`, `file://…` or a path.
     pub file: String,
+    /// Factors of the mesh's own axes.
     pub scale: Vector3<f64>,
     /// Of the mesh in the link's frame.
     pub pose: Transform,

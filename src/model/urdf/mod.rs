@@ -27,6 +27,7 @@ pub use self::patch::{NewBody, urdf_carried, urdf_with_bodies};
 /// A robot read from a file, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UrdfRobot {
+    /// The arm as a robot.
     pub robot: Robot,
     /// What the file does not say, what was locked or left out, and what was read otherwise than written, in words.
     pub notes: Vec<String>,

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 /// One second-order section, `H(z) = (b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²)`, of gain one at frequency zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
+    /// Coefficients of the numerator, of `z⁰`, `z⁻¹`, `z⁻²`.
     pub b: [f64; 3],
     /// `a1, a2`.
     pub a: [f64; 2],
@@ -16,9 +17,13 @@ pub struct Section {
 /// whole polynomial cannot hold them in double precision; sections of two poles each can.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LowPass {
+    /// Order: poles of the analogue filter.
     pub order: usize,
+    /// Frequency at which half of the power is left (Hz).
     pub cutoff_hz: f64,
+    /// Sampling rate (Hz).
     pub rate_hz: f64,
+    /// Sections of second order, applied one after the other.
     pub sections: Vec<Section>,
 }
 

@@ -40,6 +40,7 @@ pub struct PaperOptions {
     pub slender: Vec<Option<Axis>>,
     /// Whether (10d) holds besides (10c).
     pub gazebo: bool,
+    /// How the triangle inequalities of the moments of inertia are imposed.
     pub triangle: Triangle,
     /// Least viscous friction [N m s/rad or N s/m].
     pub least_viscous: f64,
@@ -53,6 +54,7 @@ pub struct PaperOptions {
     pub product_ratio: Option<f64>,
     /// Local solves.
     pub starts: usize,
+    /// Of the random starts.
     pub seed: u64,
 }
 
@@ -86,6 +88,7 @@ pub struct PaperFit {
     pub lower_bound: f64,
     /// Fit over that of the lower bound, less one: 0.01 is at most 1 % worse than the global minimum.
     pub gap: f64,
+    /// Every start and how it ended.
     pub starts: Vec<StartFit>,
 }
 
@@ -94,9 +97,13 @@ pub struct PaperFit {
 pub struct StartFit {
     /// `rods`, `robot`, `consistent` or `random`.
     pub from: &'static str,
+    /// Value of the objective.
     pub cost: f64,
+    /// Whether every constraint is met.
     pub feasible: bool,
+    /// Evaluations of the objective.
     pub evaluations: u32,
+    /// How the solver ended.
     pub ending: FitEnding,
 }
 
