@@ -209,7 +209,8 @@ fn effect_name(found: &Fitted, c: usize) -> String {
     let Some(at) = (0..terms.len()).find(|&t| found.term_range(t).contains(&c)) else {
         return format!("parameter {}", c + 1);
     };
-    let joints = terms[at].joints.iter().map(|&j| found.model.robot.joints()[j].name.as_str());
+    let acts_on = terms[at].acts_on();
+    let joints = acts_on.iter().map(|&j| found.model.robot.joints()[j].name.as_str());
     format!("{} {}", terms[at].effect.code(), joints.collect::<Vec<_>>().join(" "))
 }
 

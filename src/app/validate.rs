@@ -103,7 +103,7 @@ fn effects(model: &AugmentedModel) -> Vec<ModelEffect> {
     terms
         .map(|term| ModelEffect {
             effect: term.effect.code().into(),
-            joints: term.joints.iter().map(joint).collect(),
+            joints: term.acts_on().iter().map(joint).collect(),
         })
         .collect()
 }

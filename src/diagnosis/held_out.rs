@@ -319,9 +319,10 @@ fn selected(all: &AugmentedModel, now: &AugmentedModel, fixed: usize, inside: &[
 
 /// Joints that a term sits on; all of them for an effect of the whole robot.
 fn reached(model: &AugmentedModel, at: usize) -> Vec<usize> {
-    match model.terms[at].joints.is_empty() {
+    let term = &model.terms[at];
+    match term.joints.is_empty() {
         true => (0..model.robot.joint_count()).collect(),
-        false => model.terms[at].joints.clone(),
+        false => term.acts_on(),
     }
 }
 

@@ -11,6 +11,7 @@ mod course;
 mod data_quality;
 mod detectable;
 mod held_out;
+mod laws;
 mod mounting;
 mod next_design;
 mod nonparametric;
@@ -37,8 +38,8 @@ pub use outcome::{Diagnosis, Estimates};
 pub use pipeline::diagnose;
 pub(crate) use report::is_determined;
 pub use report::{
-    AtRest, Change, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut, NotTested,
-    Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
+    AtRest, Change, Covered, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
+    NotTested, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
 };
 pub use settings::*;
 pub use stability::{Perturbation, Survival};

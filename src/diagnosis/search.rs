@@ -4,6 +4,7 @@
 //! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
 
 use crate::diagnosis::alternatives::{Contest, rivals, settled};
+use crate::diagnosis::laws::{law_contests, written};
 use crate::diagnosis::nonparametric::{examine, unaccounted};
 use crate::diagnosis::report::Remainder;
 use crate::diagnosis::selection::{Accepted, Candidate, Selected, Threshold, doubt, extend, select};
@@ -34,13 +35,24 @@ pub(crate) fn searched<'a>(
 ) -> Searched<'a> {
     let mut open = candidates.to_vec();
     let mut selected = select(coarse, start, &open, threshold);
+    // A law that the samples do not confirm would be found again.
+    let mut may_have_laws = true;
     loop {
         let fixed = selected.fixed;
         let (settled, mut contests) = settled(coarse, selected, fixed, &open, threshold);
         let data = coarse.with_noise(settled.noise.clone());
-        let (examined, remainder) = examine(&data, settled, fixed, &open, threshold);
-        if remainder.is_some() || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
+        let (mut examined, mut remainder) = examine(&data, settled, fixed, &open, threshold);
+        // What no effect explains may have a law.
+        let law = may_have_laws.then(|| written(&data, &examined, &open, threshold)).flatten();
+        if let Some(law) = law {
+            (examined, remainder) = examine(&data, law, fixed, &open, threshold);
+        }
+        let laws = examined.system.model.terms.iter().any(is_law);
+        if laws || remainder.is_some() || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
             contests = rivals(&data, &examined, fixed, candidates, threshold);
+            for (at, contest) in law_contests(&data, &examined, &open, threshold) {
+                contests[at] = contest;
+            }
         }
         let fine = fine.with_noise(examined.noise.clone());
         let mut accepted = examined.accepted.clone();
@@ -56,6 +68,7 @@ pub(crate) fn searched<'a>(
                 contests,
             };
         }
+        may_have_laws &= !doubtful.iter().any(is_law);
         open.retain(|c| !doubtful.iter().any(|t| c.is_same_effect(t)));
         let left = Selected {
             system: data.fit(system.model),
@@ -64,6 +77,10 @@ pub(crate) fn searched<'a>(
         };
         selected = extend(&data, left, &open, threshold);
     }
+}
+
+fn is_law(term: &Term) -> bool {
+    term.effect.formula(term.form, &term.joints).is_some()
 }
 
 /// Takes effects beyond the first `fixed` terms out that the samples do not confirm, the weakest first, until all that are left are: the chance of

@@ -15,6 +15,8 @@ pub struct Settings {
     pub alternatives: Alternatives,
     /// Smooth functions and the remainder.
     pub nonparametric: Nonparametric,
+    /// Laws for what no listed effect explains.
+    pub laws: Laws,
     /// The search on logs without periods.
     pub without_periods: WithoutPeriods,
     /// Held-out data.
@@ -220,6 +222,38 @@ pub struct Nonparametric {
     pub unaccounted: f64,
 }
 
+/// Laws for what no listed effect explains.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Laws {
+    /// Standard deviations of χ² above its mean from which a joint is looked at: noise has them once in forty, and pays with a search that finds nothing.
+    pub suspicious: f64,
+    /// Laws in one model at most: what four formulas do not say has no description in few words.
+    pub most: usize,
+    /// Laws whose shapes are refined, of those that gain most on the grid.
+    pub shortlist: usize,
+    /// Laws that are fitted with everything else before one is chosen: the right one is among the best dozen, and a choice by the grid alone takes a ripple and a spring in
+    /// the place of a weak pin spring.
+    pub fitted: usize,
+    /// Listed effects in the same contest.
+    pub known: usize,
+    /// Twice the log of the odds against a formula that is not periodic in a revolute joint's position.
+    pub not_periodic: f64,
+    /// Share of what was left on a joint above the noise that may be left with its laws: formulas that explain less are approximations of something else.
+    pub most_left: f64,
+    /// Gain in χ² for each coefficient of an energy that is freed on one of its two joints, from which the two are no gradient of one energy: a chance of one in seventy.
+    pub energy_gain: f64,
+    /// Evidence that an exchange of one law for another, or of several for one, must gain: as for a rival.
+    pub exchange: f64,
+    /// Rounds of exchanges.
+    pub rounds: usize,
+    /// Gain in χ² up to which a law is provisional: on generated logs the structure is right in nearly all cases above 100 to 150.
+    pub provisional: f64,
+    /// Rivals of one law that are reported.
+    pub most_rivals: usize,
+    /// Standard deviations by which friction may seem to drive a joint.
+    pub driving_deviations: f64,
+}
+
 /// The search on logs without periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WithoutPeriods {
@@ -374,6 +408,21 @@ pub const SETTINGS: Settings = Settings {
         least_size: 0.2,
         share_beside: 0.1,
         unaccounted: 0.458,
+    },
+    laws: Laws {
+        suspicious: 2.0,
+        most: 4,
+        shortlist: 40,
+        fitted: 12,
+        known: 3,
+        not_periodic: 6.0,
+        most_left: 0.25,
+        energy_gain: 6.0,
+        exchange: 6.0,
+        rounds: 3,
+        provisional: 150.0,
+        most_rivals: 4,
+        driving_deviations: 3.0,
     },
     without_periods: WithoutPeriods {
         least_share: 0.02,

@@ -1,5 +1,6 @@
 //! What an effect says about itself, and what it is evaluated on.
 
+use super::Formula;
 use crate::dynamics::{Coulomb, Motion};
 use crate::model::Robot;
 use nalgebra::{DMatrix, Vector3};
@@ -188,6 +189,21 @@ pub trait Effect: Sync + Send {
     /// The joints it can sit on: one list per candidate; an empty list stands for the whole robot.
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
         (0..robot.joint_count()).map(|j| vec![j]).collect()
+    }
+
+    /// The places of one of its [forms](Self::forms): the same for all unless said otherwise.
+    fn places_of(&self, _form: usize, robot: &Robot) -> Vec<Vec<usize>> {
+        self.places(robot)
+    }
+
+    /// Of the joints of a place, those whose torque it changes, as findings name them: all unless said otherwise.
+    fn acts_on(&self, _form: usize, joints: &[usize]) -> Vec<usize> {
+        joints.to_vec()
+    }
+
+    /// Its formula, where the code alone does not say what is added.
+    fn formula(&self, _form: usize, _joints: &[usize]) -> Option<Formula> {
+        None
     }
 
     /// Variants with fewer or more shape parameters, simplest first.

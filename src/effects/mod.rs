@@ -10,10 +10,12 @@ mod base_tilt;
 mod effect;
 mod encoder_offset;
 mod external_contact;
+mod formula;
 mod friction_drift;
 mod interpolation;
 mod joint_elasticity;
 mod joint_spring;
+pub mod law;
 mod load_dependent_friction;
 mod nonlinear_viscous_friction;
 mod payload;
@@ -33,7 +35,9 @@ mod unexplained;
 pub(crate) use base_tilt::tilted;
 pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, Travel, World};
 pub(crate) use effect::{own_joint, times_position_unit};
+pub use formula::Formula;
 pub(crate) use interpolation::{FEWEST, REACH};
+pub use law::Law;
 pub use payload::consistent_payload;
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};
 
@@ -63,7 +67,8 @@ pub fn all() -> &'static [&'static dyn Effect] {
     ]
 }
 
-/// The effect with this code.
+/// The effect with this code: one of [`all`], or a [`Law`], which no search tries by name.
 pub fn by_code(code: &str) -> Option<&'static dyn Effect> {
-    all().iter().copied().find(|e| e.code() == code)
+    let listed = all().iter().copied().find(|e| e.code() == code);
+    listed.or_else(|| (Law.code() == code).then_some(&Law as &'static dyn Effect))
 }

@@ -2,6 +2,7 @@
 //! later log can be asked what has changed since.
 
 use super::cursor::Cursor;
+use super::residual_document::LawDocument;
 use crate::diagnosis::{Diagnosis, RivalTerm};
 use crate::effects::by_code;
 use crate::model::{INPUT_LIMITS, Robot};
@@ -20,6 +21,7 @@ pub const EFFECT_FIELDS: &[&str] = &[
     "bounds",
     "parameters",
     "rivals",
+    "law",
 ];
 pub const RIVAL_FIELDS: &[&str] = &[
     "effect",
@@ -30,6 +32,7 @@ pub const RIVAL_FIELDS: &[&str] = &[
     "free_shapes",
     "bounds",
     "parameters",
+    "law",
     "evidence",
     "base_values",
     "cross",
@@ -92,10 +95,17 @@ fn effect_value(robot: &Robot, term: &Term) -> Value {
         .zip(values)
         .map(|(info, value)| json!({"name": info.name, "value": value, "unit": info.unit}))
         .collect();
-    json!({
+    let mut value = json!({
         "effect": term.effect.code(), "joints": joints, "form": term.form, "coefficients": term.coefficients,
         "shape": term.shape, "free_shapes": term.free_shapes, "bounds": bounds, "parameters": parameters,
-    })
+    });
+    // For readers: what it adds is in `form`.
+    if let Some(formula) = term.effect.formula(term.form, &term.joints) {
+        let acts_on = term.acts_on();
+        let names: Vec<String> = acts_on.iter().map(|&j| robot.joints()[j].name.clone()).collect();
+        value["law"] = json!(LawDocument::new(&formula, &names));
+    }
+    value
 }
 
 /// Reads what [`augmented_value`] writes; `None` when something is wrong with it, which is then among the findings.

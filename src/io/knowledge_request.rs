@@ -112,7 +112,7 @@ fn read_rivals(fields: &Fields, model: Option<&DesignModel>) -> Option<(usize, R
 /// A place in a list of terms: its number, or effect and joints.
 fn place<'t>(cursor: &Cursor, robot: &Robot, terms: impl Iterator<Item = &'t Term>) -> Option<usize> {
     let terms: Vec<&Term> = terms.collect();
-    let names = |term: &Term| -> Vec<&str> { term.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect() };
+    let names = |term: &Term| -> Vec<&str> { term.acts_on().iter().map(|&j| robot.joints()[j].name.as_str()).collect() };
     if terms.is_empty() {
         cursor.complain_with(
             "is asked for, and the model holds none",

@@ -17,6 +17,7 @@ mod inspect_document;
 mod json;
 mod knowledge_request;
 pub mod log;
+mod mathml;
 mod model_document;
 mod model_file;
 mod motion_document;

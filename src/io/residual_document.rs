@@ -1,5 +1,8 @@
 //! The `residual` part of an answer: what the declared model leaves, and the effects that explain it.
 
+use super::mathml::mathml;
+use crate::diagnosis::Covered;
+use crate::effects::Formula;
 use serde::{Deserialize, Serialize};
 
 /// The residual diagnosis of a log.
@@ -252,6 +255,9 @@ pub struct EffectFinding {
     #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
     pub effect: String,
     pub joints: Vec<String>,
+    /// The formula of a `law`, whose constants are in `parameters`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawDocument>,
     pub parameters: Vec<EffectParameter>,
     /// What was found, with its figures.
     pub sentence: String,
@@ -320,6 +326,87 @@ pub struct RivalDocument {
     pub joints: Vec<String>,
     /// BIC difference in favour of the finding; below zero the rival fits better.
     pub evidence: Option<f64>,
+    /// Of a law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawDocument>,
+}
+
+/// A law in symbols: `q4` and `qd4` are position and speed of the fourth joint, in SI units.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Law))]
+#[serde(default)]
+pub struct LawDocument {
+    /// What is added to the torque of the first of the finding's joints.
+    #[cfg_attr(feature = "service", schema(example = "k*(q1 + r*q3)"))]
+    pub expression: String,
+    /// The same of every joint that it acts on.
+    pub torques: Vec<LawTorque>,
+    /// The energy that the torques are the gradient of [J]; null for friction and where no energy is known.
+    pub energy: Option<String>,
+    /// Positions and speeds in it.
+    pub variables: Vec<String>,
+    /// Where the log has them: the law holds there, and nothing is known of it elsewhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub covered: Vec<CoveredRange>,
+    /// The torque of every joint, then the energy, as MathML.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mathml: Vec<String>,
+}
+
+/// The least and largest value of a variable over the identification logs.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct CoveredRange {
+    pub variable: String,
+    pub low: f64,
+    pub high: f64,
+    pub unit: String,
+}
+
+/// What a law adds to the torque of one joint [N m or N].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct LawTorque {
+    pub joint: String,
+    pub expression: String,
+}
+
+impl LawDocument {
+    /// `joints` are the names of the joints that the formula acts on, in its order.
+    pub(super) fn new(formula: &Formula, joints: &[String]) -> Self {
+        let torque = |((_, expression), joint): (&(usize, String), &String)| LawTorque {
+            joint: joint.clone(),
+            expression: expression.clone(),
+        };
+        let torques: Vec<LawTorque> = formula.torques.iter().zip(joints).map(torque).collect();
+        Self {
+            expression: torques.first().map(|t| t.expression.clone()).unwrap_or_default(),
+            torques,
+            energy: formula.energy.clone(),
+            variables: formula.variables.clone(),
+            covered: Vec::new(),
+            mathml: formula
+                .torques
+                .iter()
+                .map(|t| &t.1)
+                .chain(&formula.energy)
+                .filter_map(|text| mathml(text))
+                .collect(),
+        }
+    }
+
+    pub(super) fn with_covered(mut self, covered: &[Covered]) -> Self {
+        let range = |c: &Covered| CoveredRange {
+            variable: c.variable.clone(),
+            low: c.low,
+            high: c.high,
+            unit: c.unit.clone(),
+        };
+        self.covered = covered.iter().map(range).collect();
+        self
+    }
 }
 
 /// Whether a finding survives a change of the data.

@@ -136,6 +136,7 @@ impl From<&Finding> for EffectFinding {
             effect: r.effect.clone(),
             joints: r.joints.clone(),
             evidence: finite(r.evidence),
+            law: r.formula.as_ref().map(|f| LawDocument::new(f, &r.joints)),
         };
         let survival = |s: &diagnosis::Survival| SurvivalDocument {
             perturbation: s.perturbation.into(),
@@ -144,6 +145,10 @@ impl From<&Finding> for EffectFinding {
         Self {
             effect: f.effect.clone(),
             joints: f.joints.clone(),
+            law: f
+                .formula
+                .as_ref()
+                .map(|formula| LawDocument::new(formula, &f.joints).with_covered(&f.covered)),
             parameters: f.parameters.iter().map(Into::into).collect(),
             rms_before: (&f.rms_before).into(),
             rms_after: (&f.rms_after).into(),

@@ -65,6 +65,11 @@ impl Term {
         self.effect.kind() == Kind::Distortion
     }
 
+    /// The joints whose torque it changes; none for an effect of the whole robot.
+    pub fn acts_on(&self) -> Vec<usize> {
+        self.effect.acts_on(self.form, &self.joints)
+    }
+
     /// Number of estimated parameters.
     pub fn parameters(&self) -> usize {
         self.coefficients.len() + self.free_shapes
@@ -72,7 +77,7 @@ impl Term {
 
     /// Whether joints, coefficients and shapes are as many as the effect has on this robot.
     pub fn is_complete(&self, robot: &Robot) -> bool {
-        let place = self.effect.places(robot).contains(&self.joints);
+        let place = self.effect.places_of(self.form, robot).contains(&self.joints);
         let bounded = self.bounds.len() >= self.free_shapes && self.free_shapes <= self.shape.len();
         if self.is_distortion() {
             return place && bounded && self.coefficients.is_empty() && self.shape.len() == self.effect.steps().len();

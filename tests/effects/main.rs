@@ -7,6 +7,7 @@ mod detectable;
 mod false_alarms;
 mod faults;
 mod findings;
+mod laws;
 mod measured;
 mod mountings;
 mod one_model;

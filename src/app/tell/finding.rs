@@ -1,10 +1,10 @@
 //! One finding: what its joints leave over, what explains it, what else it could be, and what remains.
 
-use super::words::{parameters, phrase, sentence};
+use super::words::{parameters, phrase, sentence, subject};
 use super::{Teller, is_rejected};
-use crate::diagnosis::{Change, Finding, Perturbation, RmsPair};
+use crate::diagnosis::{Change, Covered, Finding, Perturbation, RmsPair};
 use crate::effects::{Kind, by_code};
-use crate::io::{listed, significant};
+use crate::io::{listed, significant, unit};
 
 /// Joints that a sentence names; an effect of the whole robot changes more of them.
 const MOST_JOINTS: usize = 3;
@@ -36,7 +36,7 @@ impl Teller<'_> {
             listed(&names, "and"),
             if several { "leave" } else { "leaves" },
             if first { "" } else { " with the effects above" },
-            phrase(&f.effect),
+            subject(&f.effect, f.formula.as_ref(), &f.joints),
             self.how_much(f, &shown, &of),
             parameters(f),
         );
@@ -48,6 +48,7 @@ impl Teller<'_> {
                 "Error on the same data, as none was held out,"
             },
         );
+        text += &covered(f);
         text += &self.others(f);
         text += &survives(f);
         if is_rejected(f) {
@@ -111,7 +112,10 @@ impl Teller<'_> {
         let open: Vec<String> = f
             .rivals
             .iter()
-            .map(|r| format!("{}{}", phrase(&r.effect), place(&r.joints)))
+            .map(|r| match &r.formula {
+                Some(formula) => subject(&r.effect, Some(formula), &r.joints),
+                None => format!("{}{}", phrase(&r.effect), place(&r.joints)),
+            })
             .collect();
         let mut text = String::new();
         if !open.is_empty() {
@@ -169,6 +173,19 @@ impl Teller<'_> {
             text += &format!(" Beyond the noise there remain {}.", listed(&open, "and"));
         }
         text
+    }
+}
+
+/// Where the variables of a law were.
+fn covered(f: &Finding) -> String {
+    let range = |c: &Covered| {
+        let [low, high] = [c.low, c.high].map(|v| significant(v, 2));
+        format!("{} from {low} to {high} {}", c.variable, unit(&c.unit))
+    };
+    let all: Vec<String> = f.covered.iter().map(range).collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(" It holds where the log has been: {}.", listed(&all, "and")),
     }
 }
 

@@ -48,6 +48,8 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
         survivals: Vec::new(),
         effect: "joint_spring".into(),
         joints: vec![names[1].clone()],
+        formula: None,
+        covered: Vec::new(),
         parameters: vec![
             parameter("stiffness", 5.9963, "N m/rad", 0.0057),
             parameter("rest_position", 0.2011, "rad", 0.001),
@@ -72,6 +74,7 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
             effect: "torque_offset".into(),
             joints: vec![names[1].clone()],
             evidence: 2.0,
+            formula: None,
         }],
         note: None,
     };

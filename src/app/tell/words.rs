@@ -1,6 +1,7 @@
 //! How effects, their parameters and variables are spoken of.
 
 use crate::diagnosis::Finding;
+use crate::effects::Formula;
 use crate::io::{listed, measured, unit};
 
 /// How an effect is spoken of.
@@ -47,6 +48,7 @@ const KNOWN: &[Known] = &[
     effect("torque_delay", "a delay of the torque signal", "qd"),
     effect("torque_gain", "a wrong scale of the torque", "tau"),
     effect("torque_crosstalk", "crosstalk between torques", "tau"),
+    effect("law", "a law", "q"),
     effect("friction_drift", "friction that changes over time", "time"),
     effect("external_contact", "a contact with something outside", "time"),
 ];
@@ -57,6 +59,21 @@ pub(super) fn known(code: &str) -> Option<&'static Known> {
 
 pub(super) fn phrase(code: &str) -> &str {
     known(code).map_or(code, |k| k.phrase)
+}
+
+/// A finding, or a rival, as the subject of a sentence; laws with their formula.
+pub(super) fn subject(code: &str, formula: Option<&Formula>, joints: &[String]) -> String {
+    let Some(formula) = formula else {
+        return phrase(code).to_string();
+    };
+    let each: Vec<String> = formula
+        .torques
+        .iter()
+        .zip(joints)
+        .map(|((_, text), joint)| format!("{text} on {joint}"))
+        .collect();
+    let energy = formula.energy.as_ref().map(|e| format!(" (energy {e})"));
+    format!("the law {}{}", listed(&each, "and"), energy.unwrap_or_default())
 }
 
 pub(super) fn parameters(f: &Finding) -> String {

@@ -172,6 +172,7 @@ fn contest(
                     effect: s.candidate.effect.code().into(),
                     joints: joint_names(&without.model.robot, &s.candidate.joints),
                     evidence,
+                    formula: None,
                 };
                 let last = fitted.model.terms.last().expect("the rival was added");
                 let (last, values) = (last.clone(), fitted.model.values.clone());

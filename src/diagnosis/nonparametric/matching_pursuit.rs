@@ -29,7 +29,7 @@ pub(crate) fn with_functions(data: &Data, system: &System) -> Option<System> {
 }
 
 /// χ² of a joint above what noise alone leaves.
-fn excess(system: &System, joint: usize) -> f64 {
+pub(crate) fn excess(system: &System, joint: usize) -> f64 {
     system.joint_chi_square(joint) - system.rows(joint) as f64 + system.spent(joint)
 }
 

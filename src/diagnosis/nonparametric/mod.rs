@@ -5,4 +5,5 @@ mod matching_pursuit;
 mod remainder;
 
 pub(crate) use bic::Rivalling;
+pub(crate) use matching_pursuit::excess;
 pub(crate) use remainder::{examine, unaccounted};

@@ -41,6 +41,8 @@ impl BetweenFinding {
         Finding {
             effect: self.effect.into(),
             joints: joint_names(robot, &self.joints),
+            formula: None,
+            covered: Vec::new(),
             parameters: self.parameters.clone(),
             rms_before,
             rms_after,

@@ -2,10 +2,11 @@
 
 use super::lack_of_fit::rms;
 use super::parameter::{ReportedParameter, joint_names};
-use super::result::{Change, Evaluated, Evidence, Finding, FindingHeldOut, RmsPair};
+use super::result::{Change, Covered, Evaluated, Evidence, Finding, FindingHeldOut, RmsPair};
 use crate::diagnosis::alternatives::Contest;
 use crate::diagnosis::replicates::BetweenFinding;
 use crate::diagnosis::selection::Accepted;
+use crate::diagnosis::settings::SETTINGS;
 use crate::diagnosis::stability::Survival;
 use crate::model::Robot;
 use crate::regression::{AugmentedModel, Data, Estimator, Stretch, Term, estimated, reported};
@@ -119,7 +120,9 @@ fn finding(inputs: &FindingInputs, at: usize, rms_before: RmsPair, rms_after: Rm
     let (term, accepted, contest) = (&inputs.terms[at], &inputs.accepted[at], &inputs.contests[at]);
     Finding {
         effect: accepted.effect.into(),
-        joints: joint_names(robot, &term.joints),
+        joints: joint_names(robot, &term.acts_on()),
+        formula: term.effect.formula(term.form, &term.joints),
+        covered: covered(inputs, term),
         parameters: reported_parameters(robot, term, &inputs.covariances[at]),
         rms_before,
         rms_after,
@@ -130,7 +133,7 @@ fn finding(inputs: &FindingInputs, at: usize, rms_before: RmsPair, rms_after: Rm
             held_out_blocks: Evaluated::Value(accepted.held_out.blocks),
             held_out_periods: accepted.held_out.periods.into(),
         },
-        note: note(contest, &inputs.held_out[at]),
+        note: note(contest, &inputs.held_out[at], provisional(term, accepted.gain)),
         held_out: inputs.held_out[at].clone(),
         in_model: at < inputs.stay,
         rivals: contest.rivals.clone(),
@@ -138,13 +141,51 @@ fn finding(inputs: &FindingInputs, at: usize, rms_before: RmsPair, rms_after: Rm
     }
 }
 
+/// Weak laws: that something is there is beyond doubt, which formula it has is not.
+fn provisional(term: &Term, gain: f64) -> Option<String> {
+    let weak = gain < SETTINGS.laws.provisional && term.effect.formula(term.form, &term.joints).is_some();
+    weak.then(|| "the formula is provisional: with so little evidence the structure may be another".to_string())
+}
+
+/// Ranges of the variables of a formula.
+fn covered(inputs: &FindingInputs, term: &Term) -> Vec<Covered> {
+    let Some(formula) = term.effect.formula(term.form, &term.joints) else {
+        return Vec::new();
+    };
+    let robot = &inputs.last.robot;
+    let mut joints = term.joints.clone();
+    joints.sort_unstable();
+    joints.dedup();
+    let range = |variable: String, unit: String, values: &dyn Fn(&Stretch) -> Vec<f64>| {
+        let all = inputs.data.stretches.iter().flat_map(values);
+        let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+        Covered {
+            variable,
+            low,
+            high,
+            unit,
+        }
+    };
+    let of = |j: usize| {
+        let unit = robot.joints()[j].position_unit();
+        [
+            range(format!("q{}", j + 1), unit.into(), &|s| s.motion.positions(j).to_vec()),
+            range(format!("qd{}", j + 1), format!("{unit}/s"), &|s| {
+                s.motion.velocities(j).to_vec()
+            }),
+        ]
+    };
+    let all = joints.into_iter().flat_map(of);
+    all.filter(|c| formula.variables.contains(&c.variable)).collect()
+}
+
 /// What should be known about a finding: that another explains more, or what held-out data say against it.
-fn note(contest: &Contest, held_out: &FindingHeldOut) -> Option<String> {
+fn note(contest: &Contest, held_out: &FindingHeldOut, provisional: Option<String>) -> Option<String> {
     let against = match held_out.change {
         Change::Same => Some("the error on held-out data did not change beyond chance".to_string()),
         Change::Worse => Some("the error on held-out data rose beyond chance: the effect is not in the model".to_string()),
         Change::Better | Change::NotTested => None,
     };
-    let said: Vec<String> = contest.note.clone().into_iter().chain(against).collect();
+    let said: Vec<String> = contest.note.clone().into_iter().chain(provisional).chain(against).collect();
     (!said.is_empty()).then(|| said.join("; "))
 }

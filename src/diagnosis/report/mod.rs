@@ -12,6 +12,6 @@ pub(crate) use lack_of_fit::{at_rest, fits, rms};
 pub use parameter::ReportedParameter;
 pub(crate) use parameter::{is_determined, joint_names};
 pub use result::{
-    AtRest, Change, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut, NotTested,
-    Remainder, ResidualReport, Rival, RmsPair, Undetected, Verdict,
+    AtRest, Change, Covered, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
+    NotTested, Remainder, ResidualReport, Rival, RmsPair, Undetected, Verdict,
 };

@@ -3,6 +3,7 @@
 use super::parameter::ReportedParameter;
 use crate::diagnosis::data_quality::DataFault;
 use crate::diagnosis::stability::Survival;
+use crate::effects::Formula;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -159,6 +160,17 @@ pub struct Rival {
     pub joints: Vec<String>,
     /// Twice the log of the evidence ratio in favour of the finding; below zero the rival fits better.
     pub evidence: f64,
+    /// Of a law.
+    pub formula: Option<Formula>,
+}
+
+/// The range of a variable over the identification logs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Covered {
+    pub variable: String,
+    pub low: f64,
+    pub high: f64,
+    pub unit: String,
 }
 
 /// An effect found.
@@ -166,6 +178,10 @@ pub struct Rival {
 pub struct Finding {
     pub effect: String,
     pub joints: Vec<String>,
+    /// Of a law: what it adds to the torques, in symbols that `parameters` has the values of.
+    pub formula: Option<Formula>,
+    /// Ranges of the formula's variables over the identification logs.
+    pub covered: Vec<Covered>,
     pub parameters: Vec<ReportedParameter>,
     pub rms_before: RmsPair,
     pub rms_after: RmsPair,

@@ -188,7 +188,7 @@ pub(crate) fn reach(candidate: &Candidate, joints: usize) -> Vec<usize> {
         Kind::Additive if candidate.effect.code() == "torque_crosstalk" || candidate.effect.code() == "unexplained" => {
             vec![candidate.joints[0]]
         }
-        Kind::Additive => candidate.joints.clone(),
+        Kind::Additive => candidate.effect.acts_on(candidate.form, &candidate.joints),
         _ if candidate.effect.code() == "friction_drift" || candidate.effect.code() == "torque_gain" => candidate.joints.clone(),
         _ => (0..joints).collect(),
     }

@@ -11,7 +11,7 @@ fn reached(term: &Term, joints: usize) -> Vec<usize> {
     if term.joints.is_empty() {
         (0..joints).collect()
     } else {
-        term.joints.clone()
+        term.acts_on()
     }
 }
 

@@ -27,13 +27,16 @@ pub(crate) fn scan_on_grid(data: &Data, system: &System, candidates: &[Candidate
         .iter()
         .filter(|c| !system.model.terms.iter().any(|t| c.is_same_effect(t)))
         .collect();
-    let mut scored: Vec<Scored> = open.par_iter().filter_map(|c| score(data, system, c)).collect();
+    let mut scored: Vec<Scored> = open
+        .par_iter()
+        .filter_map(|c| best_on_grid(data, system, c, c.grid().len()))
+        .collect();
     scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     scored
 }
 
-/// The best shape of a candidate on its grid.
-fn score(data: &Data, system: &System, candidate: &Candidate) -> Option<Scored> {
+/// The best shape of a candidate on its grid; the candidate is one of `tried`.
+pub(crate) fn best_on_grid(data: &Data, system: &System, candidate: &Candidate, tried: usize) -> Option<Scored> {
     let grid = candidate.grid();
     let mut best: Option<(f64, usize, DVector<f64>, &Vec<f64>)> = None;
     for batch in grid.chunks(SETTINGS.selection.batch) {
@@ -59,14 +62,14 @@ fn score(data: &Data, system: &System, candidate: &Candidate) -> Option<Scored> 
             candidate.term(coefficients.as_slice(), shape),
             gain,
             rank,
-            grid.len(),
+            tried,
             None,
         )
     })
 }
 
 /// Refines the shape of a scored candidate: golden section along each shape in turn, between the neighbours on the grid.
-fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
+pub(crate) fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
     if scored.candidate.shapes.is_empty() {
         return scored.clone();
     }

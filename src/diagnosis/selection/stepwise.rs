@@ -77,9 +77,9 @@ struct Step {
 }
 
 /// A contender, fitted with everything else.
-struct Fitted {
-    scored: Scored,
-    system: System,
+pub(crate) struct Fitted {
+    pub scored: Scored,
+    pub system: System,
 }
 
 /// The best candidate that earns its place, fitted together with everything else, or what is simpler and explains nearly as much.
@@ -136,7 +136,7 @@ fn contenders(scored: &[Scored]) -> Vec<&Scored> {
     list
 }
 
-fn fitted(data: &Data, system: &System, scored: &Scored) -> Fitted {
+pub(crate) fn fitted(data: &Data, system: &System, scored: &Scored) -> Fitted {
     let mut model = system.model.clone();
     model.terms.push(scored.term.clone());
     let there = data.fit(model);

@@ -50,7 +50,7 @@ pub(crate) fn honest_covariance(system: &System, at: usize) -> DMatrix<f64> {
     let joints: Vec<usize> = if term.joints.is_empty() {
         (0..system.model.robot.joint_count()).collect()
     } else {
-        term.joints.clone()
+        term.acts_on()
     };
     if system.has_misfit(&joints) {
         system.jackknife(at)

@@ -55,6 +55,7 @@ fn contest(data: &Data, system: &System, at: usize, candidates: &[Candidate]) ->
             effect: effect.into(),
             joints: names,
             evidence,
+            formula: None,
         });
         contest.fitted.push(beside(data, &without, &scored));
     }

@@ -91,7 +91,7 @@ fn effect(problem: &Problem, term: &Term, covariance: Option<DMatrix<f64>>) -> E
     let infos = term.effect.parameters(term.form, robot, &term.joints).into_iter();
     EffectDocument {
         effect: term.effect.code().to_string(),
-        joints: term.joints.iter().map(|&j| robot.joints()[j].name.clone()).collect(),
+        joints: term.acts_on().iter().map(|&j| robot.joints()[j].name.clone()).collect(),
         parameters: infos
             .zip(values)
             .map(|(info, (value, std_dev))| EffectParameterDocument {

@@ -123,7 +123,7 @@ impl FinalModel {
     }
 
     pub(super) fn joint_names(&self, term: &Term) -> Vec<String> {
-        term.joints.iter().map(|&j| self.robot.joints()[j].name.clone()).collect()
+        term.acts_on().iter().map(|&j| self.robot.joints()[j].name.clone()).collect()
     }
 
     /// What the file in a format does not hold, a sentence each.

@@ -3,6 +3,7 @@
 use super::FinalModel;
 use super::effects_held::coupling_ratio;
 use super::source::{literal, one_line};
+use crate::effects::law::{Form, statements as statements_of_law};
 use crate::regression::Term;
 
 /// What an effect adds, in terms of `q, qd, qdd` (with encoder offsets in `q`), `rigid` (torques of the bodies) and `declared` (with friction).
@@ -80,8 +81,19 @@ fn statements(term: &Term, joints: usize) -> (Vec<String>, Vec<String>) {
             (own(format!("{} * declared[{i}]", c[0])).0, mass.collect())
         }
         "transmission_coupling" => coupling(term, &c),
+        "law" => law(term),
         _ => (Vec::new(), Vec::new()),
     }
+}
+
+/// The formula with its constants as they are reported.
+fn law(term: &Term) -> (Vec<String>, Vec<String>) {
+    let reported = term.effect.reported(term.form, &term.coefficients, &term.shape);
+    let constants: Vec<String> = reported.iter().map(|v| format!("({})", literal(*v))).collect();
+    let (q, v) = (|j: usize| format!("q[{j}]"), |j: usize| format!("qd[{j}]"));
+    let all = statements_of_law(Form::numbered(term.form), &term.joints, &constants, &q, &v);
+    let torque = all.into_iter().map(|(j, value)| format!("tau[{j}] += {value}"));
+    (torque.collect(), Vec::new())
 }
 
 fn coupling(term: &Term, c: &[String]) -> (Vec<String>, Vec<String>) {

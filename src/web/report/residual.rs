@@ -1,9 +1,9 @@
 //! The part of the report on what the model leaves over, finding by finding.
 
-use super::html::{Html, capital, listed, text, words};
+use super::html::{Cell, Html, capital, listed, text, words};
 use crate::io::{
     ChangeCode, EffectFinding, EffectParameter, EvaluatedFigure, HeldOutCode, HeldOutDocument, HeldOutJoint, IdentifyDocument,
-    LackOfFit, RivalDocument, UndetectedEffect,
+    LackOfFit, LawDocument, RivalDocument, UndetectedEffect,
 };
 use crate::web::figures::{before_after_figure, finding_figure, unit};
 
@@ -117,12 +117,40 @@ fn chance(p: Option<f64>) -> String {
     }
 }
 
+/// Every torque of a law, and its energy, set as formulas.
+fn formula(page: &mut Html, law: &LawDocument) {
+    let names = law.torques.iter().map(|t| format!("τ({})", text(&t.joint)));
+    let energy = law.energy.iter().map(|_| "energy".to_string());
+    let unset: Vec<String> = law
+        .torques
+        .iter()
+        .map(|t| &t.expression)
+        .chain(&law.energy)
+        .map(text)
+        .collect();
+    let set = |(name, text): (String, (usize, String))| {
+        let formula = law.mathml.get(text.0).filter(|_| law.mathml.len() == unset.len());
+        vec![
+            Cell::from(name),
+            formula.map_or_else(|| Cell::from(text.1), |m| Cell(m.clone())),
+        ]
+    };
+    page.table(
+        "",
+        &["", "Formula"],
+        names.chain(energy).zip(unset.iter().cloned().enumerate()).map(set),
+    );
+}
+
 fn describe(page: &mut Html, result: &IdentifyDocument, finding: &EffectFinding) {
     page.heading(
         3,
         &capital(&format!("{} on {}", words(&finding.effect), listed(&finding.joints))),
     );
     page.paragraph("finding", &text(&finding.sentence));
+    if let Some(law) = &finding.law {
+        formula(page, law);
+    }
     if finding.parameters.is_empty() {
         return;
     }
@@ -154,7 +182,10 @@ fn describe(page: &mut Html, result: &IdentifyDocument, finding: &EffectFinding)
         evidence += &format!(" Note: {note}.");
     }
     page.paragraph("soft", &evidence);
-    let rival = |r: &RivalDocument| vec![words(&r.effect), listed(&r.joints), text(&r.evidence)];
+    let rival = |r: &RivalDocument| {
+        let what = r.law.as_ref().map_or_else(|| words(&r.effect), |law| text(&law.expression));
+        vec![what, listed(&r.joints), text(&r.evidence)]
+    };
     if !finding.rivals.is_empty() {
         page.table(
             "Not excluded in its place; twice the log of the odds in favour of the finding",

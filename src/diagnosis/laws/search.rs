@@ -1,0 +1,270 @@
+//! The search for laws: forward steps, exchanges, and what must be left clean in the end.
+
+use super::contest::{Contender, accepted, contains, contenders, is_law, preferred};
+use super::library::{Hypothesis, library};
+use crate::diagnosis::alternatives::Contest;
+use crate::diagnosis::nonparametric::excess;
+use crate::diagnosis::report::{Rival, joint_names};
+use crate::diagnosis::selection::{Accepted, Candidate, Scored, Selected, Threshold, appraise, drop_superfluous, extend, reach};
+use crate::diagnosis::settings::SETTINGS;
+use crate::regression::{AugmentedModel, Data, System, Term, spans};
+
+/// The selection with laws for what `examined` leaves, and whatever listed effects can be seen beside them; `None` where no law earns its place.
+pub(crate) fn written(data: &Data, examined: &Selected, known: &[Candidate], threshold: &Threshold) -> Option<Selected> {
+    if !examined.system.noise_is_measured {
+        return None;
+    }
+    let rows = suspicious(&examined.system);
+    if rows.is_empty() {
+        return None;
+    }
+    let search = Search::new(data, &examined.system, known, threshold, &rows);
+    let fixed = examined.fixed;
+    let start = Selected {
+        system: data.linearise(examined.system.model.clone()),
+        accepted: examined.accepted.clone(),
+        noise: data.noise.clone(),
+        fixed,
+        declared: examined.declared,
+        given_up: false,
+    };
+    let mut now = search.forward(start);
+    for _ in 0..SETTINGS.laws.rounds {
+        let (there, changed) = search.exchanged(now);
+        now = there;
+        if !changed {
+            break;
+        }
+    }
+    let now = search.clean(&examined.system, now)?;
+    Some(extend(data, now, known, threshold))
+}
+
+/// χ² of a joint above its mean that noise alone has once in forty logs, at two standard deviations: a law of one column that is large enough to be named is far
+/// smaller than what the sum over all rows shows beyond doubt, and every law has tests of its own.
+fn noise_of(system: &System, joint: usize) -> f64 {
+    SETTINGS.laws.suspicious * (2.0 * system.rows(joint) as f64).sqrt()
+}
+
+/// Joints that may keep more than noise.
+fn suspicious(system: &System) -> Vec<usize> {
+    let joints = 0..system.model.robot.joint_count();
+    joints
+        .filter(|&j| system.rows(j) > 0 && excess(system, j) > noise_of(system, j))
+        .collect()
+}
+
+/// What all steps of a search share.
+struct Search<'a> {
+    data: &'a Data<'a>,
+    library: Vec<Hypothesis>,
+    known: &'a [Candidate],
+    threshold: &'a Threshold,
+}
+
+impl<'a> Search<'a> {
+    fn new(data: &'a Data<'a>, system: &System, known: &'a [Candidate], threshold: &'a Threshold, rows: &[usize]) -> Self {
+        Self {
+            library: library(&system.model.robot, data, &spans(data.stretches), rows),
+            data,
+            known,
+            threshold,
+        }
+    }
+
+    /// Adds laws and listed effects as long as something is left and one earns its place.
+    fn forward(&self, mut now: Selected) -> Selected {
+        let first = now.accepted.len();
+        while now.accepted.len() < first + SETTINGS.laws.most {
+            let rows = suspicious(&now.system);
+            let Some((system, accepted)) = self.step(&now.system, &rows) else {
+                break;
+            };
+            now.system = system;
+            now.accepted.push(accepted);
+            drop_superfluous(self.data, &mut now, self.known, self.threshold);
+        }
+        now
+    }
+
+    /// The best that earns its place beside `system`, on joints of `rows`.
+    fn step(&self, system: &System, rows: &[usize]) -> Option<(System, Accepted)> {
+        if rows.is_empty() {
+            return None;
+        }
+        let mut all = contenders(self.data, system, &self.library, self.known, rows);
+        let judged = |i: usize| Some((i, accepted(self.data, system, &all[i], self.known, self.threshold)?));
+        let (at, accepted) = preferred(&all).into_iter().find_map(judged)?;
+        Some((all.swap_remove(at).fit.system, accepted))
+    }
+
+    /// Every law taken out in turn, alone and with the other laws on its joints: what stands better in its place takes it.
+    fn exchanged(&self, mut now: Selected) -> (Selected, bool) {
+        let mut changed = false;
+        for out in self.groups(&now) {
+            if let Some(better) = self.exchange(&now, &out) {
+                now = better;
+                changed = true;
+                break;
+            }
+        }
+        (now, changed)
+    }
+
+    /// Numbers of effects that are taken out together: all laws that act on one joint, where there are several, then each alone.
+    fn groups(&self, now: &Selected) -> Vec<Vec<usize>> {
+        let terms = &now.system.model.terms[now.fixed..];
+        let laws: Vec<usize> = (0..terms.len()).filter(|&i| terms[i].effect.code() == "law").collect();
+        let acts = |i: usize| terms[i].effect.acts_on(terms[i].form, &terms[i].joints);
+        let mut groups: Vec<Vec<usize>> = (0..now.system.model.robot.joint_count())
+            .map(|j| laws.iter().copied().filter(|&i| acts(i).contains(&j)).collect::<Vec<_>>())
+            .filter(|g| g.len() > 1)
+            .collect();
+        groups.dedup();
+        groups.extend(laws.iter().map(|&i| vec![i]));
+        groups
+    }
+
+    /// The selection with one effect in the place of those in `out`, if it is the better account.
+    fn exchange(&self, now: &Selected, out: &[usize]) -> Option<Selected> {
+        let mut model = now.system.model.clone();
+        let mut kept = now.accepted.clone();
+        let mut rows: Vec<usize> = Vec::new();
+        for &i in out.iter().rev() {
+            let term = model.terms.remove(now.fixed + i);
+            rows.extend(term.acts_on());
+            kept.remove(i);
+        }
+        let without = self.data.fit(model);
+        let (system, accepted) = self.step(&without, &rows)?;
+        let gained = self.score(&system, now.fixed) - self.score(&now.system, now.fixed);
+        (gained > SETTINGS.laws.exchange).then(|| {
+            kept.push(accepted);
+            Selected {
+                system,
+                accepted: kept,
+                noise: now.noise.clone(),
+                ..*now
+            }
+        })
+    }
+
+    /// Minus the sum of squares less what the laws and effects cost: differences are twice the log of an evidence ratio.
+    fn score(&self, system: &System, fixed: usize) -> f64 {
+        let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
+        let price = |t: &Term| t.parameters() as f64 * (rows as f64).ln() + 2.0 * (self.choice(t) as f64).ln();
+        -self.data.chi_square(system) - system.model.terms[fixed..].iter().map(price).sum::<f64>()
+    }
+
+    /// How many a term was chosen from.
+    fn choice(&self, term: &Term) -> usize {
+        let own = self
+            .library
+            .iter()
+            .find(|h| h.candidate.form == term.form && h.candidate.is_same_effect(term));
+        own.map_or(2 * self.known.len().max(1), |h| h.tried)
+    }
+
+    /// Without the laws on joints that keep more than a share of what they had; `None` where none is left.
+    fn clean(&self, before: &System, mut now: Selected) -> Option<Selected> {
+        let fixed = now.fixed;
+        loop {
+            let keeps = |j: usize| {
+                excess(&now.system, j) > noise_of(&now.system, j) + SETTINGS.laws.most_left * excess(before, j).max(0.0)
+            };
+            let terms = &now.system.model.terms;
+            let law = |t: &Term| t.effect.code() == "law";
+            let dirty = (fixed..terms.len()).rev().find(|&at| {
+                let t = &terms[at];
+                law(t) && t.acts_on().iter().any(|&j| keeps(j))
+            });
+            match dirty {
+                Some(at) => {
+                    let mut model: AugmentedModel = now.system.model.clone();
+                    model.terms.remove(at);
+                    now.accepted.remove(at - fixed);
+                    now.system = self.data.fit(model);
+                }
+                None => return terms[fixed..].iter().any(law).then_some(now),
+            }
+        }
+    }
+}
+
+/// The rivals of every law of `selected`, by its number among the effects.
+pub(crate) fn law_contests(
+    data: &Data,
+    selected: &Selected,
+    known: &[Candidate],
+    threshold: &Threshold,
+) -> Vec<(usize, Contest)> {
+    let terms = &selected.system.model.terms;
+    let laws = (selected.fixed..terms.len()).filter(|&at| terms[at].effect.code() == "law");
+    laws.map(|at| (at - selected.fixed, law_contest(data, selected, at, known, threshold)))
+        .collect()
+}
+
+fn law_contest(data: &Data, selected: &Selected, at: usize, known: &[Candidate], threshold: &Threshold) -> Contest {
+    let mut model = selected.system.model.clone();
+    let own = model.terms.remove(at);
+    let without = data.fit(model);
+    let rows = own.acts_on();
+    let library = library(&without.model.robot, data, &spans(data.stretches), &rows);
+    let Some(mine) = library
+        .iter()
+        .find(|h| h.candidate.form == own.form && h.candidate.is_same_effect(&own))
+    else {
+        return Contest::default();
+    };
+    let gain = data.gain(&without, &selected.system);
+    let cost = own.parameters() - mine.candidate.shapes.len();
+    let finding = appraise(
+        &without,
+        &mine.candidate,
+        own.clone(),
+        gain,
+        cost,
+        mine.tried,
+        Some(&selected.system),
+    );
+    let mut contest = Contest::default();
+    for rival in contenders(data, &without, &library, known, &rows) {
+        let scored = &rival.fit.scored;
+        let itself = scored.candidate.form == own.form && scored.candidate.is_same_effect(&own);
+        if itself || contains(&scored.candidate, &mine.candidate) || contest.rivals.len() >= SETTINGS.laws.most_rivals {
+            continue;
+        }
+        let evidence = against(&finding, &rival);
+        if evidence < SETTINGS.alternatives.not_excluded && accepted(data, &without, &rival, known, threshold).is_some() {
+            contest.rivals.push(as_rival(&without, scored, evidence));
+            let model = &rival.fit.system.model;
+            let term = model.terms.last().expect("the rival was added");
+            contest.fitted.push((term.clone(), model.values.clone()));
+        }
+    }
+    contest
+}
+
+/// Twice the log of the evidence ratio in favour of the finding.
+fn against(finding: &Scored, rival: &Contender) -> f64 {
+    let (_, own) = finding.held_against(std::iter::once(&rival.fit.scored));
+    let (_, other) = rival.fit.scored.held_against(std::iter::once(finding));
+    own - other
+}
+
+fn as_rival(system: &System, scored: &Scored, evidence: f64) -> Rival {
+    let robot = &system.model.robot;
+    let Candidate {
+        effect, form, joints, ..
+    } = &scored.candidate;
+    let named = match is_law(&scored.candidate) {
+        true => reach(&scored.candidate, robot.joint_count()),
+        false => joints.clone(),
+    };
+    Rival {
+        effect: effect.code().into(),
+        joints: joint_names(robot, &named),
+        evidence,
+        formula: effect.formula(*form, joints),
+    }
+}

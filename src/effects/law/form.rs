@@ -1,0 +1,296 @@
+//! The forms that a law can have: where they sit, their columns and shape parameters.
+
+use super::functions::{OfPosition, OfSpeed};
+use crate::effects::{Column, Scene, Shape, Span};
+use crate::model::Robot;
+use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
+
+/// What kind of law a form is; every kind has the same prior.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Class {
+    /// A function of the joint's own position, or position and speed.
+    Own,
+    /// A function of another joint's position or speed.
+    Cross,
+    /// On one joint alone, a function of its own position and another's, as the gradient of an energy would have it there.
+    HalfEnergy,
+    /// The gradient of an energy (or of a dissipation function) on both joints.
+    Energy,
+}
+
+/// A form of a law. Places are `[j]` for functions of the joint's own state, `[j, m]` for a torque on j that depends on m as well, and `[i, k]`, i < k, for gradients on
+/// both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// `tau_j = c f(q_j)`.
+    Position(OfPosition),
+    /// A spring between two pins, `tau_j = a sin u + b sin u / √(1 − ρ cos u)` with `u = q_j + φ`: stiffness k, free length l, radii r and s make
+    /// `a = k r s`, `b = −k l r s / √(r² + s²)`, `ρ = 2 r s / (r² + s²)`. They cannot all be separated without one known length.
+    PinSpring,
+    /// The gradient of `½ k (q_i + a q_k)²`, with `rest` of `½ k (q_i + a q_k − c)²`.
+    Spring { rest: bool },
+    /// The gradient of `k q_i q_k`.
+    Bilinear,
+    /// The gradient of the integral of `A f(a q_i + b q_k)`: `a A f` on joint i, `b A f` on joint k. `f` is a wave of one cycle.
+    Combination { a: i8, b: i8, f: OfPosition },
+    /// `tau_j = A f(a q_j + b q_m)`, with nothing on joint m.
+    HalfCombination { a: i8, b: i8, f: OfPosition },
+    /// `tau_j = k q_m`.
+    CrossPosition,
+    /// `tau_j = c f(q_m) g(qd_j)`; place `[j]` where m is j.
+    Product { f: OfPosition, g: OfSpeed },
+    /// The same on another joint's position.
+    CrossProduct { f: OfPosition, g: OfSpeed },
+    /// `tau_j = c g(qd_m)`.
+    CrossSpeed(OfSpeed),
+    /// `tau_j = c |qd_m| g(qd_j)`, g linear or the sign.
+    SpeedProduct(OfSpeed),
+    /// The gradient of the dissipation function `½ c (qd_i + a qd_k)²` by the speeds.
+    Damper,
+}
+
+/// Ratios of two joints that a spring or damper acts on the combination of.
+const RATIO: f64 = 5.0;
+/// Between four fifths of the geometric mean of the radii and none of it: `ρ` of a pin spring beyond which the two pins meet, and below which it is a sine.
+const PIN: [f64; 2] = [0.05, 0.995];
+
+static ALL: LazyLock<Vec<Form>> = LazyLock::new(listed);
+
+fn listed() -> Vec<Form> {
+    use OfPosition::{Cosine, Power, Sine, Wave};
+    let waves = |n: u8| [Sine(n), Cosine(n), Wave(n)];
+    let mut all: Vec<Form> = [Power(2), Power(3)].map(Form::Position).to_vec();
+    all.extend((1..=8).flat_map(waves).map(Form::Position));
+    all.extend([
+        Form::PinSpring,
+        Form::Spring { rest: false },
+        Form::Spring { rest: true },
+        Form::Bilinear,
+    ]);
+    let ratios = [(1, 1), (1, -1), (1, 2), (1, -2), (2, 1), (2, -1)];
+    for (a, b) in ratios {
+        all.extend(waves(1).map(|f| Form::Combination { a, b, f }));
+        all.extend(waves(1).map(|f| Form::HalfCombination { a, b, f }));
+    }
+    all.push(Form::CrossPosition);
+    let factors = [Power(1), Power(2)].into_iter().chain((1..=3).flat_map(waves));
+    for f in factors {
+        all.extend(OfSpeed::ALL.map(|g| Form::Product { f, g }));
+        let sharp = [OfSpeed::Linear, OfSpeed::Sign];
+        all.extend(sharp.map(|g| Form::CrossProduct { f, g }));
+    }
+    all.extend(OfSpeed::ALL.map(Form::CrossSpeed));
+    all.extend([OfSpeed::Linear, OfSpeed::Sign].map(Form::SpeedProduct));
+    all.push(Form::Damper);
+    all
+}
+
+impl Form {
+    /// Every form; its number is its place in this list.
+    pub fn all() -> &'static [Self] {
+        &ALL
+    }
+
+    pub fn numbered(number: usize) -> Self {
+        ALL[number]
+    }
+
+    pub fn class(self) -> Class {
+        match self {
+            Self::Position(_) | Self::PinSpring | Self::Product { .. } => Class::Own,
+            Self::HalfCombination { .. } => Class::HalfEnergy,
+            Self::CrossPosition | Self::CrossProduct { .. } | Self::CrossSpeed(_) | Self::SpeedProduct(_) => Class::Cross,
+            Self::Spring { .. } | Self::Bilinear | Self::Combination { .. } | Self::Damper => Class::Energy,
+        }
+    }
+
+    /// Whether it acts on both joints of its place.
+    pub fn is_gradient(self) -> bool {
+        self.class() == Class::Energy
+    }
+
+    /// Whether it does no work over a closed path: its torque is the gradient of an energy, as far as the joints it acts on say so.
+    pub fn is_conservative(self) -> bool {
+        match self {
+            Self::Position(_) | Self::PinSpring | Self::Spring { .. } | Self::Bilinear | Self::Combination { .. } => true,
+            Self::HalfCombination { .. } | Self::CrossPosition => false,
+            Self::Product { .. } | Self::CrossProduct { .. } | Self::CrossSpeed(_) | Self::SpeedProduct(_) | Self::Damper => {
+                false
+            }
+        }
+    }
+
+    /// Whether it depends on a speed: then it is friction, and may not drive the joints.
+    pub fn is_friction(self) -> bool {
+        !self.is_conservative() && !matches!(self, Self::HalfCombination { .. } | Self::CrossPosition)
+    }
+
+    /// Whether a whole turn of every revolute joint brings the same torque.
+    pub fn is_periodic(self) -> bool {
+        match self {
+            Self::Position(f) | Self::Product { f, .. } | Self::CrossProduct { f, .. } => f.is_periodic(),
+            Self::Spring { .. } | Self::Bilinear | Self::CrossPosition => false,
+            _ => true,
+        }
+    }
+
+    /// Whether it is `other` with one more constant: a wave with a phase where the other has none, a spring with a rest.
+    pub fn contains(self, other: Self) -> bool {
+        use OfPosition::{Cosine, Sine, Wave};
+        let wider = |f: OfPosition, g: OfPosition| match (f, g) {
+            (Wave(n), Sine(m) | Cosine(m)) => n == m,
+            _ => false,
+        };
+        match (self, other) {
+            (Self::Position(f), Self::Position(g)) => wider(f, g),
+            (Self::Product { f, g: speed }, Self::Product { f: g, g: same }) => speed == same && wider(f, g),
+            (Self::CrossProduct { f, g: speed }, Self::CrossProduct { f: g, g: same }) => speed == same && wider(f, g),
+            (Self::Combination { a, b, f }, Self::Combination { a: c, b: d, f: g }) => (a, b) == (c, d) && wider(f, g),
+            (Self::HalfCombination { a, b, f }, Self::HalfCombination { a: c, b: d, f: g }) => (a, b) == (c, d) && wider(f, g),
+            (Self::Spring { rest: true }, Self::Spring { rest: false }) => true,
+            _ => false,
+        }
+    }
+
+    fn needs_angles(self) -> bool {
+        match self {
+            Self::Position(f) | Self::Product { f, .. } | Self::CrossProduct { f, .. } => f.is_periodic(),
+            Self::PinSpring | Self::Combination { .. } | Self::HalfCombination { .. } => true,
+            _ => false,
+        }
+    }
+
+    pub(super) fn places(self, robot: &Robot) -> Vec<Vec<usize>> {
+        let n = robot.joint_count();
+        let turns = |j: usize| robot.joints()[j].is_revolute();
+        let alike = |i: usize, k: usize| robot.joints()[i].kind == robot.joints()[k].kind;
+        let own = || (0..n).map(|j| vec![j]).collect::<Vec<_>>();
+        let others = || (0..n).flat_map(|j| (0..n).filter(move |m| *m != j).map(move |m| vec![j, m]));
+        let all: Vec<Vec<usize>> = match self.class() {
+            Class::Own => own(),
+            // A combination has a sum of its positions or speeds; a bilinear energy has none.
+            Class::Energy => others()
+                .filter(|p| p[0] < p[1] && (self == Self::Bilinear || alike(p[0], p[1])))
+                .collect(),
+            Class::HalfEnergy => others().filter(|p| alike(p[0], p[1])).collect(),
+            Class::Cross => others().collect(),
+        };
+        let variable = |p: &Vec<usize>| match self {
+            Self::Combination { .. } | Self::HalfCombination { .. } => p.iter().all(|&j| turns(j)),
+            _ => turns(p[p.len() - 1]),
+        };
+        all.into_iter().filter(|p| !self.needs_angles() || variable(p)).collect()
+    }
+
+    /// Joints whose torque it changes.
+    pub fn acts_on(self, joints: &[usize]) -> Vec<usize> {
+        if self.is_gradient() {
+            joints.to_vec()
+        } else {
+            vec![joints[0]]
+        }
+    }
+
+    pub(super) fn shapes(self, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
+        match self {
+            Self::PinSpring => vec![
+                Shape {
+                    low: -TAU,
+                    high: TAU,
+                    grid: (0..12).map(|i| -PI + f64::from(i) * PI / 6.0).collect(),
+                },
+                Shape {
+                    low: PIN[0],
+                    high: PIN[1],
+                    grid: vec![0.3, 0.6, 0.8, 0.93],
+                },
+            ],
+            Self::Spring { .. } | Self::Damper => {
+                // Near zero the second joint takes no part: what it adds to the combination is a twentieth of what the first does, or more.
+                let travel = |j: usize| spans[j].range.max(f64::MIN_POSITIVE);
+                let least = (0.05 * travel(joints[0]) / travel(joints[1])).min(0.2);
+                vec![Shape {
+                    low: -RATIO,
+                    high: RATIO,
+                    grid: [-3.0, -1.5, -0.75, -0.35, 0.35, 0.75, 1.5, 3.0]
+                        .into_iter()
+                        .filter(|a: &f64| a.abs() > least)
+                        .collect(),
+                }]
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// One column per coefficient.
+    pub(super) fn columns(self, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
+        let (first, last) = (joints[0], joints[joints.len() - 1]);
+        let q = |j: usize, s: usize| scene.motion.positions(j)[s];
+        let v = |j: usize, s: usize| scene.motion.velocities(j)[s];
+        let speed = |g: OfSpeed, j: usize, s: usize| g.at(v(j, s), scene.sign(v(j, s)));
+        let on = |value: &dyn Fn(usize) -> f64| Column::on(first, (0..scene.samples()).map(value).collect());
+        let waves = |f: OfPosition, x: &dyn Fn(usize) -> f64, times: &dyn Fn(usize) -> f64| {
+            let column = |i: usize| on(&|s| f.at(x(s))[i] * times(s));
+            (0..f.columns()).map(column).collect::<Vec<_>>()
+        };
+        match self {
+            Self::Position(f) => waves(f, &|s| q(first, s), &|_| 1.0),
+            Self::PinSpring => {
+                let angle = |s: usize| q(first, s) + shape[0];
+                let chord = |s: usize| (1.0 - shape[1] * angle(s).cos()).sqrt();
+                vec![on(&|s| angle(s).sin()), on(&|s| angle(s).sin() / chord(s))]
+            }
+            Self::Spring { rest } => {
+                let a = shape[0];
+                let sum = both(scene, joints, [1.0, a], |s| q(first, s) + a * q(last, s));
+                let constant = rest.then(|| both(scene, joints, [1.0, a], |_| -1.0));
+                std::iter::once(sum).chain(constant).collect()
+            }
+            Self::Bilinear => vec![Column {
+                rows: vec![
+                    (first, scene.motion.positions(last).to_vec()),
+                    (last, scene.motion.positions(first).to_vec()),
+                ],
+            }],
+            Self::Combination { a, b, f } => {
+                let (a, b) = (f64::from(a), f64::from(b));
+                let column = |i: usize| both(scene, joints, [a, b], |s| f.at(a * q(first, s) + b * q(last, s))[i]);
+                (0..f.columns()).map(column).collect()
+            }
+            Self::HalfCombination { a, b, f } => waves(f, &|s| f64::from(a) * q(first, s) + f64::from(b) * q(last, s), &|_| 1.0),
+            Self::CrossPosition => vec![on(&|s| q(last, s))],
+            Self::Product { f, g } | Self::CrossProduct { f, g } => waves(f, &|s| q(last, s), &|s| speed(g, first, s)),
+            Self::CrossSpeed(g) => vec![on(&|s| speed(g, last, s))],
+            Self::SpeedProduct(g) => vec![on(&|s| v(last, s).abs() * speed(g, first, s))],
+            Self::Damper => {
+                let a = shape[0];
+                vec![both(scene, joints, [1.0, a], |s| v(first, s) + a * v(last, s))]
+            }
+        }
+    }
+
+    /// What is reported, in the order of the formula's constants: amplitude and phase of a wave in the place of the coefficients of sine and cosine, and the rest of
+    /// a spring in the place of its torque.
+    pub(super) fn reported(self, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
+        let wave = |f: OfPosition| match f.columns() {
+            2 => vec![coefficients[0].hypot(coefficients[1]), coefficients[1].atan2(coefficients[0])],
+            _ => coefficients.to_vec(),
+        };
+        match self {
+            Self::Position(f) | Self::Product { f, .. } | Self::CrossProduct { f, .. } => wave(f),
+            Self::Combination { f, .. } | Self::HalfCombination { f, .. } => wave(f),
+            Self::Spring { rest: true } => vec![coefficients[0], shape[0], coefficients[1] / coefficients[0]],
+            _ => coefficients.iter().chain(shape).copied().collect(),
+        }
+    }
+}
+
+/// A column on both joints, `factors` times the value.
+fn both(scene: &Scene, joints: &[usize], factors: [f64; 2], value: impl Fn(usize) -> f64) -> Column {
+    let values: Vec<f64> = (0..scene.samples()).map(value).collect();
+    let row = |(&j, f): (&usize, f64)| (j, values.iter().map(|v| f * v).collect());
+    Column {
+        rows: joints.iter().zip(factors).map(row).collect(),
+    }
+}

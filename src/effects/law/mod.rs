@@ -1,0 +1,86 @@
+//! Laws: compact formulas in the joints' positions and speeds, for what no listed effect explains.
+//!
+//! A closed family of forms ([`Form`]), found by the search of [`diagnosis`](crate::diagnosis) and never tried by name: conservative ones are the gradient of one
+//! energy and act on every joint in it; the others are products of a function of position and one of speed, or friction that depends on another joint's speed. A law
+//! is an effect like any other: [`Law`] gives its columns, the number of the form says which formula it is.
+
+mod form;
+mod formula;
+mod functions;
+mod units;
+
+pub use form::{Class, Form};
+pub use formula::{formula, statements};
+pub use functions::{OfPosition, OfSpeed};
+
+use super::{About, Column, Effect, Formula, ParameterInfo, Scene, Shape, Span};
+use crate::model::Robot;
+
+/// `tau_j += f(q, qd; c, shape)` for one of the forms of [`Form::all`]; `joints` is what [`Form`] says of its places.
+pub struct Law;
+
+impl Effect for Law {
+    fn code(&self) -> &'static str {
+        "law"
+    }
+
+    fn about(&self) -> About {
+        About {
+            meaning: "a formula in positions and speeds, found in the residual: hoses over two joints, balancing springs between pins, friction that depends on \
+                      the angle or on another joint's speed",
+            identifiable: "over the range of the variables that the motion covers, and only there",
+            rivals: &[],
+            source: "Brunton, Proctor & Kutz 2016 (sparse search); Golub & Pereyra 1973 (variable projection)",
+        }
+    }
+
+    /// Those of all forms.
+    fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
+        let mut all: Vec<Vec<usize>> = Form::all().iter().flat_map(|f| f.places(robot)).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn places_of(&self, form: usize, robot: &Robot) -> Vec<Vec<usize>> {
+        Form::numbered(form).places(robot)
+    }
+
+    fn acts_on(&self, form: usize, joints: &[usize]) -> Vec<usize> {
+        Form::numbered(form).acts_on(joints)
+    }
+
+    fn forms(&self) -> usize {
+        Form::all().len()
+    }
+
+    fn shapes(&self, form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
+        Form::numbered(form).shapes(joints, spans)
+    }
+
+    fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
+        Form::numbered(form).columns(scene, joints, shape)
+    }
+
+    fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+        units::parameters(Form::numbered(form), robot, joints)
+    }
+
+    fn positive(&self, form: usize) -> &'static [usize] {
+        match Form::numbered(form) {
+            Form::PinSpring | Form::Spring { .. } | Form::Damper => &[0],
+            _ => &[],
+        }
+    }
+
+    fn reported(&self, form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
+        Form::numbered(form).reported(coefficients, shape)
+    }
+
+    fn formula(&self, form: usize, joints: &[usize]) -> Option<Formula> {
+        Some(formula(Form::numbered(form), joints))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,156 @@
+//! Formulas of laws as MathML, which browsers set by themselves.
+
+/// A formula as laws write it (`k*(q1 + r*q3)^2`) as MathML; `None` for what is no such formula.
+pub fn mathml(text: &str) -> Option<String> {
+    let plain: Vec<char> = text.chars().filter(|c| *c != ' ').collect();
+    let mut reader = Reader { text: &plain, at: 0 };
+    let sum = reader.sum()?;
+    (reader.at == plain.len()).then(|| format!("<math><mrow>{sum}</mrow></math>"))
+}
+
+/// Recursive descent over sums, products, powers, and functions of one argument.
+struct Reader<'a> {
+    text: &'a [char],
+    at: usize,
+}
+
+fn operator(sign: &str) -> String {
+    format!("<mo>{sign}</mo>")
+}
+
+fn fenced(inner: &str, [open, close]: [&str; 2]) -> String {
+    format!("<mrow><mo stretchy=\"false\">{open}</mo>{inner}<mo stretchy=\"false\">{close}</mo></mrow>")
+}
+
+impl Reader<'_> {
+    fn next(&self) -> Option<char> {
+        self.text.get(self.at).copied()
+    }
+
+    fn takes(&mut self, c: char) -> bool {
+        let yes = self.next() == Some(c);
+        self.at += usize::from(yes);
+        yes
+    }
+
+    fn sum(&mut self) -> Option<String> {
+        let mut sum = if self.takes('-') { operator("−") } else { String::new() };
+        sum += &self.product()?;
+        loop {
+            let sign = if self.takes('+') {
+                "+"
+            } else if self.takes('-') {
+                "−"
+            } else {
+                return Some(sum);
+            };
+            sum += &operator(sign);
+            sum += &self.product()?;
+        }
+    }
+
+    /// Factors side by side; what stands before a bar is the numerator.
+    fn product(&mut self) -> Option<String> {
+        let mut product = self.power()?;
+        loop {
+            if self.takes('*') {
+                product += &operator("\u{2062}");
+                product += &self.power()?;
+            } else if self.takes('/') {
+                product = format!("<mfrac><mrow>{product}</mrow><mrow>{}</mrow></mfrac>", self.power()?);
+            } else {
+                return Some(product);
+            }
+        }
+    }
+
+    fn power(&mut self) -> Option<String> {
+        if self.takes('-') {
+            return Some(operator("−") + &self.power()?);
+        }
+        let base = match self.takes('(') {
+            true => fenced(&self.closed()?, ["(", ")"]),
+            false => self.word()?,
+        };
+        match self.takes('^') {
+            true => Some(format!("<msup>{base}{}</msup>", self.word()?)),
+            false => Some(base),
+        }
+    }
+
+    /// What stands before a closing parenthesis.
+    fn closed(&mut self) -> Option<String> {
+        let inner = self.sum()?;
+        self.takes(')').then_some(inner)
+    }
+
+    fn word(&mut self) -> Option<String> {
+        let from = self.at;
+        while self.next().is_some_and(|c| c.is_ascii_alphanumeric() || c == '.') {
+            self.at += 1;
+        }
+        let word: String = self.text[from..self.at].iter().collect();
+        if word.is_empty() {
+            return None;
+        }
+        if word.parse::<f64>().is_ok() {
+            return Some(format!("<mn>{word}</mn>"));
+        }
+        if !self.takes('(') {
+            return Some(symbol(&word));
+        }
+        let inner = self.closed()?;
+        Some(match word.as_str() {
+            "sqrt" => format!("<msqrt>{inner}</msqrt>"),
+            "abs" => fenced(&inner, ["|", "|"]),
+            name => format!("<mi>{name}</mi><mo>\u{2061}</mo>{}", fenced(&inner, ["(", ")"])),
+        })
+    }
+}
+
+/// `q4` with its number below, `qd4` with a dot, Greek letters by their names.
+fn symbol(name: &str) -> String {
+    let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let number = &name[letters.len()..];
+    let letter = match letters {
+        "phi" => "<mi>φ</mi>".to_string(),
+        "rho" => "<mi>ρ</mi>".to_string(),
+        "qd" => "<mover><mi>q</mi><mo>˙</mo></mover>".to_string(),
+        other => format!("<mi>{other}</mi>"),
+    };
+    match number {
+        "" => letter,
+        number => format!("<msub>{letter}<mn>{number}</mn></msub>"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formulas_of_laws_are_set() {
+        let set = mathml("a*sin(2*q4 + phi)*sign(qd12)").unwrap();
+        for part in [
+            "<msub><mi>q</mi><mn>4</mn></msub>",
+            "<mi>φ</mi>",
+            "<msub><mover><mi>q</mi><mo>˙</mo></mover><mn>12</mn></msub>",
+            "<mi>sign</mi>",
+        ] {
+            assert!(set.contains(part), "{part} not in {set}");
+        }
+        let spring = mathml("0.5*k*(q1 + r*q3 - c)^2").unwrap();
+        assert!(spring.contains("<msup><mrow>") && spring.contains("<mn>0.5</mn>"), "{spring}");
+        assert!(mathml("b*sin(u)/sqrt(1 - rho*cos(u))").unwrap().contains("<msqrt>"));
+        for text in [set, spring] {
+            assert!(roxmltree::Document::parse(&text).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_formula_is_none() {
+        for text in ["", "a*", "(q1", "q1)", "<b>", "a b("] {
+            assert_eq!(mathml(text), None, "{text}");
+        }
+    }
+}
