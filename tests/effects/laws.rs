@@ -106,19 +106,22 @@ fn table_of_the_public_logs() {
     }
 }
 
+/// Torques, by joint, from `[q, qd]` of all joints.
+type Torque = Box<dyn Fn(&[[f64; 2]]) -> Vec<(usize, f64)>>;
+
 /// A law as nature has it: torques of the joints from `[q, qd]` of all, written apart from the library.
 struct Nature {
     name: &'static str,
     /// Joints that it acts on.
     acts_on: Vec<usize>,
-    torque: Box<dyn Fn(&[[f64; 2]]) -> Vec<(usize, f64)>>,
+    torque: Torque,
     /// What names it right: the formula on the first joint, without its constants; empty for a law that no form has.
     formula: String,
 }
 
 /// Twelve laws on joints `j < m`, at `size` times a torque of `level`; the last three are in no form of the library.
 fn natures(j: usize, m: usize, level: f64) -> Vec<Nature> {
-    let law = |name, acts_on: &[usize], formula: String, torque: Box<dyn Fn(&[[f64; 2]]) -> Vec<(usize, f64)>>| Nature {
+    let law = |name, acts_on: &[usize], formula: String, torque: Torque| Nature {
         name,
         acts_on: acts_on.to_vec(),
         torque,
