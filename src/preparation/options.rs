@@ -54,9 +54,19 @@ pub enum Period {
     #[default]
     Detect,
     /// Stated by the request or by the excitation, whose highest harmonic is `order`.
-    Known { period_s: f64, order: Option<usize> },
+    Known {
+        /// The period (s).
+        period_s: f64,
+        /// Highest harmonic of the excitation, where known.
+        order: Option<usize>,
+    },
     /// That of another log of the same request: taken where this one repeats with it, else found, and no error where there is none.
-    Expected { period_s: f64, order: Option<usize> },
+    Expected {
+        /// The period (s).
+        period_s: f64,
+        /// Highest harmonic of the excitation, where known.
+        order: Option<usize>,
+    },
     /// The log is taken as one stretch.
     None,
 }

@@ -10,23 +10,54 @@ use serde::Deserialize;
 #[serde(tag = "fault", rename_all = "snake_case", deny_unknown_fields)]
 pub enum LogFault {
     /// Torque of these joints with the wrong sign.
-    FlippedTorque { joints: Vec<usize> },
+    FlippedTorque {
+        /// The joints, from 0.
+        joints: Vec<usize>,
+    },
     /// Positions of these joints in degrees.
-    Degrees { joints: Vec<usize> },
+    Degrees {
+        /// The joints, from 0.
+        joints: Vec<usize>,
+    },
     /// Torque columns of two joints exchanged.
-    SwappedTorques { joints: [usize; 2] },
+    SwappedTorques {
+        /// The two joints, from 0.
+        joints: [usize; 2],
+    },
     /// Position columns of two joints exchanged.
-    SwappedPositions { joints: [usize; 2] },
+    SwappedPositions {
+        /// The two joints, from 0.
+        joints: [usize; 2],
+    },
     /// Torque of a joint stuck at one value.
-    ConstantTorque { joint: usize },
+    ConstantTorque {
+        /// Number of the joint, from 0.
+        joint: usize,
+    },
     /// Torque of a joint limited to ± this value.
-    ClippedTorque { joint: usize, limit: f64 },
+    ClippedTorque {
+        /// Number of the joint, from 0.
+        joint: usize,
+        /// Largest torque that is recorded [N·m or N].
+        limit: f64,
+    },
     /// All columns repeat their value from `start` for `duration` (s).
-    Frozen { start: f64, duration: f64 },
+    Frozen {
+        /// When it begins (s).
+        start: f64,
+        /// How long it lasts (s).
+        duration: f64,
+    },
     /// So many rows with the time of the row before.
-    RepeatedTimes { count: usize },
+    RepeatedTimes {
+        /// Number of rows.
+        count: usize,
+    },
     /// So many rows with numbers that mean nothing.
-    GarbageRows { count: usize },
+    GarbageRows {
+        /// Number of rows.
+        count: usize,
+    },
 }
 
 /// Puts a fault into a log. Same seed, same rows.

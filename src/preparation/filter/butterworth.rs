@@ -30,10 +30,17 @@ pub struct LowPass {
 /// Why a filter cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FilterError {
+    /// The order is out of range.
     #[error("the order is {0}: a low-pass filter has order 1 to {MAX_ORDER}")]
     Order(usize),
+    /// The cut-off is not between zero and half the sampling rate.
     #[error("the cut-off is {cutoff_hz} Hz: it must lie between 0 and half the sample rate, {half_rate_hz} Hz")]
-    Cutoff { cutoff_hz: f64, half_rate_hz: f64 },
+    Cutoff {
+        /// Cut-off that was asked for (Hz).
+        cutoff_hz: f64,
+        /// Half the sampling rate (Hz).
+        half_rate_hz: f64,
+    },
 }
 
 /// Filters beyond this ring for longer than they smooth; nothing in use comes near it.

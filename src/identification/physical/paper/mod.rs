@@ -28,6 +28,7 @@ pub enum Triangle {
     Principal,
     /// Of the diagonal of the tensor, the paper's (10d).
     Diagonal,
+    /// Of neither.
     None,
 }
 
