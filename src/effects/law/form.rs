@@ -29,19 +29,46 @@ pub enum Form {
     /// `a = k r s`, `b = −k l r s / √(r² + s²)`, `ρ = 2 r s / (r² + s²)`. They cannot all be separated without one known length.
     PinSpring,
     /// The gradient of `½ k (q_i + a q_k)²`, with `rest` of `½ k (q_i + a q_k − c)²`.
-    Spring { rest: bool },
+    Spring {
+        /// Whether it has a rest c.
+        rest: bool,
+    },
     /// The gradient of `k q_i q_k`.
     Bilinear,
     /// The gradient of the integral of `A f(a q_i + b q_k)`: `a A f` on joint i, `b A f` on joint k. `f` is a wave of one cycle.
-    Combination { a: i8, b: i8, f: OfPosition },
+    Combination {
+        /// Factor of the first position.
+        a: i8,
+        /// Factor of the second position.
+        b: i8,
+        /// The wave.
+        f: OfPosition,
+    },
     /// `tau_j = A f(a q_j + b q_m)`, with nothing on joint m.
-    HalfCombination { a: i8, b: i8, f: OfPosition },
+    HalfCombination {
+        /// Factor of the first position.
+        a: i8,
+        /// Factor of the second position.
+        b: i8,
+        /// The wave.
+        f: OfPosition,
+    },
     /// `tau_j = k q_m`.
     CrossPosition,
     /// `tau_j = c f(q_m) g(qd_j)`; place `[j]` where m is j.
-    Product { f: OfPosition, g: OfSpeed },
+    Product {
+        /// Of the position.
+        f: OfPosition,
+        /// Of the speed.
+        g: OfSpeed,
+    },
     /// The same on another joint's position.
-    CrossProduct { f: OfPosition, g: OfSpeed },
+    CrossProduct {
+        /// Of the position.
+        f: OfPosition,
+        /// Of the speed.
+        g: OfSpeed,
+    },
     /// `tau_j = c g(qd_m)`.
     CrossSpeed(OfSpeed),
     /// `tau_j = c |qd_m| g(qd_j)`, g linear or the sign.
@@ -92,10 +119,15 @@ impl Form {
         &ALL
     }
 
+    /// The form of this number.
+    ///
+    /// # Panics
+    /// Where there is none.
     pub fn numbered(number: usize) -> Self {
         ALL[number]
     }
 
+    /// Which class of the search it belongs to.
     pub fn class(self) -> Class {
         match self {
             Self::Position(_) | Self::PinSpring | Self::Product { .. } => Class::Own,
