@@ -5,7 +5,7 @@
 pub struct Formula {
     /// Joint and what is added to its torque [N·m or N].
     pub torques: Vec<(usize, String)>,
-    /// The energy that the torques are the gradient of [J]; `None` for friction, and for what acts on one joint alone though it depends on two.
+    /// The energy that the torques are the gradient of (J); `None` for friction, and for what acts on one joint alone though it depends on two.
     pub energy: Option<String>,
     /// Positions and speeds in it, in the order of the joints.
     pub variables: Vec<String>,

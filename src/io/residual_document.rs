@@ -341,7 +341,7 @@ pub struct LawDocument {
     pub expression: String,
     /// The same of every joint that it acts on.
     pub torques: Vec<LawTorque>,
-    /// The energy that the torques are the gradient of [J]; null for friction and where no energy is known.
+    /// The energy that the torques are the gradient of (J); null for friction and where no energy is known.
     pub energy: Option<String>,
     /// Positions and speeds in it.
     pub variables: Vec<String>,
