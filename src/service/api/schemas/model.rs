@@ -65,6 +65,8 @@ pub struct AddedEffectSchema {
     /// The same values by name, with units.
     #[schema(value_type = Option<Vec<Object>>)]
     parameters: Option<Vec<String>>,
+    /// Formula of a law, for people: what a reader takes is `form`.
+    law: Option<crate::io::LawDocument>,
     /// Effects that the data do not exclude in its place.
     rivals: Option<Vec<RivalEffectSchema>>,
 }
@@ -87,6 +89,8 @@ pub struct RivalEffectSchema {
     /// The same values by name, with units.
     #[schema(value_type = Option<Vec<Object>>)]
     parameters: Option<Vec<String>>,
+    /// Formula of a law, for people: what a reader takes is `form`.
+    law: Option<crate::io::LawDocument>,
     /// Twice the log of the evidence ratio in favour of the finding.
     evidence: f64,
     /// Base parameters of that fit.
