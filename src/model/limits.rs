@@ -1,5 +1,7 @@
 //! What a joint may do.
 
+use super::shortest;
+
 /// Limits of one joint, SI units. `None` means that nothing is known, hence nothing is constrained.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
@@ -40,7 +42,11 @@ impl Limits {
             let outside = low <= -BEYOND_ANY_POSITION && high >= BEYOND_ANY_POSITION;
             if outside || (reached && is_of_file && low == 0.0 && high == 0.0) {
                 kept.position = None;
-                dropped.push(format!("the position limits [{low:?}, {high:?}] are taken as none"));
+                dropped.push(format!(
+                    "the position limits [{}, {}] are taken as none",
+                    said(low),
+                    said(high)
+                ));
             }
         }
         let top = if is_revolute && is_of_file {
@@ -54,7 +60,7 @@ impl Limits {
                 .is_some_and(|[low, high]| low.abs().max(high.abs()) > LARGEST_REVOLUTE);
         let mut drop = |name: &str, value: &mut Option<f64>, most: f64| {
             if let Some(v) = value.take_if(|v| *v >= most || (is_of_file && *v <= 0.0)) {
-                dropped.push(format!("the {name} limit {v:?} is taken as none"));
+                dropped.push(format!("the {name} limit {} is taken as none", said(v)));
             }
         };
         if !in_degrees {
@@ -111,4 +117,13 @@ pub(super) enum LimitProblem {
     NotFinite,
     WrongWayRound { low: f64, high: f64 },
     NotPositive(f64),
+}
+
+/// A limit as a file has it; a file can say `inf`, which is said in words.
+fn said(limit: f64) -> String {
+    if limit.is_finite() {
+        format!("{limit:?}")
+    } else {
+        shortest(limit)
+    }
 }
