@@ -111,14 +111,14 @@ fn limits_used(text: &mut String, design: &DesignDocument) {
     }
 }
 
-/// The smallest size of every effect that a recording reveals, a line per effect and parameter, and what it takes for what.
+/// The smallest size of every effect that a recording is predicted to reveal, a line per effect and parameter, and what it takes for what.
 fn would_reveal(text: &mut String, design: &DesignDocument) {
     let Some(found) = &design.detectable else { return };
     let percent = 100.0 * found.power;
     let noise: Vec<String> = found.torque_noise.iter().map(|n| significant(*n, 3)).collect();
     let _ = writeln!(
         text,
-        "  a recording of {} periods reveals ({percent:.0} % of logs, torque noise {} from {}):",
+        "  a recording of {} periods is predicted to reveal ({percent:.0} % of logs, torque noise {} from {}):",
         found.periods,
         noise.join(" "),
         found.noise_source.replace('_', " ")
@@ -149,7 +149,7 @@ fn would_reveal(text: &mut String, design: &DesignDocument) {
         .map(|(a, b)| format!("{a} / {b}"))
         .collect();
     if !named.is_empty() {
-        let _ = writeln!(text, "  not told apart at these sizes on some joint: {}", named.join(", "));
+        let _ = writeln!(text, "  not separated at these sizes on some joint: {}", named.join(", "));
     }
 }
 

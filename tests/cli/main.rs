@@ -89,7 +89,7 @@ fn excite_writes_the_result_and_the_trajectory() {
     assert_eq!(stderr(&output), "", "no bar of progress in a pipe");
     let design: Value = serde_json::from_str(&folder.read("design.json")).unwrap();
     assert!(design["condition_number"].as_f64().unwrap() >= 1.0);
-    assert!(stdout(&output).contains("a recording of 2 periods reveals"));
+    assert!(stdout(&output).contains("a recording of 2 periods is predicted to reveal"));
     let effects = design["detectable"]["effects"].as_array().unwrap();
     let offsets: Vec<&Value> = effects.iter().filter(|e| e["effect"] == "torque_offset").collect();
     assert_eq!(offsets.len(), 2, "{effects:?}");

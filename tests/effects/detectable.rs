@@ -70,7 +70,7 @@ impl Bench {
         diagnose(&self.robot, &[stretch(&log, "planned")], &[], &DiagnosisOptions::default()).report
     }
 
-    /// Share of logs with the effect at this size in which a pair is told apart: the effect is found, and the rival neither found nor named beside it.
+    /// Share of logs with the effect at this size in which a pair is separated: the effect is found, and the rival neither found nor named beside it.
     fn apart(&self, visible: &Visible, pair: &Inseparable, size: f64, seeds: std::ops::Range<u64>) -> f64 {
         let hidden = [hidden(visible, size, self.robot.joint_count())];
         let names = |joints: &[usize]| -> Vec<String> { joints.iter().map(|&j| self.robot.joints()[j].name.clone()).collect() };
@@ -277,7 +277,7 @@ fn table() {
     }
 }
 
-/// Pairs at the size from which they are told apart, as `table`.
+/// Pairs at the size from which they are separated, as `table`.
 #[test]
 #[ignore = "minutes to hours: pairs of effects against logs"]
 fn pairs() {

@@ -7,6 +7,7 @@ use crate::diagnosis::selection::{
 };
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::law::Form;
+use crate::effects::{Effect, Law};
 use crate::regression::{Data, System};
 use rayon::prelude::*;
 
@@ -19,7 +20,7 @@ pub(super) struct Contender {
 
 impl Contender {
     pub fn is_law(&self) -> bool {
-        is_law(&self.fit.scored.candidate)
+        is_law(self.fit.scored.candidate.effect)
     }
 
     fn cost(&self) -> usize {
@@ -27,8 +28,9 @@ impl Contender {
     }
 }
 
-pub(super) fn is_law(candidate: &Candidate) -> bool {
-    candidate.effect.code() == "law"
+/// Whether an effect is a law, and no listed one.
+pub(super) fn is_law(effect: &dyn Effect) -> bool {
+    effect.code() == Law.code()
 }
 
 /// The best laws on `rows` and listed effects beside `system`, fitted, the best evidence first.
@@ -61,7 +63,7 @@ pub(super) fn contenders(
         .with_max_len(1)
         .map(|s| {
             let mut fit = fitted(data, system, s);
-            fit.scored.evidence -= if is_law(&s.candidate) { 0.0 } else { choice };
+            fit.scored.evidence -= if is_law(s.candidate.effect) { 0.0 } else { choice };
             fit
         })
         .collect();
@@ -113,8 +115,8 @@ pub(super) fn accepted(
 
 /// Whether `wide` is the formula of `narrow` with one more constant.
 pub(super) fn contains(wide: &Candidate, narrow: &Candidate) -> bool {
-    is_law(wide)
-        && is_law(narrow)
+    is_law(wide.effect)
+        && is_law(narrow.effect)
         && wide.joints == narrow.joints
         && Form::numbered(wide.form).contains(Form::numbered(narrow.form))
 }

@@ -3,10 +3,9 @@
 use crate::diagnosis::selection::{Candidate, reach};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::law::{Class, Form, OfPosition};
-use crate::effects::{Effect, Law, Span};
+use crate::effects::{Effect, Law, Span, by_code};
 use crate::model::Robot;
 use crate::regression::Data;
-use std::f64::consts::TAU;
 
 /// A law on a place, one of `tried`.
 pub(super) struct Hypothesis {
@@ -25,7 +24,7 @@ pub(super) fn library(robot: &Robot, data: &Data, spans: &[Span], rows: &[usize]
         for joints in Law.places_of(number, robot) {
             let acts = form.acts_on(&joints);
             let wanted = acts.iter().any(|j| rows.contains(j)) && acts.iter().all(seen);
-            if !wanted || is_listed(form, spans[joints[0]]) {
+            if !wanted || is_listed(form, &joints, spans) {
                 continue;
             }
             let shapes = Law.shapes(number, &joints, spans);
@@ -63,10 +62,14 @@ fn candidate(form: usize, joints: Vec<usize>, shapes: Vec<crate::effects::Shape>
 }
 
 /// Whether a listed effect is the same: waves of a position that are fast enough are ripple.
-fn is_listed(form: Form, span: Span) -> bool {
+fn is_listed(form: Form, joints: &[usize], spans: &[Span]) -> bool {
     match form {
         Form::Position(OfPosition::Sine(n) | OfPosition::Cosine(n) | OfPosition::Wave(n)) => {
-            f64::from(n) >= (TAU / span.range.max(1e-6)).max(2.5)
+            let ripple = by_code("position_ripple").expect("is in the list");
+            ripple
+                .shapes(0, joints, spans)
+                .iter()
+                .any(|cycles| f64::from(n) >= cycles.low)
         }
         _ => false,
     }

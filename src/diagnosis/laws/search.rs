@@ -57,7 +57,7 @@ fn suspicious(system: &System) -> Vec<usize> {
 /// What all steps of a search share.
 struct Search<'a> {
     data: &'a Data<'a>,
-    library: Vec<Hypothesis>,
+    hypotheses: Vec<Hypothesis>,
     known: &'a [Candidate],
     threshold: &'a Threshold,
 }
@@ -65,7 +65,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(data: &'a Data<'a>, system: &System, known: &'a [Candidate], threshold: &'a Threshold, rows: &[usize]) -> Self {
         Self {
-            library: library(&system.model.robot, data, &spans(data.stretches), rows),
+            hypotheses: library(&system.model.robot, data, &spans(data.stretches), rows),
             data,
             known,
             threshold,
@@ -92,7 +92,7 @@ impl<'a> Search<'a> {
         if rows.is_empty() {
             return None;
         }
-        let mut all = contenders(self.data, system, &self.library, self.known, rows);
+        let mut all = contenders(self.data, system, &self.hypotheses, self.known, rows);
         let judged = |i: usize| Some((i, accepted(self.data, system, &all[i], self.known, self.threshold)?));
         let (at, accepted) = preferred(&all).into_iter().find_map(judged)?;
         Some((all.swap_remove(at).fit.system, accepted))
@@ -114,7 +114,7 @@ impl<'a> Search<'a> {
     /// Numbers of effects that are taken out together: all laws that act on one joint, where there are several, then each alone.
     fn groups(&self, now: &Selected) -> Vec<Vec<usize>> {
         let terms = &now.system.model.terms[now.fixed..];
-        let laws: Vec<usize> = (0..terms.len()).filter(|&i| terms[i].effect.code() == "law").collect();
+        let laws: Vec<usize> = (0..terms.len()).filter(|&i| is_law(terms[i].effect)).collect();
         let acts = |i: usize| terms[i].effect.acts_on(terms[i].form, &terms[i].joints);
         let mut groups: Vec<Vec<usize>> = (0..now.system.model.robot.joint_count())
             .map(|j| laws.iter().copied().filter(|&i| acts(i).contains(&j)).collect::<Vec<_>>())
@@ -158,10 +158,7 @@ impl<'a> Search<'a> {
 
     /// How many a term was chosen from.
     fn choice(&self, term: &Term) -> usize {
-        let own = self
-            .library
-            .iter()
-            .find(|h| h.candidate.form == term.form && h.candidate.is_same_effect(term));
+        let own = self.hypotheses.iter().find(|h| is_of(&h.candidate, term));
         own.map_or(2 * self.known.len().max(1), |h| h.tried)
     }
 
@@ -173,7 +170,7 @@ impl<'a> Search<'a> {
                 excess(&now.system, j) > noise_of(&now.system, j) + SETTINGS.laws.most_left * excess(before, j).max(0.0)
             };
             let terms = &now.system.model.terms;
-            let law = |t: &Term| t.effect.code() == "law";
+            let law = |t: &Term| is_law(t.effect);
             let dirty = (fixed..terms.len()).rev().find(|&at| {
                 let t = &terms[at];
                 law(t) && t.acts_on().iter().any(|&j| keeps(j))
@@ -199,7 +196,7 @@ pub(crate) fn law_contests(
     threshold: &Threshold,
 ) -> Vec<(usize, Contest)> {
     let terms = &selected.system.model.terms;
-    let laws = (selected.fixed..terms.len()).filter(|&at| terms[at].effect.code() == "law");
+    let laws = (selected.fixed..terms.len()).filter(|&at| is_law(terms[at].effect));
     laws.map(|at| (at - selected.fixed, law_contest(data, selected, at, known, threshold)))
         .collect()
 }
@@ -210,10 +207,7 @@ fn law_contest(data: &Data, selected: &Selected, at: usize, known: &[Candidate],
     let without = data.fit(model);
     let rows = own.acts_on();
     let library = library(&without.model.robot, data, &spans(data.stretches), &rows);
-    let Some(mine) = library
-        .iter()
-        .find(|h| h.candidate.form == own.form && h.candidate.is_same_effect(&own))
-    else {
+    let Some(mine) = library.iter().find(|h| is_of(&h.candidate, &own)) else {
         return Contest::default();
     };
     let gain = data.gain(&without, &selected.system);
@@ -230,7 +224,7 @@ fn law_contest(data: &Data, selected: &Selected, at: usize, known: &[Candidate],
     let mut contest = Contest::default();
     for rival in contenders(data, &without, &library, known, &rows) {
         let scored = &rival.fit.scored;
-        let itself = scored.candidate.form == own.form && scored.candidate.is_same_effect(&own);
+        let itself = is_of(&scored.candidate, &own);
         if itself || contains(&scored.candidate, &mine.candidate) || contest.rivals.len() >= SETTINGS.laws.most_rivals {
             continue;
         }
@@ -245,7 +239,12 @@ fn law_contest(data: &Data, selected: &Selected, at: usize, known: &[Candidate],
     contest
 }
 
-/// Twice the log of the evidence ratio in favour of the finding.
+/// Whether a term is of this candidate, in the same form.
+fn is_of(candidate: &Candidate, term: &Term) -> bool {
+    candidate.form == term.form && candidate.is_same_effect(term)
+}
+
+/// Difference of the Bayesian information criterion in favour of the finding.
 fn against(finding: &Scored, rival: &Contender) -> f64 {
     let (_, own) = finding.held_against(std::iter::once(&rival.fit.scored));
     let (_, other) = rival.fit.scored.held_against(std::iter::once(finding));
@@ -257,7 +256,7 @@ fn as_rival(system: &System, scored: &Scored, evidence: f64) -> Rival {
     let Candidate {
         effect, form, joints, ..
     } = &scored.candidate;
-    let named = match is_law(&scored.candidate) {
+    let named = match is_law(scored.candidate.effect) {
         true => reach(&scored.candidate, robot.joint_count()),
         false => joints.clone(),
     };

@@ -23,7 +23,7 @@ pub struct SpaceLimits {
     pub half_spaces: Vec<HalfSpace>,
     /// Boxes that the arm keeps off.
     pub boxes: Vec<Obstacle>,
-    /// Whether the arm keeps off itself, and how.
+    /// Whether collisions of the arm with itself are avoided, and how.
     pub self_collision: Option<SelfCollision>,
 }
 

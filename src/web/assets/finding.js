@@ -34,7 +34,7 @@ export function gain(finding, effort) {
 export function findingParameters(finding) {
   if (!finding.parameters.length) return null;
   return table([
-    { head: 'Parameter', cell: (p) => words(p.name) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
+    { head: 'Parameter', cell: (p) => (finding.law ? p.name : words(p.name)) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
   ], finding.parameters, { caption: 'With one standard deviation' });
 }
 
