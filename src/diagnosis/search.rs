@@ -8,6 +8,7 @@ use crate::diagnosis::laws::{law_contests, written};
 use crate::diagnosis::nonparametric::{examine, unaccounted};
 use crate::diagnosis::report::Remainder;
 use crate::diagnosis::selection::{Accepted, Candidate, Selected, Threshold, doubt, extend, select};
+use crate::effects::law::is_law;
 use crate::regression::{AugmentedModel, Data, System, Term};
 
 /// What a search ends with.
@@ -47,7 +48,7 @@ pub(crate) fn searched<'a>(
         if let Some(law) = law {
             (examined, remainder) = examine(&data, law, fixed, &open, threshold);
         }
-        let laws = examined.system.model.terms.iter().any(is_law);
+        let laws = examined.system.model.terms.iter().any(|t| is_law(t.effect));
         if laws || remainder.is_some() || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
             contests = rivals(&data, &examined, fixed, candidates, threshold);
             for (at, contest) in law_contests(&data, &examined, &open, threshold) {
@@ -68,7 +69,7 @@ pub(crate) fn searched<'a>(
                 contests,
             };
         }
-        may_have_laws &= !doubtful.iter().any(is_law);
+        may_have_laws &= !doubtful.iter().any(|t| is_law(t.effect));
         open.retain(|c| !doubtful.iter().any(|t| c.is_same_effect(t)));
         let left = Selected {
             system: data.fit(system.model),
@@ -77,10 +78,6 @@ pub(crate) fn searched<'a>(
         };
         selected = extend(&data, left, &open, threshold);
     }
-}
-
-fn is_law(term: &Term) -> bool {
-    term.effect.formula(term.form, &term.joints).is_some()
 }
 
 /// Takes effects beyond the first `fixed` terms out that the samples do not confirm, the weakest first, until all that are left are: the chance of

@@ -20,6 +20,10 @@ impl Effect for AsymmetricViscousFriction {
         }
     }
 
+    fn is_friction(&self, _form: usize) -> bool {
+        true
+    }
+
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         vec![own_joint(scene, joints[0], |[_, v, _]| v * scene.sign(v))]
     }

@@ -272,6 +272,11 @@ pub trait Effect: Sync + Send {
         false
     }
 
+    /// Whether its torque times the speed is power that friction takes. Such effects on one joint are judged together: one alone may give some of it back.
+    fn is_friction(&self, _form: usize) -> bool {
+        false
+    }
+
     /// Where the shape parameters, or the parameters of a distortion, lie on robots ([`ranges`](super::ranges)); empty where nothing is known.
     fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {
         Vec::new()

@@ -30,6 +30,10 @@ impl Effect for LoadDependentFriction {
         true
     }
 
+    fn is_friction(&self, _form: usize) -> bool {
+        true
+    }
+
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         let j = joints[0];
         let load = &scene.rigid[j];

@@ -43,6 +43,10 @@ impl Effect for NonlinearViscousFriction {
         if form == 3 { vec![free] } else { Vec::new() }
     }
 
+    fn is_friction(&self, _form: usize) -> bool {
+        true
+    }
+
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let alpha = Self::exponent(form, shape);
         vec![own_joint(scene, joints[0], |[_, v, _]| v.abs().powf(alpha) * scene.sign(v))]

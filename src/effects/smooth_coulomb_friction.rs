@@ -57,6 +57,10 @@ impl Effect for SmoothCoulombFriction {
         }
     }
 
+    fn is_friction(&self, _form: usize) -> bool {
+        true
+    }
+
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let lead = if form == LEADS { shape[1] } else { 0.0 };
         let missing = |[_, v, a]: [f64; 3]| smooth(form, (v + lead * a) / shape[0]) - scene.sign(v);

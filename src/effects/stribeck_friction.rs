@@ -53,6 +53,10 @@ impl Effect for StribeckFriction {
         }
     }
 
+    fn is_friction(&self, _form: usize) -> bool {
+        true
+    }
+
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let exponent = [2.0, 1.0, shape.get(1).copied().unwrap_or(2.0)][form];
         let bump = |[_, v, _]: [f64; 3]| (-(v.abs() / shape[0]).powf(exponent)).exp() * scene.sign(v);

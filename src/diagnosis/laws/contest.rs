@@ -6,8 +6,7 @@ use crate::diagnosis::selection::{
     Accepted, Candidate, Fitted, Scored, Threshold, best_on_grid, fitted, hypotheses, judge, refine, scan,
 };
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::law::Form;
-use crate::effects::{Effect, Law};
+use crate::effects::law::{Form, is_law};
 use crate::regression::{Data, System};
 use rayon::prelude::*;
 
@@ -26,11 +25,6 @@ impl Contender {
     fn cost(&self) -> usize {
         self.fit.scored.cost
     }
-}
-
-/// Whether an effect is a law, and no listed one.
-pub(super) fn is_law(effect: &dyn Effect) -> bool {
-    effect.code() == Law.code()
 }
 
 /// The best laws on `rows` and listed effects beside `system`, fitted, the best evidence first.

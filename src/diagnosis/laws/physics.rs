@@ -1,8 +1,8 @@
 //! What physics allows a law to be: energies are energies on all their joints, and friction does not drive the arm.
 
 use crate::diagnosis::settings::SETTINGS;
+use crate::effects::Column;
 use crate::effects::law::Form;
-use crate::effects::{Column, Effect, Law};
 use crate::parameters::{Layout, ParameterKind};
 use crate::regression::{Data, Stretch, System, Term, Thinned};
 
@@ -54,7 +54,7 @@ fn brakes(data: &Data, system: &System, at: usize) -> bool {
         .terms
         .iter()
         .enumerate()
-        .filter(|(i, t)| *i != at && is_friction(t) && t.joints.iter().any(|j| joints.contains(j)))
+        .filter(|(i, t)| *i != at && t.effect.is_friction(t.form) && t.joints.iter().any(|j| joints.contains(j)))
         .map(|(_, t)| t)
         .collect();
     data.stretches
@@ -89,13 +89,6 @@ fn brakes(data: &Data, system: &System, at: usize) -> bool {
                 rest + own[s] + doubt * own[s].abs() >= 0.0
             })
         })
-}
-
-fn is_friction(term: &Term) -> bool {
-    match term.effect.code() == Law.code() {
-        true => Form::numbered(term.form).is_friction(),
-        false => term.effect.code().ends_with("_friction"),
-    }
 }
 
 /// Viscous and Coulomb friction of every joint in the model's base parameters.

@@ -1,12 +1,13 @@
 //! The search for laws: forward steps, exchanges, and what must be left clean in the end.
 
-use super::contest::{Contender, accepted, contains, contenders, is_law, preferred};
+use super::contest::{Contender, accepted, contains, contenders, preferred};
 use super::library::{Hypothesis, library};
 use crate::diagnosis::alternatives::Contest;
 use crate::diagnosis::nonparametric::excess;
 use crate::diagnosis::report::{Rival, joint_names};
 use crate::diagnosis::selection::{Accepted, Candidate, Scored, Selected, Threshold, appraise, drop_superfluous, extend, reach};
 use crate::diagnosis::settings::SETTINGS;
+use crate::effects::law::is_law;
 use crate::regression::{AugmentedModel, Data, System, Term, spans};
 
 /// The selection with laws for what `examined` leaves, and whatever listed effects can be seen beside them; `None` where no law earns its place.

@@ -19,6 +19,11 @@ use crate::model::Robot;
 /// `tau_j += f(q, qd; c, shape)` for one of the forms of [`Form::all`]; `joints` is what [`Form`] says of its places.
 pub struct Law;
 
+/// Whether an effect is a law, and no listed one.
+pub fn is_law(effect: &dyn Effect) -> bool {
+    effect.code() == Law.code()
+}
+
 impl Effect for Law {
     fn code(&self) -> &'static str {
         "law"
@@ -71,6 +76,10 @@ impl Effect for Law {
             Form::PinSpring | Form::Spring { .. } | Form::Damper => &[0],
             _ => &[],
         }
+    }
+
+    fn is_friction(&self, form: usize) -> bool {
+        Form::numbered(form).is_friction()
     }
 
     fn reported(&self, form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
