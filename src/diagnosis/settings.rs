@@ -172,6 +172,8 @@ pub struct Selection {
     /// Share of the gain of the best effect from which a simpler one is named in its place: effects alike on ordinary motions share so much; |qd| of a sinusoid is a
     /// constant to 8/π² = 81 %.
     pub simpler_share: f64,
+    /// Deviations below zero from which on a parameter that must be positive is taken for negative: one in 700 by chance.
+    pub sign_deviations: f64,
     /// Folds of the cross-validation over blocks of time: a fifth of the data is left out of each.
     pub folds: usize,
     /// Blocks over all folds, four to each, spread over the stretch: what is left out is never a whole region of the motion, or base parameters would extrapolate into it.
@@ -388,6 +390,7 @@ pub const SETTINGS: Settings = Settings {
         least_generalisation: 0.5,
         undetermined: 1e30,
         simpler_share: 0.75,
+        sign_deviations: 3.0,
         folds: 5,
         fold_blocks: 20,
         least_outside: 0.1,

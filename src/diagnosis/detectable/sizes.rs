@@ -4,7 +4,7 @@ use super::gains::{Gain, Gains};
 use super::planned::{Planned, tried};
 use super::power::noncentrality;
 use super::signals::Signal;
-use crate::diagnosis::selection::{Candidate, is_plausible};
+use crate::diagnosis::selection::{Candidate, has_physical_signs, is_plausible};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::{self, Kind, ParameterInfo};
 use crate::regression::SETTINGS as REGRESSION;
@@ -120,17 +120,8 @@ fn least_size(planned: &Planned, gains: &Gains, needed: &Needed, at: usize, sign
 /// As the diagnosis judges an effect: positive where it must be, and that of a real thing.
 fn is_physical(planned: &Planned, candidate: &Candidate, gain: &Gain, size: f64) -> bool {
     let values: Vec<f64> = gain.coefficients.iter().map(|c| c * size).collect();
-    let positive: Vec<usize> = candidate
-        .effect
-        .positive(candidate.form)
-        .iter()
-        .copied()
-        .filter(|&i| i < values.len())
-        .collect();
-    let significant = |&i: &usize| values[i] > -3.0 * gain.covariance[(i, i)].max(0.0).sqrt();
     let in_range = |(v, [low, high]): (&f64, &[f64; 2])| v > low && v < high;
-    positive.iter().all(significant)
-        && (positive.is_empty() || positive.iter().any(|&i| values[i] > 0.0))
+    has_physical_signs(candidate.effect, candidate.form, &values, &gain.covariance)
         && (!candidate.is_distortion() || values.iter().zip(&candidate.bounds).all(in_range))
         && (candidate.is_distortion()
             || is_plausible(

@@ -70,14 +70,16 @@ pub(crate) fn is_physical(system: &System, at: usize) -> bool {
         let margin = 1e-6 * (high - low);
         !margin.is_finite() || (values[k + i] > low + margin && values[k + i] < high - margin)
     });
-    let significant = |i: usize| values[i] > -3.0 * covariance[(i, i)].max(0.0).sqrt();
-    let positive = term.effect.positive(term.form);
     let own = covariance.view((0, 0), (k, k)).into_owned();
     let plausible = is_plausible(system, &term.joints, term.effect, &term.coefficients, &own);
-    inside
-        && plausible
-        && positive.iter().all(|&i| significant(i))
-        && positive.iter().any(|&i| values[i] > 0.0) | positive.is_empty()
+    inside && plausible && has_physical_signs(term.effect, term.form, &values, &covariance)
+}
+
+/// Whether what must be positive is not clearly negative, and some of it is positive. `values` are coefficients, then estimated shapes.
+pub(crate) fn has_physical_signs(effect: &dyn Effect, form: usize, values: &[f64], covariance: &DMatrix<f64>) -> bool {
+    let all: Vec<usize> = effect.positive(form).iter().copied().filter(|&i| i < values.len()).collect();
+    let allowed = |&i: &usize| values[i] > -SETTINGS.selection.sign_deviations * covariance[(i, i)].max(0.0).sqrt();
+    all.iter().all(allowed) && (all.is_empty() || all.iter().any(|&i| values[i] > 0.0))
 }
 
 /// Whether coefficients are those of a real thing on all joints, as far as their covariance lets it be seen.

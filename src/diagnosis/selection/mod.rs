@@ -15,7 +15,7 @@ mod stepwise;
 mod types;
 mod wald_test;
 
-pub(crate) use acceptance::{is_physical, is_plausible, is_simpler, judge};
+pub(crate) use acceptance::{has_physical_signs, is_physical, is_plausible, is_simpler, judge};
 pub(crate) use candidate::{Candidate, candidates, columns_of, reach};
 pub(crate) use cross_validation::HeldOutGain;
 pub(crate) use elimination::drop_superfluous;
