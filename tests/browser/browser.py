@@ -36,7 +36,8 @@ def browser_page(options):
         # --no-sandbox: containers run as root. No GPU: the same pictures everywhere.
         browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"])
         phone = options.width < 500
-        context = browser.new_context(viewport={"width": options.width, "height": options.height}, is_mobile=phone, has_touch=phone, accept_downloads=True)
+        # A phone in the dark theme, a laptop in the light one.
+        context = browser.new_context(viewport={"width": options.width, "height": options.height}, is_mobile=phone, has_touch=phone, accept_downloads=True, color_scheme="dark" if phone else "light")
         if options.assets:
             context.route(f"{options.server}/**", lambda route: from_disk(route, options))
         page = context.new_page()
@@ -60,7 +61,7 @@ def from_disk(route, options):
         return route.continue_()
     if path.startswith("/assets/"):
         return route.fulfill(path=file)
-    title, name = "The loop" if name == "loop.html" else file.stem.capitalize(), file.stem
+    title, name = "Diagnosis" if name == "loop.html" else file.stem.capitalize(), file.stem
     frame = (options.assets / "frame.html").read_text()
     answer = route.fetch()
     return route.fulfill(response=answer, body=frame.replace("{title}", title).replace("{name}", name).replace("{main}", file.read_text()))
@@ -91,6 +92,10 @@ def check(page, name):
     assert not twice, f"{name}: ids given twice: {twice}"
     axes = page.evaluate("""() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.querySelector('.main-svg')).map(p =>
         [p.dataset.label, [...p.querySelectorAll('.infolayer text')].filter(t => /^[xy]\\d*title/.test(t.getAttribute('class') ?? '')).map(t => t.textContent)])""")
+    # Every term has its explanation, and no explanation is for the mouse alone.
+    unknown = page.evaluate("""async () => { const known = new Set((await (await fetch('/assets/glossary.json')).json()).flatMap(topic => Object.keys(topic.terms)));
+        return [...document.querySelectorAll('[data-term]')].map(e => e.dataset.term).filter(key => !known.has(key)).concat([...document.querySelectorAll('main th[title]')].map(e => e.title)) }""")
+    assert not unknown, f"{name}: terms without an explanation: {unknown}"
     check_accessible(page, name)
     for label, titles in axes:
         assert label, f"{name}: a plot without a label for those who do not see it"
@@ -112,6 +117,21 @@ def check_accessible(page, name):
         found = Axe().run(page, context, {"runOnly": {"type": "rule", "values": ["color-contrast"]}, "resultTypes": ["violations"]})
         page.evaluate("delete document.documentElement.dataset.theme")
         assert not found.response["violations"], f"{name}, dark: {described(found)}"
+
+
+# Points of a printed page: its lower margin of 18 mm, and a heading with two lines below it.
+LOWER_MARGIN = 51
+HEADING_AND_TEXT = 45
+
+
+def check_prints(page, name):
+    """The PDF file of a page: no heading stands alone at the foot of a sheet. Hands back the number of sheets."""
+    printed = page.pdf(prefer_css_page_size=True, outline=True, tagged=True)
+    headings = [float(y) for y in re.findall(rb"/Dest\s*\[\d+ 0 R /XYZ [\d.]+ ([\d.]+)", printed)]
+    assert len(headings) >= page.locator("h1, h2").count(), f"{name}: {len(headings)} headings in the outline"
+    stranded = [y for y in headings if y < LOWER_MARGIN + HEADING_AND_TEXT]
+    assert not stranded, f"{name}: headings at the foot of a sheet: {stranded}"
+    return len(re.findall(rb"/Type\s*/Page\b", printed))
 
 
 def described(found):

@@ -48,7 +48,7 @@ def design(page, options):
     assert page.locator("#detectable details").count() == 2
     assert page.locator("#detectable details").first.locator("tbody tr").count() > 50
     assert page.locator("#coefficients math mfrac").count() == 2
-    value = float(page.locator("#summary .figure:has(dt:text-is('Condition number')) dd").inner_text())
+    value = float(page.locator("#summary .figure:has(.term:text-is('Condition number')) dd").inner_text())
     assert 1 < value < 200, value
     picture(page, options, "design")
     page.select_option("#motion-joint", "1")

@@ -223,6 +223,17 @@ def designed(page, options):
     picture(page, options, "closest", "#path")
 
 
+def paper(page):
+    """What is dark on the screen is printed light, plots included."""
+    look = "() => [getComputedStyle(document.documentElement).colorScheme, document.querySelector('#parameters .plot').layout?.font.color]"
+    page.wait_for_function("() => document.querySelector('#parameters .plot .main-svg')")
+    assert page.evaluate(look) == ["dark", "#eceff2"], page.evaluate(look)
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.evaluate(look) == ["light", "#16191d"], page.evaluate(look)
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.evaluate(look) == ["dark", "#eceff2"], page.evaluate(look)
+
+
 def compared(page, options, robot, log, other, first):
     """A second identification, and both side by side: named, found, compared, printed, deleted."""
     page.goto(f"{options.server}/identification?robot={robot}")
@@ -264,6 +275,8 @@ def compared(page, options, robot, log, other, first):
     page.locator("#time .plot").wait_for(state="attached")
     # Nothing was scrolled to: what is printed is drawn for it.
     page.wait_for_function("() => window.Plotly")
+    if options.width < 500:
+        paper(page)
     printed = page.pdf()
     assert page.evaluate("[...document.querySelectorAll('.plot')].every(p => p.querySelector('.main-svg'))"), "all plots are printed"
     assert printed.startswith(b"%PDF") and len(printed) > 20_000

@@ -2,10 +2,45 @@
 
 import time
 
-from browser import arguments, browser_page, check, picture, settle
+from browser import arguments, browser_page, check, check_accessible, picture, settle
 
 # The demo is there to be waited for: on a busy machine of two cores.
 LONGEST_S = 60
+
+
+def terms(page, options):
+    """Help on a term by mouse, touch and keyboard: it opens, stays within the window, leads to the help, and closes."""
+    page.goto(f"{options.server}/loop")
+    term = page.locator("#summary [data-term=noise_floor]")
+    term.wait_for()
+    help_ = page.locator("#term-help")
+    phone = options.width < 500
+    if phone:
+        term.tap()
+    else:
+        term.hover()
+    help_.get_by_text("RMS error that noise alone causes").wait_for()
+    box = help_.bounding_box()
+    assert box["x"] >= 0 and box["x"] + box["width"] <= options.width and box["y"] >= 0 and box["y"] + box["height"] <= options.height, box
+    picture(page, options, "term")
+    if phone:
+        page.locator("#findings h2").tap(position={"x": 1, "y": 1})
+    else:
+        page.mouse.move(1, 1)
+    help_.wait_for(state="detached")
+    term.focus()
+    page.keyboard.press("Enter")
+    help_.wait_for()
+    assert term.get_attribute("aria-expanded") == "true" and term.get_attribute("aria-describedby") == "term-help"
+    check_accessible(page, "term")
+    page.keyboard.press("Escape")
+    help_.wait_for(state="detached")
+    page.keyboard.press("Enter")
+    help_.wait_for()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.getAttribute('href')") == "/help#diagnosis"
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/help#diagnosis")
 
 
 def main():
@@ -37,8 +72,10 @@ def main():
         check(page, "lab after the demo")
         page.goto(f"{options.server}/help#diagnosis")
         assert page.locator("#diagnosis math").count() == 1
+        page.locator("#term-noise_floor").wait_for()
         check(page, "help")
         picture(page, options, "help")
+        terms(page, options)
 
 
 main()

@@ -28,7 +28,7 @@ export function upwards(gravity) {
   return size < 1e-9 ? [0, 0, 1] : gravity.map((g) => Number((-g / size).toFixed(6)) + 0);
 }
 
-/** The robot's own size (m): how far its joints are apart, and what sliding joints add. */
+/** The robot's own size (m): how far its joints are apart, and what prismatic joints add. */
 export function reach(joints) {
   const parts = joints.map((j) => Math.hypot(...j.translation) + (j.kind === 'prismatic' && j.position_limits ? j.position_limits[1] - j.position_limits[0] : 0));
   return Math.max(parts.reduce((a, b) => a + b, 0), 0.3);

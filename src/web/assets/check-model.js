@@ -28,7 +28,7 @@ export function checkModel(result) {
     }
   } }, h('div', { class: 'row' }, h('label', { for: 'check-log', class: 'inline' }, 'Log'), h('span', { style: 'flex:1;min-width:12rem' }, file), button), trouble);
   return h('section', { class: 'card', id: 'check', 'aria-labelledby': 'check-title' }, h('h2', { id: 'check-title' }, 'Check the model on another log'),
-    h('p', { class: 'soft' }, 'How well it predicts a log of another day, and what has changed since: a payload, a tilt after remounting, friction that has drifted.'), form);
+    h('p', { class: 'soft' }, 'How well the model predicts another log, and what has changed since: a payload, a tilt after remounting, a drift of friction.'), form);
 }
 
 /** What has changed since the model was made, in the words of the interface. */
@@ -37,6 +37,6 @@ export function changes(residual) {
   const faults = residual.data_faults.map(dataFault);
   const found = residual.findings.map((f) => h('div', { class: 'finding', 'data-effect': f.effect }, h('p', { class: 'sentence' }, f.sentence), findingParameters(f)));
   const all = residual.findings.length || residual.remainder;
-  return h('section', { class: 'card', id: 'changes', 'aria-labelledby': 'changes-title' }, h('h2', { id: 'changes-title' }, 'What has changed since the model was made'),
+  return h('section', { class: 'card', id: 'changes', 'aria-labelledby': 'changes-title' }, h('h2', { id: 'changes-title' }, 'Changes since the model was identified'),
     h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, all ? sentence(residual.summary) : 'No change found: the residual is noise.')), faults, found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
 }

@@ -1,4 +1,4 @@
-// Criteria as people read them: what is made small, and what it says.
+// Optimality criteria: names, help and meaning.
 import { number } from './dom.js';
 
 export const CRITERIA = {
@@ -10,7 +10,7 @@ export const CRITERIA = {
   scaled_condition_number: {
     name: 'Condition number, columns scaled', short: 'scaled condition number', digits: 4, unit: '',
     help: 'The same with every column of the regressor at length one: does not depend on units.',
-    meaning: 'the same, independent of units',
+    meaning: 'the same after scaling the columns of the observation matrix, independent of units',
   },
   i_optimality: {
     name: 'Torque prediction error (I)', short: 'prediction error (N·m)', digits: 4, unit: 'N·m per unit of noise',
@@ -19,7 +19,7 @@ export const CRITERIA = {
   },
   d_optimality: {
     name: 'Volume of uncertainty (D)', short: 'D-criterion', digits: 3, unit: '',
-    help: 'Geometric mean of all deviations. Does not depend on units, and lets single parameters stay poor.',
+    help: 'Geometric mean of all standard deviations. Independent of units; single parameters may remain uncertain.',
     meaning: 'geometric mean of the deviations of all parameters',
   },
   a_optimality: {
@@ -28,13 +28,13 @@ export const CRITERIA = {
     meaning: 'root of the mean variance of the parameters',
   },
   rival_evidence: {
-    name: 'Expected evidence between the rivals', short: 'evidence (2 ln odds)', digits: 3, unit: '',
-    help: 'How hard the next log will be to explain by the wrong one of two causes. Choose the identification below, under “What is known already”.',
-    meaning: 'twice the log of the odds that the next log will give; 6 is 20 to 1, larger is better',
+    name: 'Separation of two rivals (expected difference in BIC)', short: 'expected difference in BIC (2 ln odds)', digits: 3, unit: '',
+    help: 'How strongly the next log is expected to favour the true one of two causes. Choose the identification below, under “Earlier designs and logs”.',
+    meaning: 'twice the logarithm of the odds that the next log is expected to give; 6 is 20 to 1, larger is better',
   },
 };
 
-/** What a search tells falls; evidence is told as it is, and grows. */
+/** Searches minimise; the difference in BIC is shown as it is, and grows. */
 export const shown = (criterion, value) => (criterion === 'rival_evidence' && value ? 1 / (value * value) : value);
 export const title = (criterion) => CRITERIA[criterion]?.name ?? 'Criterion';
 /** As it stands on an axis. */

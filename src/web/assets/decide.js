@@ -1,4 +1,4 @@
-// What to record next: the trajectory that tells a finding from its rival, or one that adds most to what is known.
+// What to record next: the trajectory that separates a finding from its rival, or one that adds most to what is known.
 import { explain, getJson, postJson } from './api.js';
 import { h } from './dom.js';
 

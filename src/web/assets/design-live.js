@@ -21,7 +21,7 @@ export class Live {
     const pair = asked?.rivals?.finding?.effect ? asked.rivals : null;
     const about = [`One line per random start: from where it began, ${pair ? 'up' : 'down'} its own slope.`, 'The best of all. Later searches start from the best points found, and exchange joints between them.'];
     fill(this.place, h('div', { class: 'row spread' }, h('h2', { id: 'live-title' }, job.state === 'queued' ? 'Waiting for its turn' : 'Searching'), stop),
-      pair ? h('p', {}, 'This motion distinguishes ', h('strong', {}, `${on(pair.finding)}, or ${on(pair.rival)}`), '. The search makes the evidence between them large.') : null, this.figures,
+      pair ? h('p', {}, 'This motion distinguishes ', h('strong', {}, `${on(pair.finding)}, or ${on(pair.rival)}`), '. The search maximises the expected difference in BIC between them.') : null, this.figures,
       h('div', { class: 'halves' }, this.charts.map((chart, i) => h('div', {}, chart, h('p', { class: 'help' }, about[i])))));
   }
 

@@ -5,7 +5,7 @@ import { CellView } from './cell-view.js';
 import { CRITERIA, title } from './criteria.js';
 import { courses } from './design-live.js';
 import { fourierSeries } from './expression.js';
-import { fill, figure, h, number, odds, perSecond, seconds, sentence, table, unit, words } from './dom.js';
+import { fill, figure, h, number, odds, perSecond, seconds, sentence, table, term, unit, words } from './dom.js';
 import { meshesOf } from './meshes.js';
 import { on } from './known-form.js';
 import { detectable } from './detectable.js';
@@ -15,10 +15,10 @@ import { player } from './player.js';
 import { colour, plotLater, variable } from './plot.js';
 
 const STATUS = {
-  Converged: ['good', 'The search found nothing better for a while: this is as good as it gets, or nearly.'],
-  BudgetExhausted: ['', 'The time was over while it was still getting better: more time gives a better one.'],
-  Stalled: ['warn', 'The search got stuck early.'],
-  Cancelled: ['warn', 'Stopped early; this is the best that was found. It keeps every limit.'],
+  Converged: ['good', 'The search converged: no improvement over many evaluations.'],
+  BudgetExhausted: ['', 'The time limit was reached while the criterion was still improving. A longer search gives a better trajectory.'],
+  Stalled: ['warn', 'The search stopped improving early.'],
+  Cancelled: ['warn', 'Stopped early with the best trajectory found. It satisfies every limit.'],
   Infeasible: ['bad', 'No motion of this kind is possible.'],
 };
 
@@ -35,7 +35,7 @@ export async function showDesign(target, result) {
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };
   const drawn = await postJson('/motion', { robot: result.request.robot, trajectory, samples: 1001 });
-  const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Margins', clearances: 'Distances', accuracy: 'Accuracy', detectable: 'Detectable', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
+  const names = { summary: 'Summary', decides: 'Decides', criteria: 'Criteria', motion: 'Motion', path: 'Path', margins: 'Limits', clearances: 'Clearances', accuracy: 'Accuracy', detectable: 'Detectable', spectrum: 'Spectrum', coefficients: 'Coefficients', starts: 'Search', compare: 'Compare' };
   const space = result.request.constraints?.space;
   const shape = space ? drawn.shape : [];
   const played = player(drawn, space, { shape, clearances: result.clearances ?? [], meshes: meshesOf(result.request.robot, drawn) });
@@ -54,7 +54,7 @@ function startPosture(result) {
 }
 
 function notes(result) {
-  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, n))) : null;
+  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, sentence(n)))) : null;
 }
 
 function summary(result) {
@@ -64,9 +64,9 @@ function summary(result) {
   const used = result.search;
   return section('summary', result.robot,
     h('p', {}, h('span', { class: `tag ${kind}` }, words(result.status)), ' ', meaning),
-    h('dl', { class: 'figures' }, figure('Condition number', number(c.condition_number)), figure('Prediction error', number(c.i_optimality, 3), 'N·m per unit of noise'), figure('Period', number(result.period_s), 's'),
-      tightest ? figure('Tightest limit', `${number(100 * tightest.margin, 2)} %`, `left: ${tightest.joint}, ${tightest.quantity}`) : null),
-    h('p', { class: 'soft' }, `${result.order} harmonics, ${used.evaluations.toLocaleString()} evaluations in ${seconds(used.elapsed_s)}, seed ${used.seed}. ${c.minimised === 'rival_evidence' ? 'Made large: evidence between the rivals' : `Made small: ${title(c.minimised).toLowerCase()}`}.`),
+    h('dl', { class: 'figures' }, figure(term('condition_number', 'Condition number'), number(c.condition_number)), figure(term('i_optimality', 'Prediction error'), number(c.i_optimality, 3), 'N·m per unit of noise'), figure(term('period', 'Period'), number(result.period_s), 's'),
+      tightest ? figure(term('limit_margin', 'Smallest margin to a limit'), `${number(100 * tightest.margin, 2)} %`, `${tightest.joint}, ${tightest.quantity}`) : null),
+    h('p', { class: 'soft' }, `${result.order} harmonics, ${used.evaluations.toLocaleString()} evaluations in ${seconds(used.elapsed_s)}, seed ${used.seed}. ${c.minimised === 'rival_evidence' ? 'Maximised: expected difference in BIC between the rivals' : `Minimised: ${title(c.minimised)}`}.`),
     downloads(result));
 }
 
@@ -83,26 +83,26 @@ function evidence(result) {
   const told = [['recorded', 'recorded so far'], ['designed', 'this trajectory'], ['together', 'both together']].filter(([k]) => r.expected_evidence[k]);
   const of = (k) => r.expected_evidence[k];
   const cases = counting(r);
-  const chart = place('Expected evidence between the two causes, before and after', true);
+  const chart = place('Expected difference in BIC between the two causes, before and after', true);
   const shown_ = (v) => Math.max(v, 0.1);
   const most = Math.max(...told.flatMap(([k]) => cases.map(([c]) => of(k)[c])));
   plotLater(chart, () => ({
     traces: cases.map(([key, cause], i) => ({ type: 'scatter', mode: 'lines+markers', name: `if it is ${on(cause)}`, y: told.map((t) => t[1]), x: told.map(([k]) => shown_(of(k)[key])), marker: { color: colour(i), size: 13, symbol: i ? 'diamond' : 'circle' }, line: { color: colour(i), width: 1, dash: 'dot' }, showlegend: true, hovertemplate: '%{x:.3g}<extra></extra>' })),
-    layout: { height: 240, hovermode: 'closest', xaxis: { title: 'expected evidence (2 · ln odds)', type: 'log', range: [-1.1, Math.max(Math.log10(most), 1.2) + 0.4], dtick: 1 }, yaxis: { type: 'category', autorange: 'reversed', title: 'data', range: [told.length - 0.4, -0.6] },
+    layout: { height: 240, hovermode: 'closest', xaxis: { title: 'expected difference<br>in BIC (2 ln odds)', type: 'log', range: [-1.1, Math.max(Math.log10(most), 1.2) + 0.4], dtick: 1 }, yaxis: { type: 'category', autorange: 'reversed', title: 'data', range: [told.length - 0.4, -0.6] },
       shapes: [{ type: 'line', yref: 'paper', y0: 0, y1: 1, x0: DECISIVE, x1: DECISIVE, line: { dash: 'dash', width: 1.5, color: variable('--bad') } }],
       annotations: [{ xref: 'x', x: Math.log10(DECISIVE), yref: 'paper', y: 0.99, yanchor: 'top', xanchor: 'left', text: '20 to 1', showarrow: false, font: { color: variable('--bad') } }] },
   }));
   const before = of('recorded');
   const run = result.request.periods > 1 ? ` run for ${result.request.periods} periods` : ' run';
   const open = cases.length === 1 ? `If it is ${on(cases[0][1])}, ` : '';
-  const sentence_ = `${words(on(r.finding))}, or ${on(r.rival)}? ${open}${before ? `${open ? 'the' : 'The'} log so far is expected to tell with ${odds(before.least)}; with` : `${open ? 'with' : 'With'}`} this trajectory${run} ${before ? 'too, ' : ''}it is ${of('together').least > 40 ? 'beyond doubt' : odds(of('together').least)}.`;
+  const sentence_ = `${words(on(r.finding))}, or ${on(r.rival)}? ${open}${before ? `${open ? 'the' : 'The'} log so far is expected to separate them with ${odds(before.least)}; with` : `${open ? 'with' : 'With'}`} this trajectory${run} ${before ? 'too, ' : ''}it is ${of('together').least > 40 ? 'beyond doubt' : odds(of('together').least)}.`;
   const [special, general] = r.nested === 'finding' ? [r.finding, r.rival] : [r.rival, r.finding];
-  return section('decides', 'What this trajectory decides',
+  return section('decides', 'Separation of the two causes',
     h('p', {}, h('span', { class: `tag ${r.decides ? 'good' : 'warn'}` }, r.decides ? 'Decides' : 'Does not decide'), ' ', h('strong', { class: 'sentence' }, sentence_)),
-    h('p', { class: 'soft' }, r.nested ? `${words(on(special))} is a special case of ${on(general)}: if it is the true one both fit on any motion, what the other has beyond it comes out as zero within the deviations told under “Accuracy”, and the odds for the simpler one grow slowly. ${cases.length === 1 ? 'Evidence is told for the other case.' : 'Evidence for it is that against what the other could really be.'} ` : 'Evidence is expected for either being the true one; the smaller of the two counts. ', 'Right of the dashed line (20 to 1) the wrong one is excluded.'),
-    r.decides ? null : h('div', { class: 'notice' }, h('p', {}, 'Even this motion leaves it open. More periods recorded, a longer search or a start at rest anywhere give more evidence; else the two differ by less than the noise hides.')),
+    h('p', { class: 'soft' }, r.nested ? `${words(on(special))} is a special case of ${on(general)}: if it is the true one both fit on any motion, the additional parameter of the other is estimated as zero within the deviations under “Accuracy”, and the odds for the simpler one grow slowly. ${cases.length === 1 ? 'The difference in BIC is given for the other case.' : 'The difference in BIC for it is that against the other with values that are physically possible.'} ` : 'The difference in BIC is given for either being the true one; the smaller of the two counts. ', 'Right of the dashed line (20 to 1) the wrong one is excluded.'),
+    r.decides ? null : h('div', { class: 'notice' }, h('p', {}, 'This motion does not separate them. Record more periods, search longer, or allow a start at rest anywhere; otherwise the two differ by less than the noise.')),
     chart,
-    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], told, { caption: 'Expected evidence, twice the log of the odds' })),
+    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], told, { caption: 'Expected difference in BIC, with the odds' })),
     goingOn(result));
 }
 
@@ -111,7 +111,7 @@ function goingOn(result) {
   const after = earlier(result);
   const steps = [h('li', {}, h('a', { href: '#downloads' }, 'Download it'), ` and run it, ${result.request.periods > 1 ? `${result.request.periods} periods` : 'several periods'} in a row.`),
     h('li', {}, `Identify from the new log and the earlier one together${after ? ': the page names the file that it needs again' : ''}.`),
-    h('li', {}, 'See in “The loop” which of the two is left, and with what odds.')];
+    h('li', {}, 'See in “Diagnosis” which of the two remains, and with what odds.')];
   return h('div', {}, h('h3', {}, 'How to go on'), h('ol', {}, steps), h('div', { class: 'actions' }, identifyLink(result, true)));
 }
 
@@ -121,35 +121,35 @@ function criteria(result) {
   const advice = result.recommended_criterion;
   const rows = Object.entries(CRITERIA).filter(([key]) => c[key] !== null && c[key] !== undefined).map(([key, about]) => ({ key, ...about, value: c[key] }));
   const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'maximised' : 'minimised') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
-  return section('criteria', 'All criteria', h('p', { class: 'soft' }, 'What one criterion gains another loses. To see the trade, design once more for another criterion and compare the two at the end of this page.'),
-    table([{ head: 'Criterion', cell: (r) => h('strong', {}, r.name) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'What it says', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
+  return section('criteria', [term('criterion', 'Criteria')], h('p', { class: 'soft' }, 'Improving one criterion worsens another. To compare, design again with another criterion and compare the two at the end of this page.'),
+    table([{ head: 'Criterion', cell: (r) => h('strong', {}, term(r.key, r.name)) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'Meaning', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
     advice ? h('p', { class: 'soft' }, `Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`) : null);
 }
 
 function clearances(result, played) {
   if (!result.clearances?.length) return null;
-  return section('clearances', 'Distances kept', table([
+  return section('clearances', [term('clearance', 'Clearances')], table([
     { head: 'Link of', cell: (c) => c.joint, sort: (c) => c.joint }, { head: 'From', cell: (c) => c.from, sort: (c) => c.from }, { head: 'Least distance', number: true, cell: (c) => `${number(c.least, 3)} m`, sort: (c) => c.least },
-    { head: 'Proven above', number: true, cell: (c) => `${number(c.certified, 3)} m`, sort: (c) => c.certified, title: 'Bound on the least distance over all time, between the samples too' },
-    { head: 'Asked', number: true, cell: (c) => `${number(c.asked, 3)} m`, sort: (c) => c.asked }, { head: 'At', number: true, cell: (c) => `${number(c.at_s)} s`, sort: (c) => c.at_s }, { head: 'Show', hidden: true, cell: (c) => h('button', { type: 'button', class: 'link', 'aria-label': `Show ${c.joint} and ${c.from}`, onclick: () => played.goTo(c) }, 'Show') },
+    { head: 'Proven above', number: true, cell: (c) => `${number(c.certified, 3)} m`, sort: (c) => c.certified, term: 'proven' },
+    { head: 'Required', number: true, cell: (c) => `${number(c.asked, 3)} m`, sort: (c) => c.asked }, { head: 'At', number: true, cell: (c) => `${number(c.at_s)} s`, sort: (c) => c.at_s }, { head: 'Show', hidden: true, cell: (c) => h('button', { type: 'button', class: 'link', 'aria-label': `Show ${c.joint} and ${c.from}`, onclick: () => played.goTo(c) }, 'Show') },
   ], result.clearances, { caption: 'Between links, and from obstacles', sort: { column: 2, way: 'ascending' } }));
 }
 
 function margins(result) {
   const kinds = ['position', 'velocity', 'acceleration', 'jerk', 'torque'].filter((k) => result.margins.some((m) => m.quantity === k));
-  const chart = place('Share of every limit that the motion uses, per joint');
+  const chart = place('Used share of every limit, per joint');
   plotLater(chart, () => ({
     traces: kinds.map((kind, i) => {
       const used = result.joints.map((joint) => Math.max(...result.margins.filter((m) => m.joint === joint && m.quantity === kind).map((m) => 100 * (1 - m.margin)), 0));
       return { type: 'bar', name: kind, x: result.joints, y: used, marker: { color: colour(i), pattern: { shape: ['', '/', 'x', '.', '-'][i] } }, hovertemplate: `%{y:.1f} % of the ${kind} limit<extra></extra>` };
     }),
-    layout: { barmode: 'group', height: 280, yaxis: { title: 'used of the limit (%)', range: [0, 108] }, xaxis: { title: 'joint', type: 'category' }, hovermode: 'closest',
+    layout: { barmode: 'group', height: 280, yaxis: { title: 'limit used (%)', range: [0, 108] }, xaxis: { title: 'joint', type: 'category' }, hovermode: 'closest',
       shapes: [{ type: 'line', xref: 'paper', x0: 0, x1: 1, y0: 100, y1: 100, line: { dash: 'dash', width: 1.5, color: colour(6) } }] },
   }));
-  return section('margins', 'How far every limit is', chart, h('details', {}, h('summary', {}, 'As a table'), table([
+  return section('margins', 'Joint limits', chart, h('details', {}, h('summary', {}, 'As a table'), table([
     { head: 'Joint', cell: (m) => m.joint, sort: (m) => m.joint }, { head: 'Limit', cell: (m) => `${m.quantity}, ${m.side}`, sort: (m) => m.quantity },
     { head: 'Allowed', number: true, cell: (m) => `${number(m.limit)} ${unit(m.unit)}`, sort: (m) => m.limit }, { head: 'Reached', number: true, cell: (m) => number(m.peak), sort: (m) => m.peak },
-    { head: 'Proven below', number: true, cell: (m) => number(m.certified_peak), sort: (m) => m.certified_peak, title: 'Bound on the extreme over all time, between the samples too' },
+    { head: 'Proven below', number: true, cell: (m) => number(m.certified_peak), sort: (m) => m.certified_peak, term: 'proven' },
     { head: 'At', number: true, cell: (m) => `${number(m.at_s)} s`, sort: (m) => m.at_s }, { head: 'Left', number: true, cell: (m) => `${number(100 * m.margin, 3)} %`, sort: (m) => m.margin },
   ], result.margins, { caption: 'Margins to both sides of every limit', sort: { column: 6, way: 'ascending' } })));
 }
@@ -171,8 +171,8 @@ function accuracy(result, known) {
     layout: { height: 300, hovermode: 'closest', xaxis: { tickangle: -90, tickfont: { size: 10 }, type: 'category', title: 'base parameter' },
       yaxis: { type: 'log', title: relative ? 'deviation over value (%)' : 'standard deviation (unit of each)' } },
   }));
-  return section('accuracy', 'How accurately each parameter will come out',
-    h('p', { class: 'soft' }, `Standard deviations from one period, with torque noise of ${noise.map((n) => number(n, 3)).join(', ')} N·m (N for sliding joints). ${relative ? 'Relative to the values known beforehand.' : ''} Ten periods make them smaller by √10.`),
+  return section('accuracy', [term('std_dev', 'Predicted accuracy'), ' of the parameters'],
+    h('p', { class: 'soft' }, `Standard deviations from one period, with torque noise of ${noise.map((n) => number(n, 3)).join(', ')} N·m (N for prismatic joints). ${relative ? 'Relative to the values known beforehand.' : ''} Ten periods make them smaller by √10.`),
     chart, h('details', {}, h('summary', {}, 'As a table'), table([
       { head: 'Parameter', cell: (r) => h('span', { title: r.expression }, r.name), sort: (r) => r.name },
       { head: 'Standard deviation', number: true, cell: (r) => `${number(r.deviation, 3)} ${r.unit}`, sort: (r) => r.deviation },
@@ -186,7 +186,7 @@ function effectAccuracy(result) {
   return rows.length ? table([
     { head: 'Effect', cell: (r) => r.effect }, { head: 'Parameter', cell: (r) => words(r.name) }, { head: 'Value so far', number: true, cell: (r) => `${number(r.value)} ${unit(r.unit === '1' ? '' : r.unit)}` },
     { head: 'Standard deviation', number: true, cell: (r) => number(r.std_dev, 2) },
-  ], rows, { caption: result.rivals ? 'Effects of the model, and the rival in the place of the finding' : 'Effects of the model, and how well the next log will know them' }) : null;
+  ], rows, { caption: result.rivals ? 'Effects of the model, and the rival in the place of the finding' : 'Effects of the model, with their accuracy after the next log' }) : null;
 }
 
 function spectrum(result, drawn) {
@@ -214,8 +214,8 @@ function coefficients(result, drawn) {
 }
 
 function starts(result) {
-  const chart = place('Every random start: the criterion over its own evaluations, one line per start');
+  const chart = place('Every random start: the criterion over the evaluations, one line per start');
   const shown = result.starts.filter((s) => s.course?.length > 1);
   if (shown.length) plotLater(chart, () => courses(shown.map((s) => s.course), result.criteria.minimised));
-  return section('starts', 'How the search went', h('p', { class: 'soft' }, `${result.starts.length} random starts, ${result.search.rounds} round${result.search.rounds > 1 ? "s" : ""} of local searches; later rounds search around the best of them, which is where the final value comes from.`), shown.length ? chart : null);
+  return section('starts', 'Search', h('p', { class: 'soft' }, `${result.starts.length} random starts, ${result.search.rounds} round${result.search.rounds > 1 ? "s" : ""} of local searches; later rounds search around the best of them and give the final value.`), shown.length ? chart : null);
 }

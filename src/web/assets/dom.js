@@ -50,6 +50,20 @@ export function time(text) {
   return today ? clock : `${then.toLocaleDateString([], { day: 'numeric', month: 'short' })} ${clock}`;
 }
 
+/** Names longer than this crowd an axis. */
+const LONG = 12;
+/** Names for places with little room: `left_arm_elbow_joint` beside `left_arm_wrist_joint` is `elbow`. */
+export function shortNames(names) {
+  if (names.length < 2 || names.every((name) => name.length <= LONG)) return names;
+  const parts = names.map((name) => name.split(/(?<=[_\-. /])/));
+  const least = Math.min(...parts.map((p) => p.length)) - 1;
+  const alike = (at) => parts.every((p) => p.at(at) === parts[0].at(at));
+  let [front, back] = [0, 0];
+  while (front < least && alike(front)) front += 1;
+  while (back < least - front && alike(-1 - back)) back += 1;
+  return parts.map((p) => p.slice(front, p.length - back).join('').replace(/[_\-. /]$/, ''));
+}
+
 /** Controllers count from their own start, or from 1970: series are drawn from the first sample. */
 export const sinceStart = (time) => time.map((t) => t - time[0]);
 
@@ -70,18 +84,24 @@ export const sentence = (text) => (text ? `${text.charAt(0).toUpperCase()}${text
 /** Twice the log of odds, as odds. */
 export const odds = (evidence) => (evidence > 40 ? 'beyond doubt' : `odds of ${number(Math.exp(evidence / 2), 2)} to 1`);
 
+/** A technical term with help from the glossary (`glossary.json`, by `key`). */
+export const term = (key, label) => h('button', { type: 'button', class: 'term', 'data-term': key, 'aria-expanded': 'false' }, label);
+
+/** The same beside a label or a head that is a control itself. */
+export const mark = (key, label) => h('button', { type: 'button', class: 'term mark', 'data-term': key, 'aria-expanded': 'false', 'aria-label': `Explain: ${label}` }, '?');
+
 /** A key figure: name over value. */
 export const figure = (name, value, note) =>
   h('div', { class: 'figure' }, h('dt', {}, name), h('dd', {}, value, note ? [' ', h('small', {}, note)] : null));
 
-/** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, title, hidden}. */
+/** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, term, hidden}; `term`: key in the glossary. */
 export function table(columns, rows, { caption, sort } = {}) {
   const body = h('tbody');
   const show = (list) => fill(body, list.map((row) => h('tr', {}, columns.map((c) => h('td', { class: c.number ? 'number' : null }, c.cell(row))))));
   const heads = columns.map((column) => {
-    const head = h('th', { scope: 'col', class: column.number ? 'number' : null, title: column.title });
-    if (column.sort) head.append(h('button', { type: 'button', onclick: () => order(column, head) }, column.head));
-    else head.append(column.hidden ? h('span', { class: 'unseen' }, column.head) : column.head);
+    const head = h('th', { scope: 'col', class: column.number ? 'number' : null });
+    if (column.sort) head.append(h('button', { type: 'button', class: 'sort', onclick: () => order(column, head) }, column.head), column.term ? mark(column.term, column.head) : '');
+    else head.append(column.hidden ? h('span', { class: 'unseen' }, column.head) : column.term ? term(column.term, column.head) : column.head);
     return head;
   });
   function order(column, head, direction) {
@@ -99,5 +119,5 @@ export function table(columns, rows, { caption, sort } = {}) {
   show(rows);
   if (sort) order(columns[sort.column], heads[sort.column], sort.way);
   return h('div', { class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': caption ?? 'Table' },
-    h('table', { class: columns.length <= 3 ? 'few' : null }, caption ? h('caption', {}, caption) : null, h('thead', {}, h('tr', {}, heads)), body));
+    h('table', { class: columns.length <= 3 ? 'few' : null }, caption ? h('caption', {}, h('span', {}, caption)) : null, h('thead', {}, h('tr', {}, heads)), body));
 }

@@ -8,6 +8,24 @@ export function m(tag, ...children) {
   return element;
 }
 
+/** Attributes of MathML that say how it looks. */
+const LOOKS = ['mathvariant', 'stretchy', 'display', 'accent'];
+
+/** Elements of a formula that came as MathML: what is no MathML is left out. */
+export function formula(text) {
+  const copy = (from) => {
+    const element = m(from.localName);
+    for (const name of LOOKS) if (from.hasAttribute(name)) element.setAttribute(name, from.getAttribute(name));
+    for (const child of from.childNodes) {
+      if (child.nodeType === Node.TEXT_NODE) element.append(child.data);
+      else if (child.nodeType === Node.ELEMENT_NODE && /^m[a-z]+$/.test(child.localName)) element.append(copy(child));
+    }
+    return element;
+  };
+  const { documentElement } = new DOMParser().parseFromString(text, 'application/xml');
+  return documentElement.localName === 'math' ? copy(documentElement) : null;
+}
+
 const operator = (sign, ...attributes) => {
   const mo = m('mo', sign);
   attributes.forEach(([name, value]) => mo.setAttribute(name, value));

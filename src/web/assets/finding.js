@@ -1,17 +1,21 @@
 // Parts of a finding that several pages show.
-import { figure, h, measured, number, sentence, table, unit, words } from './dom.js';
+import { formula } from './expression.js';
+import { figure, h, measured, number, sentence, table, term, unit, words } from './dom.js';
+
+/** The name of an effect, with help. */
+export const effectName = (code) => term(`effect_${code}`, words(code));
 
 /** A fault of the data: what was seen, and what was done about it. */
 export function dataFault(fault) {
   const joints = fault.joints.length ? ` on ${fault.joints.join(', ')}` : '';
-  return h('article', { class: 'finding', 'data-fault': fault.code }, h('h3', {}, `${words(fault.code)}${joints} `, h('span', { class: 'tag bad' }, 'fault of the data')),
+  return h('article', { class: 'finding', 'data-fault': fault.code }, h('h3', {}, `${words(fault.code)}${joints} `, h('span', { class: 'tag bad' }, term('data_fault', 'fault of the data'))),
     h('p', { class: 'sentence' }, sentence(fault.detail)), h('p', { class: 'soft' }, fault.remedy), findingParameters(fault));
 }
 
 /** Whether a finding is a part of the model, where it is not. */
 export function outside(finding) {
   if (finding.in_model) return null;
-  return finding.held_out.change === 'not_tested' ? h('span', { class: 'tag' }, 'not in the model: nothing that lasts') : h('span', { class: 'tag warn' }, 'not in the model: held-out data speak against it');
+  return finding.held_out.change === 'not_tested' ? h('span', { class: 'tag' }, 'not in the model: temporary') : h('span', { class: 'tag warn' }, 'not in the model: contradicted by held-out data');
 }
 
 /** [finding, place in the list of the interface], the greatest share of the held-out error that it removes first. */
@@ -20,14 +24,23 @@ export function byGain(findings) {
   return findings.map((f, i) => [f, i]).sort(([a], [b]) => share(b) - share(a));
 }
 
-const CHANGES = { better: ['good', 'better'], worse: ['bad', 'worse'], same: ['', 'no change beyond chance'], not_tested: ['', 'not tested'] };
+const CHANGES = { better: ['good', 'better'], worse: ['bad', 'worse'], same: ['', 'no significant change'], not_tested: ['', 'not tested'] };
+/** Whether the held-out error changed, in words. */
+export const changed = (change) => CHANGES[change]?.[1] ?? words(change);
 
 /** What it does to the error on data that the fit did not see, in one figure. */
 export function gain(finding, effort) {
   const { before, after, change } = finding.held_out;
   const [kind, text] = CHANGES[change] ?? ['', words(change)];
   const tested = Number.isFinite(before) && Number.isFinite(after);
-  return h('dl', { class: 'figures' }, figure('Held-out error', tested ? `${number(before, 3)} → ${number(after, 3)}` : '–', [tested ? `${effort} ` : null, h('span', { class: `tag ${kind}` }, text)]));
+  return h('dl', { class: 'figures' }, figure(term('held_out', 'Held-out error'), tested ? `${number(before, 3)} → ${number(after, 3)}` : '–', [tested ? `${effort} ` : null, h('span', { class: `tag ${kind}` }, text)]));
+}
+
+/** Torques and energy of a law as formulas. */
+export function lawFormulas({ law }) {
+  if (!law) return null;
+  const rows = [...law.torques.map((t) => [`Torque of ${t.joint}`, t.expression]), ...(law.energy ? [['Energy', law.energy]] : [])].map(([name, text], i) => ({ name, text, set: law.mathml?.length ? formula(law.mathml[i]) : null }));
+  return table([{ head: 'Of', hidden: true, cell: (r) => r.name }, { head: 'Formula', hidden: true, cell: (r) => r.set ?? r.text }], rows, { caption: 'Formulas of the law' });
 }
 
 /** Its parameters with one standard deviation. */
@@ -35,7 +48,7 @@ export function findingParameters(finding) {
   if (!finding.parameters.length) return null;
   return table([
     { head: 'Parameter', cell: (p) => (finding.law ? p.name : words(p.name)) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
-  ], finding.parameters, { caption: 'With one standard deviation' });
+  ], finding.parameters, { caption: 'Estimate ± standard deviation' });
 }
 
 /** How many periods the fitted rows are means over; 1 where nothing repeats. */

@@ -1,4 +1,9 @@
-// Help: the page is text; a link to a part that is further down shows it.
-import { find } from './dom.js';
+// Help: the page is text, its terms are the glossary; a link to a part that is further down shows it.
+import { fill, find, h } from './dom.js';
+import { glossary } from './glossary.js';
 
-if (location.hash) find(location.hash)?.scrollIntoView();
+const topics = Map.groupBy([...await glossary()], ([, entry]) => entry.topic);
+fill(find('#glossary'), [...topics].map(([topic, terms]) => [h('h3', {}, topic), h('dl', { class: 'terms' }, terms.map(([key, { name, text }]) => [h('dt', { id: `term-${key}` }, name), h('dd', {}, text)]))]));
+const showPart = () => { if (location.hash) document.getElementById(location.hash.slice(1))?.scrollIntoView(); };
+addEventListener('hashchange', showPart);
+showPart();

@@ -1,8 +1,9 @@
 // The result of an identification.
 import { changes, checkModel } from './check-model.js';
 import { download, postJson, save, send, token } from './api.js';
-import { fill, figure, h, measured, number, sentence, table, unit, words } from './dom.js';
-import { byGain, gain } from './finding.js';
+import { fill, figure, h, measured, number, sentence, shortNames, table, term, unit, words } from './dom.js';
+import { byGain, effectName, gain } from './finding.js';
+import { step } from './log-preview.js';
 import { parameters } from './parameters.js';
 import { physical } from './physical.js';
 import { MODELS, torquePlots } from './torque-plots.js';
@@ -36,42 +37,43 @@ export function showValidation(target, result, made) {
   const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   const worst = result.logs[0]?.percent ?? [];
   const origin = made ? h('p', {}, 'The model is that of ', h('a', { href: `/identification?id=${made.id}` }, `an identification from ${made.provenance.logs.filter((l) => l.role === 'identification').map((l) => l.file).join(', ')}`), '.') : null;
-  fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints), of the model as it is, with its effects; below it the share of the torque’s own. Changes are searched for with the model’s parameters free within their standard deviations, and reported in errors of single measurements.'),
+  fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for prismatic joints), of the model as it is, with its effects; below it the share of the torque’s own. Changes are searched for with the model’s parameters free within their standard deviations, and reported in errors of single measurements.'),
     table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' })),
-  torquePlots(result, effort, { models: { ...MODELS, base: 'the model as it is' }, first: worst.indexOf(Math.max(...worst)) }), logs(result));
+  torquePlots(result, effort, { models: { ...MODELS, base: 'the model' }, first: worst.indexOf(Math.max(...worst)) }), logs(result));
 }
 
 function notes(result) {
-  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, n))) : null;
+  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, sentence(n)))) : null;
 }
 
 function summary(result, effort) {
   const q = result.quality;
   const [kind, name] = VERDICTS[q.verdict] ?? ['', words(q.verdict)];
   const residual = result.residual;
-  return section('summary', result.robot, residual ? foundIn(result, effort) : null, h('p', {}, h('span', { class: `tag ${kind}` }, name), ' ', sentence(q.reason)),
-    h('dl', { class: 'figures' }, figure('Base parameters', result.base_parameters.length), figure('Determined', `${q.rank} of ${q.columns}`), figure('Condition number', number(q.condition_number, 3)),
-      result.feasibility ? figure('Physical fit', number(result.feasibility.rms_ratio, 4), '× that of the base parameters') : null),
+  const extra = q.columns - result.base_parameters.length;
+  return section('summary', result.robot, residual ? foundIn(result, effort) : null, h('p', {}, h('span', { class: `tag ${kind}` }, term('quality', name)), ' ', sentence(q.reason)),
+    h('dl', { class: 'figures' }, figure(term('base_parameters', 'Base parameters'), result.base_parameters.length), figure(term('rank', 'Determined'), `${q.rank} of ${q.columns}`, extra ? `${extra} of them of effects` : null), figure(term('scaled_condition_number', 'Condition number, columns scaled'), number(q.condition_number, 3)),
+      result.feasibility ? figure(term('physical_fit', 'Physical fit'), number(result.feasibility.rms_ratio, 4), '× that of the base parameters') : null),
     files(result));
 }
 
 /** What the verdict was judged by. */
 function scope({ held_out: held }) {
-  if (held.verdict === 'not_tested') return held.source ? `Judged on ${held.source}.` : 'Judged on the data that made the model.';
+  if (held.verdict === 'not_tested') return held.source ? `Judged on ${held.source}.` : 'Judged on the identification data.';
   return `${{ confirmed: 'Held-out data confirm it', not_confirmed: 'Held-out data do not confirm it' }[held.verdict] ?? words(held.verdict)} (${held.source}).`;
 }
 
 function foundIn(result, effort) {
   const { verdict, summary: said, findings, data_faults: faults } = result.residual;
   const [kind, text] = RESIDUAL[verdict] ?? ['', words(verdict)];
-  const none = result.rms.validation.length ? null : ' There was no log to validate with.';
+  const none = result.rms.validation.length ? null : ' There was no validation log.';
   const where = (joints) => (joints.length === result.joints.length && joints.length > 1 ? 'all joints' : joints.join(', '));
-  const one = (f) => h('li', {}, h('strong', {}, `${words(f.effect)} on ${where(f.joints)}`), `: ${f.parameters.map((p) => `${words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}`.trim()).join(', ')}`, gain(f, effort[result.joints.indexOf(f.joints[0])] ?? effort[0]));
+  const one = (f) => h('li', {}, h('strong', {}, effectName(f.effect), ` on ${where(f.joints)}`), `: ${f.parameters.map((p) => `${words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}`.trim()).join(', ')}`, gain(f, effort[result.joints.indexOf(f.joints[0])] ?? effort[0]));
   const ordered = byGain(findings).map(([f]) => f);
   const [small, large] = [ordered.filter((f) => f.held_out.change === 'same'), ordered.filter((f) => f.held_out.change !== 'same')];
   return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}`, id: 'verdict' }, h('p', {}, h('strong', {}, said ?? text)), h('p', {}, scope(result.residual), none), faults.map((f) => h('p', {}, sentence(f.detail), ' ', f.remedy)),
     large.length ? h('ul', { class: 'list' }, large.map(one)) : null,
-    small.length ? h('details', {}, h('summary', {}, `${small.length === 1 ? 'One effect' : `${small.length} effects`} without a change of the held-out error beyond chance`), h('ul', { class: 'list' }, small.map(one))) : null,
+    small.length ? h('details', {}, h('summary', {}, `${small.length === 1 ? 'One effect' : `${small.length} effects`} without a significant change of the held-out error`), h('ul', { class: 'list' }, small.map(one))) : null,
     h('p', {}, h('a', { class: 'button primary', id: 'to-loop', href: `/loop?id=${result.id}` }, 'See the diagnosis')));
 }
 
@@ -79,9 +81,9 @@ function foundIn(result, effort) {
 function effectsFound(result) {
   const rows = result.effects.flatMap((e) => e.parameters.map((p) => ({ ...e, p })));
   if (!rows.length) return null;
-  return section('effects', 'Effects beside the declared model', h('p', { class: 'soft' }, 'Estimated together with the base parameters. What is not in the model is reported only.'), table([
-    { head: 'Effect', cell: (r) => words(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
-    { head: 'Parameter', cell: (r) => words(r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', cell: (r) => (!r.in_model ? 'no' : r.finding ? 'yes' : 'yes, not beyond chance by itself') },
+  return section('effects', [term('effect', 'Effects'), ' beside the declared model'], h('p', { class: 'soft' }, 'Estimated together with the base parameters.'), table([
+    { head: 'Effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
+    { head: 'Parameter', cell: (r) => words(r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', term: 'in_model', cell: (r) => (!r.in_model ? 'no' : r.finding ? 'yes' : 'yes, not significant alone') },
   ], rows, { caption: 'Effects, with one standard deviation' }));
 }
 
@@ -106,30 +108,31 @@ export function reportLink(result) {
 function whichErrors(result) {
   const effects = result.effects.filter((e) => e.in_model && e.finding).length;
   const nuisance = result.effects.filter((e) => e.in_model && !e.finding).length;
-  return `Of single measurements, with all their noise, about the model ${effects ? `with the ${effects === 1 ? 'effect' : `${effects} effects`} found${nuisance ? ` and ${nuisance} further torque ${nuisance === 1 ? 'offset' : 'offsets'}` : ''}; “declared” is the model without, estimated from the same rows with the same weights.` : 'as estimated.'}`;
+  return `Of single measurements, noise included, for the model ${effects ? `with the ${effects === 1 ? 'effect' : `${effects} effects`} found${nuisance ? ` and ${nuisance} further torque ${nuisance === 1 ? 'offset' : 'offsets'}` : ''}; “declared” is the model without, estimated from the same rows with the same weights.` : 'as estimated.'}`;
 }
 
 function errors(result, effort) {
   const found = result.effects.some((e) => e.in_model);
   const declared = (role, i) => (found ? result.declared.rms[role][i].base : null);
-  const rows = [['identification', 'identification'], ['validation', 'held out']].flatMap(([role, called]) => result.rms[role].flatMap((log, i) =>
-    [['declared', declared(role, i)], ['base', log.base], ['physical', log.physical]].filter(([, e]) => e).map(([model, e]) => ({ role: called, log: log.name, model, ...e }))));
-  const joint = (name, j) => ({ head: `${name} (${effort[j]})`, number: true, cell: (r) => h('span', { title: `${number(r.percent[j], 3)} % of its own RMS` }, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
-  const none = result.rms.validation.length ? null : h('div', { class: 'notice' }, h('p', {}, 'There was no log to validate with: these errors are those on the data that made the model.'));
-  return section('errors', 'Errors per joint', none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'), h('p', { class: 'soft', id: 'which-errors' }, whichErrors(result)),
-    table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, { head: 'Model', cell: (r) => r.model, sort: (r) => r.model }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' }),
+  const rows = ['identification', 'validation'].flatMap((role) => result.rms[role].flatMap((log, i) =>
+    [['declared', declared(role, i)], ['base', log.base], ['physical', log.physical]].filter(([, e]) => e).map(([model, e]) => ({ role, log: log.name, model, ...e }))));
+  const short = shortNames(result.joints);
+  const joint = (name, j) => ({ head: `${short[j]} (${effort[j]})`, number: true, cell: (r) => h('span', { title: `${number(r.percent[j], 3)} % of its own RMS` }, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
+  const none = result.rms.validation.length ? null : h('div', { class: 'notice' }, h('p', {}, 'There was no validation log: these are errors on the identification data.'));
+  return section('errors', [term('rms_error', 'Errors'), ' per joint'], none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'), h('p', { class: 'soft', id: 'which-errors' }, whichErrors(result)),
+    table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, { head: 'Model', term: 'declared_model', cell: (r) => r.model, sort: (r) => r.model }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' }),
     h('h3', {}, 'Noise'), table([
       { head: 'Joint', cell: (n) => n.joint, sort: (n) => n.joint }, { head: 'Residual RMS', number: true, cell: (n) => number(n.residual_rms, 3), sort: (n) => n.residual_rms },
-      { head: 'Noise', number: true, cell: (n) => number(n.noise_std, 3), sort: (n) => n.noise_std, title: 'Of the fitted rows, from the scatter between periods' }, { head: 'Misfit', number: true, cell: (n) => number(n.misfit, 3), sort: (n) => n.misfit, title: 'Residual mean square over what noise alone would leave' },
-      { head: 'Rows', number: true, cell: (n) => n.rows.toLocaleString(), sort: (n) => n.rows }, { head: 'Effective rows', number: true, cell: (n) => number(n.effective_rows, 3), sort: (n) => n.effective_rows, title: 'Independent values that the rows are worth' },
+      { head: 'Noise', number: true, cell: (n) => number(n.noise_std, 3), sort: (n) => n.noise_std, term: 'noise_floor' }, { head: 'Lack of fit', number: true, cell: (n) => number(n.misfit, 3), sort: (n) => n.misfit, term: 'lack_of_fit' },
+      { head: 'Rows', number: true, cell: (n) => n.rows.toLocaleString(), sort: (n) => n.rows }, { head: 'Effective rows', number: true, cell: (n) => number(n.effective_rows, 3), sort: (n) => n.effective_rows, term: 'rows' },
     ], result.noise, { caption: 'Noise of the fitted rows, per joint' }));
 }
 
 function logs(result) {
   const one = (log) => h('div', {}, h('h3', {}, log.file), h('p', { class: 'soft' }, `${log.rows_used.toLocaleString()} of ${log.rows.toLocaleString()} rows, ${number(log.sample_rate_hz)} Hz, ${number(log.duration_s)} s, ${log.role}`),
     log.findings.length ? h('div', { class: 'notice' }, log.findings.map((f) => h('p', {}, h('strong', {}, words(f.code)), `, ${f.count}: ${f.detail}`))) : null,
-    h('details', {}, h('summary', {}, 'How it was prepared'), table([{ head: 'What', cell: (c) => words(c.what) }, { head: 'How', cell: (c) => c.value }, { head: 'Why', cell: (c) => c.why }], log.choices, { caption: 'Decisions of the preparation' })));
-  const origin = result.provenance ? h('details', {}, h('summary', {}, 'To do it again'), table([{ head: 'File', cell: (l) => l.file }, { head: 'Bytes', number: true, cell: (l) => l.bytes.toLocaleString() }, { head: 'SHA-256', cell: (l) => h('span', { class: 'mono' }, l.sha256) }], result.provenance.logs, { caption: `dynident ${result.provenance.version}` }),
+    h('details', {}, h('summary', {}, 'Preparation'), table([{ head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => c.why }], log.choices, { caption: 'Decisions of the preparation' })));
+  const origin = result.provenance ? h('details', {}, h('summary', {}, 'Reproduction'), table([{ head: 'File', cell: (l) => l.file }, { head: 'Bytes', number: true, cell: (l) => l.bytes.toLocaleString() }, { head: 'SHA-256', cell: (l) => h('span', { class: 'mono' }, l.sha256) }], result.provenance.logs, { caption: `dynident ${result.provenance.version}` }),
     h('pre', { tabindex: 0 }, JSON.stringify(result.provenance.request, null, 1))) : null;
   return section('logs', 'Logs', result.log_report.map(one), origin);
 }

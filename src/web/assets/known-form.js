@@ -32,11 +32,11 @@ export class Known {
     const given = new Set((wanted.given ?? []).map((g) => g.identification ?? g.excitation));
     const box = (j) => h('label', { class: 'inline' }, h('input', { type: 'checkbox', value: j.id, 'data-kind': j.kind === 'excitation' ? 'excitation' : 'identification', checked: given.has(j.id) }), `${j.kind === 'excitation' ? 'design, as if run:' : 'log of'} ${name(j)}`);
     const choices = [...identified, ...designs.slice(0, 6)];
-    fill(find('#given'), choices.length ? choices.map((j) => h('div', {}, box(j))) : h('p', { class: 'help' }, 'Nothing of this robot yet.'));
+    fill(find('#given'), choices.length ? choices.map((j) => h('div', {}, box(j))) : h('p', { class: 'help' }, 'No runs of this robot yet.'));
     await this.loadRivals(wanted.rivals);
   }
 
-  /** Pairs of causes that the chosen identification does not tell apart. */
+  /** Pairs of causes that the chosen identification does not separate. */
   async loadRivals(wanted) {
     const id = find('#model').value;
     this.pairs = [];

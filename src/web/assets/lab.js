@@ -9,10 +9,10 @@ import { invitation } from './tour.js';
 const LIVE = ['queued', 'running'];
 const followed = new Set();
 function progress(job) {
-  if (job.state === 'queued') return 'waits for its turn';
+  if (job.state === 'queued') return 'queued';
   if (job.step) return h('span', {}, `${job.step.what} `, h('progress', { value: job.step.done, max: job.step.of, 'aria-label': job.step.what }));
   const p = job.progress;
-  if (!p) return 'begins';
+  if (!p) return 'starting';
   return `${reached(p)} after ${seconds(p.elapsed_s)}, ${p.starts_finished} starts`;
 }
 
@@ -40,7 +40,7 @@ function results(jobs) {
     { head: 'Result', cell: (j) => outcome(j) },
     { head: 'State', cell: state, sort: (j) => j.state },
     { head: 'Ended', cell: (j) => time(j.finished_at ?? j.created_at), sort: (j) => j.finished_at ?? j.created_at },
-  ], jobs, { caption: 'The newest first' });
+  ], jobs, { caption: 'Newest first' });
 }
 
 /** Robot of a job, and what came out in a few words: from its result, which never changes, asked for once per browser. */
@@ -65,7 +65,7 @@ async function learn(jobs) {
   for (const job of unknown) {
     if (names.has(job.id)) continue;
     const result = await summaryOf(job).catch(() => null);
-    remember(job.id, result?.robot ?? '–', told(job, result));
+    remember(job.id, result?.robot ?? '–', outcomeOf(job, result));
     showJobs(jobs);
   }
   sessionStorage.setItem(KEPT, JSON.stringify([...names].slice(-200).map(([id, name]) => [id, name, outcomes.get(id)])));
@@ -73,8 +73,8 @@ async function learn(jobs) {
 
 const count = (n, what) => (n ? `${n} ${what}${n > 1 ? 's' : ''}` : 'nothing found');
 
-function told(job, result) {
-  if (job.kind === 'excitation' && job.outcome === 'Infeasible') return 'no such motion is possible';
+function outcomeOf(job, result) {
+  if (job.kind === 'excitation' && job.outcome === 'Infeasible') return 'no motion satisfies the limits';
   if (job.kind === 'excitation' && result?.rivals) return `${words(on(result.rivals.finding))} or ${on(result.rivals.rival)}: ${result.rivals.decides ? 'decides' : 'does not decide'}`;
   if (job.kind === 'excitation' && result?.condition_number) return `condition number ${number(result.condition_number)}`;
   if (job.kind === 'validation' && result?.logs) return `${result.logs.length} log${result.logs.length > 1 ? 's' : ''}${result.residual ? `, ${count(result.residual.findings.length, 'change')}` : ''}`;
@@ -89,7 +89,7 @@ function identified(result) {
 
 async function keepUp(job) {
   followed.add(job.id);
-  // A job tells many times a second; nobody reads faster than this.
+  // A job reports many times a second, which is faster than anybody reads.
   let due = 0;
   await follow(job.id, () => {
     if (performance.now() < due) return;

@@ -1,5 +1,5 @@
 // Which column of a log is what, and what will be done to it: a table with a drop-down and a small picture of each series.
-import { fill, h, number } from './dom.js';
+import { fill, h, number, term } from './dom.js';
 import { guess, units } from './log-guess.js';
 
 const UNITS = { position: ['rad', 'deg', 'rev', 'm', 'mm'], velocity: ['rad/s', 'deg/s', 'rpm', 'm/s', 'mm/s'], torque: ['N m', 'mN m', 'kN m', 'N', 'A'], time: ['s', 'ms', 'us', 'ns'] };
@@ -91,10 +91,10 @@ export class LogColumns {
     const unit = (quantity, words) => h('label', { class: 'inline' }, words, h('select', { class: 'narrow', id: `unit-${quantity}`, 'data-pointer': quantity === 'time' ? '/columns/time_unit' : `/columns/${quantity}/unit`, onchange: (e) => { this.units[quantity] = e.target.value; this.change(); } },
       UNITS[quantity].map((u) => h('option', { value: u, selected: this.units[quantity] === u }, SHOWN[u] ?? u))));
     fill(this.place, h('section', { class: 'card', id: 'columns', 'aria-labelledby': 'columns-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'columns-title' }, `Columns of ${head.file}`), this.preset ? h('span', { class: 'tag good' }, this.preset) : null),
-      missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Choose what is what: '), missing.join('; '), '.')) : null,
+      missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Assign the columns: '), missing.join('; '), '.')) : null,
       h('div', { class: 'row field' }, unit('time', 'Time in'), unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
         this.time() ? null : h('label', { class: 'inline' }, 'samples per second', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
-      this.units.torque === 'A' ? h('div', { class: this.scale.length ? 'field' : 'notice' }, h('p', {}, 'Currents become torques by N·m per ampere at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) }))) : null,
+      this.units.torque === 'A' ? h('div', { class: this.scale.length ? 'field' : 'notice' }, h('p', {}, 'Currents become torques by ', term('torque_constant', 'N·m per ampere'), ' at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) }))) : null,
       this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null)));
     if (focused) document.getElementById(focused)?.focus();
   }

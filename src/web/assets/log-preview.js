@@ -1,21 +1,25 @@
 // What was understood of logs before anything runs.
-import { fill, figure, h, number, perSecond, sinceStart, table, unit, words } from './dom.js';
+import { fill, figure, h, number, perSecond, sentence, sinceStart, table, term, unit, words } from './dom.js';
 import { colour, plotLater } from './plot.js';
 
 export async function showPreview(target, seen) {
-  fill(target, seen.notes.length ? h('div', { class: 'notice' }, seen.notes.map((n) => h('p', {}, n))) : null, seen.logs.map(logCard));
+  fill(target, seen.notes.length ? h('div', { class: 'notice' }, seen.notes.map((n) => h('p', {}, sentence(n)))) : null, seen.logs.map(logCard));
 }
 
 function logCard(log, index) {
   const trouble = [...log.faults, ...log.findings];
   const repeats = log.periods >= 2 ? `${log.periods} of ${number(log.period_s)} s` : 'none';
-  return h('section', { class: 'card' }, h('h2', {}, log.file, ' ', h('span', { class: 'tag' }, log.role === 'identification' ? 'to identify from' : 'to validate with')),
+  return h('section', { class: 'card' }, h('h2', {}, log.file, ' ', h('span', { class: 'tag' }, log.role === 'identification' ? 'identification' : 'validation')),
     h('dl', { class: 'figures' }, figure('Rows', log.rows_used.toLocaleString(), log.rows_used < log.rows ? `of ${log.rows.toLocaleString()}` : null), figure('Rate', number(log.sample_rate_hz), 'Hz'),
-      figure('Length', number(log.duration_s), 's'), figure('Periods', repeats)),
-    log.periods < 2 ? h('div', { class: 'notice' }, h('p', {}, 'Nothing repeats in this log: the noise cannot be measured by itself, and small effects will be missed. Run the trajectory several times in a row.')) : null,
-    trouble.length ? h('div', { class: 'notice' }, trouble.map(problem)) : h('div', { class: 'notice good' }, h('p', {}, 'No faults found: no gaps, no garbage, signs and units look right.')),
+      figure('Length', number(log.duration_s), 's'), figure(term('period_log', 'Periods'), repeats)),
+    log.periods < 2 ? h('div', { class: 'notice' }, h('p', {}, 'The motion does not repeat in this log. Noise cannot be measured separately, and small effects will be missed. Run the trajectory several times in a row.')) : null,
+    trouble.length ? h('div', { class: 'notice' }, trouble.map(problem)) : h('div', { class: 'notice good' }, h('p', {}, 'No faults found: no gaps or invalid values; signs and units are plausible.')),
     columns(log.columns), motion(log, index), choices(log.choices));
 }
+
+/** A step of the preparation, with help where it is a term. */
+export const step = (what) => (STEPS[what] ? term(STEPS[what], words(what)) : words(what));
+const STEPS = { decimation: 'decimation', period: 'period', averaging: 'period_log', method: 'preparation' };
 
 const problem = (f) => h('p', {}, h('strong', {}, words(f.code)), `: ${f.detail}`, f.lines?.length ? ` (lines ${f.lines.slice(0, 5).join(', ')}${f.count > 5 ? ' …' : ''})` : '');
 
@@ -25,8 +29,8 @@ function columns(found) {
 }
 
 function choices(list) {
-  return h('details', {}, h('summary', {}, 'How it will be prepared'), table([
-    { head: 'What', cell: (c) => words(c.what) }, { head: 'How', cell: (c) => c.value }, { head: 'Why', cell: (c) => c.why },
+  return h('details', {}, h('summary', {}, 'Preparation'), table([
+    { head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => c.why },
   ], list, { caption: 'Decisions of the preparation' }));
 }
 

@@ -1,8 +1,8 @@
-// The loop: noise floor, what is left, findings, before and after, rivals and what would decide.
+// Diagnosis: verdict, findings, errors before and after, noise floor, rivals and the experiment that decides.
 import { explain, getJson, postJson } from './api.js';
 import { designButton } from './decide.js';
-import { fill, figure, find, h, number, odds, table, time, unit, words } from './dom.js';
-import { byGain, dataFault, findingParameters, gain, outside } from './finding.js';
+import { fill, figure, find, h, number, odds, table, term, time, unit, words } from './dom.js';
+import { byGain, changed, dataFault, effectName, findingParameters, gain, lawFormulas, outside } from './finding.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
 import { colour, plotLater, plotly, variable } from './plot.js';
 import { residualPlot } from './residual-plot.js';
@@ -19,7 +19,7 @@ async function show(id) {
   }
   const drawn = result.provenance ? await postJson('/motion', { robot: result.provenance.robot }) : null;
   const context = { result, report, effort: result.joints.map((_, j) => unit(drawn?.joints[j].effort_unit ?? 'N m')), position: result.joints.map((_, j) => drawn?.joints[j].position_unit ?? 'rad') };
-  const parts = [['summary', 'Verdict'], ['findings', 'Findings'], ['bars', 'Before and after'], ['dependence', 'Dependence'], ['floor', 'Noise floor'], ...(report.undetected?.length ? [['undetected', 'Not found']] : []), ['next', 'Next']];
+  const parts = [['summary', 'Verdict'], ['findings', 'Findings'], ['bars', 'Errors'], ['dependence', 'Residual'], ['floor', 'Lack of fit'], ...(report.undetected?.length ? [['undetected', 'Not found']] : []), ['next', 'Next experiment']];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts' }, parts.map(([name, text]) => h('a', { href: `#${name}` }, text))),
     summary(context), findings(context), bars(context), residualPlot(context), floor(context), undetected(context), next(context));
 }
@@ -31,9 +31,9 @@ function summary({ result, report, effort: units }) {
   const sum = (list) => list.reduce((a, b) => a + b, 0);
   const of = (pair) => (heldOut ? pair.held_out : pair.identification);
   return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, words(report.verdict)), ' ', h('strong', { id: 'verdict' }, report.summary ?? text)),
-    h('dl', { class: 'figures' }, figure('Findings', report.findings.length, `${report.findings.filter((f) => f.in_model).length} in the model`), figure('Error before', number(sum(of(report.rms_before)), 3), `${effort}, summed over joints; single measurements of ${heldOut ? 'held-out' : 'identification'} data`),
-      figure('After', number(sum(of(report.rms_after)), 3)), figure('Noise alone', number(sum(report.noise_floor), 3))),
-    heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no validation log: before and after are errors on the data that chose the effects, and blocks of the log were held out in turn, which is weaker.')),
+    h('dl', { class: 'figures' }, figure(term('finding', 'Findings'), report.findings.length, `${report.findings.filter((f) => f.in_model).length} in the model`), figure(term('rms_error', 'Error without the effects'), number(sum(of(report.rms_before)), 3), `${effort}, summed over joints; ${heldOut ? 'held-out' : 'identification'} data`),
+      figure('Error with the effects', number(sum(of(report.rms_after)), 3)), figure(term('noise_floor', 'Noise floor'), number(sum(report.noise_floor), 3))),
+    heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no validation log: these are errors on the data that chose the effects. Blocks of the log were held out in turn instead, which is weaker evidence.')),
     h('div', { class: 'row' }, h('a', { class: 'button', href: `/identification?id=${result.id}` }, 'The identification'), reportLink(result)));
 }
 
@@ -43,10 +43,10 @@ function findings(context) {
   const small = ([f]) => f.held_out.change === 'same';
   const folded = shown.filter(small).map(([, card]) => card);
   const cards = [...report.data_faults.map(dataFault), ...shown.filter((s) => !small(s)).map(([, card]) => card)];
-  if (folded.length) cards.push(h('details', { id: 'small-findings' }, h('summary', {}, `${folded.length === 1 ? 'One effect' : `${folded.length} effects`} without a change of the held-out error beyond chance`), folded));
+  if (folded.length) cards.push(h('details', { id: 'small-findings' }, h('summary', {}, `${folded.length === 1 ? 'One effect' : `${folded.length} effects`} without a significant change of the held-out error`), folded));
   if (report.remainder) cards.push(remainder(context));
-  if (!cards.length) cards.push(h('p', {}, 'Nothing stands out of the noise. The declared model says all that these logs can say.'));
-  return section('findings', 'Findings', h('div', {}, cards));
+  if (!cards.length) cards.push(h('p', {}, 'The residual is noise: these logs show no effect beyond the declared model.'));
+  return section('findings', [term('finding', 'Findings')], h('div', {}, cards));
 }
 
 const listed = (names, last = 'and') => (names.length > 1 ? `${names.slice(0, -1).join(', ')} ${last} ${names.at(-1)}` : names[0] ?? '');
@@ -61,13 +61,13 @@ function finding(context, f, index) {
   const three = (v) => evaluated(v, (x) => number(x, 3));
   const held = f.held_out;
   const figures = [
-    ['Twice the log of the evidence ratio against leaving it out', number(e.log_evidence_ratio, 3)], ['Chance of such a gain without it', chance(e.p_value)],
-    ['Gain on blocks of time left out of the fit, in variances of the noise', three(e.held_out_blocks)], ['Gain on the other half of the periods', three(e.held_out_periods)],
-    ['Held-out error without it', three(held.before)], ['Held-out error with it', three(held.after)], ['Change of the held-out error', words(held.change)], ['Chance of such a change', chance(held.p_value)],
+    [term('bic', 'Difference in BIC'), number(e.log_evidence_ratio, 3)], [term('p_value', 'p of the gain'), chance(e.p_value)],
+    [term('prediction_gain', 'Gain on blocks of time left out of the fit'), three(e.held_out_blocks)], ['Gain on the other half of the periods', three(e.held_out_periods)],
+    [term('held_out', 'Held-out error without the effect'), three(held.before)], ['Held-out error with the effect', three(held.after)], ['Change of the held-out error', changed(held.change)], [term('p_value', 'p of the change'), chance(held.p_value)],
   ];
-  const evidence = h('details', {}, h('summary', {}, 'Why it is believed'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence' }));
-  return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, `${words(f.effect)} on ${where(f.joints, context.result.joints)}`, ' ', outside(f)),
-    gain(f, context.effort[context.result.joints.indexOf(f.joints[0])] ?? 'N·m'), h('p', { class: 'sentence' }, f.sentence), f.note ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, findingParameters(f), evidence, survivals(f), rivals(context, f, index));
+  const evidence = h('details', {}, h('summary', {}, 'Evidence'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence for the finding' }));
+  return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, effectName(f.effect), ` on ${where(f.joints, context.result.joints)} `, outside(f)),
+    gain(f, context.effort[context.result.joints.indexOf(f.joints[0])] ?? 'N·m'), h('p', { class: 'sentence' }, f.sentence), f.note ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, lawFormulas(f), findingParameters(f), evidence, survivals(f), rivals(context, f, index));
 }
 
 /** Whether it is found again when the data are changed a little. */
@@ -75,24 +75,24 @@ function survivals(f) {
   if (!f.survivals?.length) return null;
   const lost = f.survivals.filter((s) => !s.survives).length;
   return h('details', {}, h('summary', {}, lost ? `Not found in ${lost} of ${f.survivals.length} changed copies of the data` : `Found in all ${f.survivals.length} changed copies of the data`),
-    table([{ head: 'Change of the data', cell: (s) => words(s.perturbation) }, { head: 'Finding', cell: (s) => h('span', { class: `tag ${s.survives ? 'good' : 'warn'}` }, s.survives ? 'found again' : 'not found') }], f.survivals, { caption: 'The same diagnosis from changed data' }));
+    table([{ head: 'Change of the data', term: 'survival', cell: (s) => words(s.perturbation) }, { head: 'Finding', cell: (s) => h('span', { class: `tag ${s.survives ? 'good' : 'warn'}` }, s.survives ? 'found again' : 'not found') }], f.survivals, { caption: 'The same diagnosis from changed data' }));
 }
 
 function rivals(context, f, index) {
   if (!f.rivals.length) return null;
   const all = context.result.joints;
-  const one = (r, k) => h('li', {}, h('p', {}, h('strong', {}, words(called(r, all))), r.evidence > 0 ? `: ${odds(r.evidence)} against it, which does not exclude it (evidence ${number(r.evidence, 3)}, twice the log of the odds; 20 to 1 is 6).` : `: fits better (evidence ${number(-r.evidence, 3)}, twice the log of the odds), but is the rarer cause.`),
+  const one = (r, k) => h('li', {}, h('p', {}, h('strong', {}, words(called(r, all))), r.evidence > 0 ? `: ${odds(r.evidence)} against it, which does not exclude it (difference in BIC ${number(r.evidence, 3)}; 20 to 1 is 6).` : `: fits better (difference in BIC ${number(-r.evidence, 3)}), but is the rarer cause.`),
     context.result.provenance ? designButton(context, `Design the trajectory that decides: ${words(f.effect).toLowerCase()} or ${words(r.effect).toLowerCase()}`, { finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } }, `decide-${index}-${k}`) : null);
-  return h('div', { class: 'rivals' }, h('h4', {}, 'It could also be'), h('ul', { class: 'list' }, f.rivals.map(one)));
+  return h('div', { class: 'rivals' }, h('h4', {}, term('rival', 'It could also be')), h('ul', { class: 'list' }, f.rivals.map(one)));
 }
 
 function remainder(context) {
   const r = context.report.remainder;
-  return h('article', { class: 'finding', 'data-effect': 'unexplained' }, h('h3', {}, `Unexplained on ${where(r.joints, context.result.joints)}`), h('p', { class: 'sentence' }, r.sentence), h('p', { class: 'soft' }, r.note));
+  return h('article', { class: 'finding', 'data-effect': 'unexplained' }, h('h3', {}, term('remainder', 'Unexplained'), ` on ${where(r.joints, context.result.joints)}`), h('p', { class: 'sentence' }, r.sentence), h('p', { class: 'soft' }, r.note));
 }
 
 function bars({ result, report, effort }) {
-  const kinds = [['identification', 'On the data that made the model'], ['held_out', 'On held-out data']].filter(([k]) => report.rms_before[k].length);
+  const kinds = [['identification', 'Identification data'], ['held_out', 'Held-out data']].filter(([k]) => report.rms_before[k].length);
   // Joints of the wrist have errors of a hundredth of those of the shoulder: all are seen as multiples of their noise.
   const relative = report.noise_floor.every((v) => v > 0);
   const over = (list) => (relative ? list.map((v, j) => v / report.noise_floor[j]) : list);
@@ -104,12 +104,12 @@ function bars({ result, report, effort }) {
         { type: 'bar', name: 'with the effects found', x: result.joints, y: over(report.rms_after[kind]), customdata: report.rms_after[kind], marker: { color: colour(0) } },
         { type: 'scatter', mode: 'markers', name: 'noise floor', x: result.joints, y: over(report.noise_floor), customdata: report.noise_floor, marker: { symbol: 'line-ew-open', size: innerWidth < 640 ? 16 : 30, line: { width: 3, color: variable('--ink') }, color: variable('--ink') } },
       ].map((t) => ({ ...t, hovertemplate: `%{customdata:.4g} ${[...new Set(effort)].join(' or ')}` })),
-      layout: { barmode: 'group', height: 310, xaxis: { type: 'category', title: 'joint' }, yaxis: { title: relative ? 'RMS error over noise floor, ratio' : `RMS error (${[...new Set(effort)].join(' or ')})`, rangemode: 'tozero' } },
+      layout: { barmode: 'group', height: 310, xaxis: { type: 'category', title: 'joint' }, yaxis: { title: relative ? 'RMS error over<br>noise floor (ratio)' : `RMS error<br>(${[...new Set(effort)].join(' or ')})`, rangemode: 'tozero' } },
     }));
     return h('div', {}, h('h3', {}, title), chart);
   });
-  return section('bars', 'Before and after', h('p', { class: 'soft' }, 'Both models are estimated from the same rows with the same weights. Without the effect the fit bends its parameters to hide a part of it, and spreads the rest over the joints that share them.'),
-    h('p', { class: 'soft', id: 'which-errors' }, 'Errors of single measurements, with all their noise: the same as on the page of the identification.'),
+  return section('bars', 'Errors without and with the effects', h('p', { class: 'soft' }, 'Both models are estimated from the same rows with the same weights. Without the effects, the fit compensates for a part of them by wrong base parameters, which also moves errors to other joints.'),
+    h('p', { class: 'soft', id: 'which-errors' }, 'Errors of single measurements, noise included: the same numbers as on the page of the identification.'),
     heldOutTable(report),
     h('div', { class: 'columns' }, charts));
 }
@@ -122,44 +122,44 @@ function heldOutTable(report) {
   if (held.verdict === 'not_tested') return null;
   const [kind, text] = HELD_OUT[held.verdict];
   return h('div', { id: 'held-out' }, h('p', {}, h('span', { class: `tag ${kind}` }, text), ` Data held out: ${held.source}.`), table([
-    { head: 'Joint', cell: (j) => j.joint, sort: (j) => j.joint }, { head: 'Declared model', number: true, cell: (j) => number(j.before, 3), sort: (j) => j.before }, { head: 'With the effects', number: true, cell: (j) => number(j.after, 3), sort: (j) => j.after },
-    { head: 'Noise floor', number: true, cell: (j) => number(j.floor, 3), sort: (j) => j.floor }, { head: 'Change', cell: (j) => h('span', { class: `tag ${{ better: 'good', worse: 'bad' }[j.change] ?? ''}` }, words(j.change)) }, { head: 'p', number: true, cell: (j) => (j.p_value < 1e-12 ? '< 10⁻¹²' : number(j.p_value, 2)), sort: (j) => j.p_value },
-  ], held.joints, { caption: 'Held-out error per joint' }));
+    { head: 'Joint', cell: (j) => j.joint, sort: (j) => j.joint }, { head: 'Declared model', term: 'declared_model', number: true, cell: (j) => number(j.before, 3), sort: (j) => j.before }, { head: 'With the effects', number: true, cell: (j) => number(j.after, 3), sort: (j) => j.after },
+    { head: 'Noise floor', term: 'noise_floor', number: true, cell: (j) => number(j.floor, 3), sort: (j) => j.floor }, { head: 'Change', cell: (j) => h('span', { class: `tag ${{ better: 'good', worse: 'bad' }[j.change] ?? ''}` }, changed(j.change)) }, { head: 'p', term: 'p_value', number: true, cell: (j) => (j.p_value < 1e-12 ? '< 10⁻¹²' : number(j.p_value, 2)), sort: (j) => j.p_value },
+  ], held.joints, { caption: 'Held-out RMS error per joint (N·m, or N for prismatic joints)' }));
 }
 
 function floor({ result, report, effort }) {
   const rows = result.joints.map((name, j) => ({ name, j, floor: report.noise_floor[j], fit: report.lack_of_fit[j], after: report.lack_of_fit_after[j] }));
   const p = (v) => (v < 1e-12 ? '< 10⁻¹²' : number(v, 2));
-  return section('floor', 'Noise floor and lack of fit', h('p', { class: 'soft' }, `Noise from: ${report.noise_source}. Lack of fit is the mean square of the residual over that of noise alone: 1 means that nothing is missing.`), table([
-    { head: 'Joint', cell: (r) => r.name, sort: (r) => r.name }, { head: 'Noise floor', number: true, cell: (r) => `${number(r.floor, 3)} ${effort[r.j]}`, sort: (r) => r.floor, title: 'Standard deviation of one measurement' },
-    { head: 'Left (mean)', number: true, cell: (r) => number(r.fit.residual_rms, 3), sort: (r) => r.fit.residual_rms, title: 'RMS of the residual of the mean over the periods' }, { head: 'Noise alone (mean)', number: true, cell: (r) => number(r.fit.expected_rms, 3), sort: (r) => r.fit.expected_rms },
-    { head: 'Lack of fit', number: true, cell: (r) => number(r.fit.statistic, 3), sort: (r) => r.fit.statistic }, { head: 'p', number: true, cell: (r) => p(r.fit.p_value), sort: (r) => r.fit.p_value },
-    { head: 'After', number: true, cell: (r) => number(r.after?.statistic, 3), sort: (r) => r.after?.statistic }, { head: 'p', number: true, cell: (r) => p(r.after?.p_value), sort: (r) => r.after?.p_value },
-  ], rows, { caption: 'Per joint' }));
+  return section('floor', 'Noise floor and lack of fit', h('p', { class: 'soft' }, `Noise from: ${report.noise_source}.`), table([
+    { head: 'Joint', cell: (r) => r.name, sort: (r) => r.name }, { head: 'Noise floor', number: true, cell: (r) => `${number(r.floor, 3)} ${effort[r.j]}`, sort: (r) => r.floor, term: 'noise_floor' },
+    { head: 'Residual RMS, averaged', term: 'residual', number: true, cell: (r) => number(r.fit.residual_rms, 3), sort: (r) => r.fit.residual_rms }, { head: 'From noise, averaged', number: true, cell: (r) => number(r.fit.expected_rms, 3), sort: (r) => r.fit.expected_rms },
+    { head: 'Lack of fit', term: 'lack_of_fit', number: true, cell: (r) => number(r.fit.statistic, 3), sort: (r) => r.fit.statistic }, { head: 'p', term: 'p_value', number: true, cell: (r) => p(r.fit.p_value), sort: (r) => r.fit.p_value },
+    { head: 'Lack of fit with effects', number: true, cell: (r) => number(r.after?.statistic, 3), sort: (r) => r.after?.statistic }, { head: 'p with effects', number: true, cell: (r) => p(r.after?.p_value), sort: (r) => r.after?.p_value },
+  ], rows, { caption: 'Per joint; residual and noise are those of the rows of the fit, averaged over periods' }));
 }
 
 /** What every robot may have and these logs do not show: how large it could be. */
 function undetected({ report }) {
   if (!report.undetected?.length) return null;
   const size = (p) => Math.abs(p.value) + 3 * p.std_dev;
-  return section('undetected', 'Looked for and not found', h('p', { class: 'soft' }, 'What every robot may have, each by itself beside the final model. None of these is beyond chance; a value of several deviations may be there all the same, and a longer log would tell. What the base parameters or an effect found hold already is not listed. Offsets marked as part of the model are estimated all the same: where one joint has an offset, the others have one, and together they predict better.'), table([
-    { head: 'Effect', cell: (r) => words(r.effect), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
-    { head: 'Value', number: true, cell: (r) => number(r.parameter.value, 2), sort: (r) => r.parameter.value }, { head: 'Deviation', number: true, cell: (r) => number(r.parameter.std_dev, 2), sort: (r) => r.parameter.std_dev, title: 'Standard deviation' },
-    { head: 'No larger than', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter), title: 'Its value and three standard deviations' }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) }, ...(report.undetected.some((r) => r.in_model) ? [{ head: 'In the model', cell: (r) => (r.in_model ? 'yes' : 'no') }] : []),
-  ], report.undetected, { caption: 'Not beyond chance' }));
+  return section('undetected', [term('undetected', 'Effects tested and not found')], h('p', { class: 'soft' }, 'Each is estimated alone beside the final model. None is significant; a value of several deviations may still be real, and a longer log would show it. Effects that the base parameters or a finding already contain are not listed. Torque offsets marked as part of the model are estimated although none is significant alone: together they improve the prediction.'), table([
+    { head: 'Effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
+    { head: 'Value', number: true, cell: (r) => number(r.parameter.value, 2), sort: (r) => r.parameter.value }, { head: 'σ', term: 'std_dev', number: true, cell: (r) => number(r.parameter.std_dev, 2), sort: (r) => r.parameter.std_dev },
+    { head: 'Limit: |value| + 3σ', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter) }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) }, ...(report.undetected.some((r) => r.in_model) ? [{ head: 'In the model', cell: (r) => (r.in_model ? 'yes' : 'no') }] : []),
+  ], report.undetected, { caption: 'Effects without significance, with the size that they cannot exceed' }));
 }
 
 function next(context) {
   const { report, result } = context;
   const pairs = report.findings.flatMap((f) => f.rivals.map((r) => ({ finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } })));
   const [first] = pairs;
-  const text = first ? `Open: ${listed(pairs.map((p) => `${called(p.finding, result.joints)} or ${called(p.rival, result.joints)}`), 'and')}. On the motion that was run the two move the torque alike. The next trajectory is made so that they do not.`
-    : report.remainder?.depends_on.length && report.remainder.depends_on.every((name) => ['time', 'period'].includes(name)) ? 'The remaining residual changes while the log runs and not with the motion: record again once the arm is warm, and see whether it has gone.'
-    : report.remainder?.depends_on.length === 0 ? 'The remaining residual depends on no one or two positions or speeds: look at it over time above, and record the same motion again to see whether it comes back.'
+  const text = first ? `Open: ${listed(pairs.map((p) => `${called(p.finding, result.joints)} or ${called(p.rival, result.joints)}`), 'and')}. On the motion that was run they cause nearly the same torque. The next trajectory is designed to separate them.`
+    : report.remainder?.depends_on.length && report.remainder.depends_on.every((name) => ['time', 'period'].includes(name)) ? 'The remaining residual changes over time and not with the motion: record again with a warm arm, and check whether it disappears.'
+    : report.remainder?.depends_on.length === 0 ? 'The remaining residual depends on no pair of positions or velocities: look at it over time above, and record the same motion again to check whether it recurs.'
     : report.remainder ? 'The remaining residual depends on the variables above; a motion that passes through other combinations of them shows more of it.'
-      : 'Another motion is the test that these findings must pass: nothing new should be found on it. It is designed for what these logs leave open.';
+      : 'Test these findings on another motion: no new finding should appear. The next design complements these logs.';
   const label = first ? 'Design the deciding trajectory' : 'Design the next trajectory';
-  return section('next', 'What to record next', h('p', {}, text, ' Run it, and identify from both logs together.'), result.provenance ? designButton(context, label, first, 'decide') : null);
+  return section('next', 'Next experiment', h('p', {}, text, ' Run it, and identify from both logs together.'), result.provenance ? designButton(context, label, first, 'decide') : null);
 }
 
 async function begin() {

@@ -1,4 +1,4 @@
-// Floors, walls and boxes that the arm keeps off, as rows of a form.
+// Floors, walls and boxes that the arm avoids, as rows of a form.
 import { fill, h } from './dom.js';
 
 const NEW = {

@@ -1,5 +1,5 @@
 // Base parameters with error bars and as a table that sorts.
-import { h, measured, number, table, unit } from './dom.js';
+import { h, measured, number, table, term, unit } from './dom.js';
 import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
 
@@ -19,13 +19,13 @@ export function parameters(result) {
   kind.addEventListener('change', () => plot(chart, make));
   plotLater(chart, make);
   const open = result.undetermined.length ? h('div', { class: 'notice' }, h('p', {}, h('strong', {}, 'Not determined by the log: '), result.undetermined.map((d) => d.text).join('; '))) : null;
-  return h('section', { class: 'card', id: 'parameters', 'aria-labelledby': 'parameters-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'parameters-title' }, 'Base parameters'), h('label', { class: 'inline' }, 'Those in', kind)), open, chart,
+  return h('section', { class: 'card', id: 'parameters', 'aria-labelledby': 'parameters-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'parameters-title' }, term('base_parameters', 'Base parameters')), h('label', { class: 'inline' }, 'Unit', kind)), open, chart,
     table([
       { head: 'Parameter', cell: (p) => nameOf(p.name), sort: (p) => p.name },
       { head: 'Value', number: true, cell: (p) => (p.value === null ? 'not determined' : `${number(p.value)} ${unit(p.unit)}`), sort: (p) => p.value },
-      { head: 'σ', number: true, cell: (p) => number(p.std_dev, 2), sort: (p) => p.std_dev, title: 'Standard deviation, with correlated noise allowed for' },
-      { head: 'σ/|value|', number: true, cell: (p) => (p.relative_std_dev_percent === null ? '–' : `${number(p.relative_std_dev_percent, 3)} %`), sort: (p) => p.relative_std_dev_percent },
-      { head: 'Textbook', number: true, cell: (p) => (p.textbook_relative_std_dev_percent === null ? '–' : `${number(p.textbook_relative_std_dev_percent, 3)} %`), sort: (p) => p.textbook_relative_std_dev_percent, title: 'As the paper counts: every row independent' },
-      { head: 'What it is', cell: (p) => typeset(p.expression) },
+      { head: 'σ', number: true, cell: (p) => number(p.std_dev, 2), sort: (p) => p.std_dev, term: 'std_dev' },
+      { head: 'σ/|value|', term: 'relative_std_dev', number: true, cell: (p) => (p.relative_std_dev_percent === null ? '–' : `${number(p.relative_std_dev_percent, 3)} %`), sort: (p) => p.relative_std_dev_percent },
+      { head: 'Textbook', number: true, cell: (p) => (p.textbook_relative_std_dev_percent === null ? '–' : `${number(p.textbook_relative_std_dev_percent, 3)} %`), sort: (p) => p.textbook_relative_std_dev_percent, term: 'textbook' },
+      { head: 'Expression', cell: (p) => typeset(p.expression) },
     ], all, { caption: 'Identified parameters', sort: { column: 3, way: 'ascending' } }));
 }

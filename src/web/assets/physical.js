@@ -1,6 +1,6 @@
 // Physical parameters: bodies on the arm, a table, margins to what is possible.
 import { ArmView, ellipsoid, HOW_TO_TURN } from './arm.js';
-import { h, number, table, words } from './dom.js';
+import { h, number, table, term, words } from './dom.js';
 import { colour, plotLater } from './plot.js';
 
 const turnBack = (m, v) => [0, 1, 2].map((c) => m[0][c] * v[0] + m[1][c] * v[1] + m[2][c] * v[2]);
@@ -9,20 +9,20 @@ const matrix = (i) => [[i.xx, i.xy, i.xz], [i.xy, i.yy, i.yz], [i.xz, i.yz, i.zz
 const turnMatrix = (t, m) => [0, 1, 2].map((r) => [0, 1, 2].map((c) => [0, 1, 2].reduce((sum, k) => sum + [0, 1, 2].reduce((s, l) => s + t[k][r] * m[k][l] * t[l][c], 0), 0)));
 
 export function physical(result, drawn) {
-  const card = h('section', { class: 'card', id: 'physical', 'aria-labelledby': 'physical-title' }, h('h2', { id: 'physical-title' }, 'Physical parameters'));
+  const card = h('section', { class: 'card', id: 'physical', 'aria-labelledby': 'physical-title' }, h('h2', { id: 'physical-title' }, term('physical_parameters', 'Physical parameters')));
   const links = result.physical_parameters;
   if (!links) {
-    card.append(h('p', { class: 'soft' }, result.feasibility ? `None that are a robot were found (${words(result.feasibility.status).toLowerCase()}).` : 'None were asked for.'));
+    card.append(h('p', { class: 'soft' }, result.feasibility ? `No physically possible bodies were found (${words(result.feasibility.status).toLowerCase()}).` : 'The request did not ask for them.'));
     return card;
   }
   if (drawn) card.append(bodies(links, drawn));
-  const free = h('p', { class: 'soft' }, 'Base parameters determine only combinations of these; where they leave a choice, the body nearest to the prior is taken, or to a rod along the link where none is given, with its centre of mass in a box around the link.');
+  const free = h('p', { class: 'soft' }, 'Base parameters determine only combinations of these. Where several bodies fit equally well, the one nearest to the ', term('prior', 'prior'), ' is taken; without a prior, the one nearest to a rod along the link, with its centre of mass in a box around the link.');
   card.append(free, table([
     { head: 'Link', cell: (l) => `${l.link} ${l.name}`, sort: (l) => l.link }, { head: 'Mass (kg)', number: true, cell: (l) => number(l.mass), sort: (l) => l.mass },
-    ...['x', 'y', 'z'].map((axis, i) => ({ head: `${axis} (m)`, number: true, cell: (l) => number(l.center_of_mass[i], 3), sort: (l) => l.center_of_mass[i], title: 'Centre of mass' })),
-    ...['xx', 'yy', 'zz', 'xy', 'xz', 'yz'].map((k) => ({ head: `I${k} (kg·m²)`, number: true, cell: (l) => number(l.inertia[k], 3), sort: (l) => l.inertia[k], title: 'About the centre of mass' })),
-    { head: 'viscous', number: true, cell: (l) => number(l.viscous, 3), sort: (l) => l.viscous }, { head: 'Coulomb', number: true, cell: (l) => number(l.coulomb, 3), sort: (l) => l.coulomb },
-  ], links, { caption: 'Per link, in the frames of the robot’s description' }));
+    ...['x', 'y', 'z'].map((axis, i) => ({ head: `Centre of mass ${axis} (m)`, number: true, cell: (l) => number(l.center_of_mass[i], 3), sort: (l) => l.center_of_mass[i] })),
+    ...['xx', 'yy', 'zz', 'xy', 'xz', 'yz'].map((k) => ({ head: `I${k} (kg·m²)`, number: true, cell: (l) => number(l.inertia[k], 3), sort: (l) => l.inertia[k] })),
+    { head: 'Viscous friction', number: true, cell: (l) => number(l.viscous, 3), sort: (l) => l.viscous }, { head: 'Coulomb friction', number: true, cell: (l) => number(l.coulomb, 3), sort: (l) => l.coulomb },
+  ], links, { caption: 'Per link, in the frames of the robot’s description; inertia about the centre of mass' }));
   if (result.feasibility) card.append(margins(result.feasibility));
   return card;
 }
@@ -47,7 +47,7 @@ function bent(joint, j) {
 }
 
 function margins(feasibility) {
-  const chart = h('div', { class: 'plot flat', 'data-label': 'Margins of the physical parameters to what is possible' });
+  const chart = h('div', { class: 'plot flat', 'data-label': 'Margins of physical consistency, per link' });
   const names = [...new Set(feasibility.margins.map((m) => m.constraint))];
   const positive = feasibility.margins.every((m) => m.margin > 0);
   plotLater(chart, () => ({
@@ -55,13 +55,13 @@ function margins(feasibility) {
       const own = feasibility.margins.filter((m) => m.constraint === name);
       return { type: 'scatter', mode: 'markers', name: words(name), x: own.map((m) => `link ${m.link}`), y: own.map((m) => m.margin), marker: { color: colour(i), size: 10, symbol: i }, hovertemplate: `${words(name)}: %{y:.3g}<extra>%{x}</extra>` };
     }),
-    layout: { height: 300, hovermode: 'closest', xaxis: { type: 'category', title: 'link' }, yaxis: { type: positive ? 'log' : 'linear', title: 'margin (above 0: possible)' } },
+    layout: { height: 300, hovermode: 'closest', xaxis: { type: 'category', title: 'link' }, yaxis: { type: positive ? 'log' : 'linear', title: 'margin (above 0: consistent)' } },
   }));
   const table_ = table([
     { head: 'Link', number: true, cell: (m) => m.link, sort: (m) => m.link }, { head: 'Constraint', cell: (m) => words(m.constraint), sort: (m) => m.constraint }, { head: 'Margin', number: true, cell: (m) => number(m.margin), sort: (m) => m.margin },
-    { head: 'Cost in fit', number: true, cell: (m) => (m.active ? `active, ${m.cost_percent < 0.01 ? '< 0.01' : number(m.cost_percent, 2)} %` : '–'), sort: (m) => m.cost_percent ?? -1, title: 'By how much the fit is worse than the best without an active constraint' },
-  ], feasibility.margins, { caption: 'Margins to what is physically possible', sort: { column: 2, way: 'ascending' } });
+    { head: 'Cost in fit', number: true, cell: (m) => (m.active ? `active, ${m.cost_percent < 0.01 ? '< 0.01' : number(m.cost_percent, 2)} %` : '–'), sort: (m) => m.cost_percent ?? -1, term: 'active' },
+  ], feasibility.margins, { caption: 'Margins of physical consistency; zero: active', sort: { column: 2, way: 'ascending' } });
   const active = feasibility.margins.filter((m) => m.active);
-  const held = active.length ? h('p', { id: 'active-bounds' }, `Active: ${active.map((m) => `${words(m.constraint).toLowerCase()} on link ${m.link}`).join(', ')}. These bounds, and not the log alone, decide these bodies; the table says what each costs in fit.`) : null;
-  return h('div', {}, h('h3', {}, 'Margins to what is possible'), held, chart, h('details', {}, h('summary', {}, 'As a table'), table_));
+  const held = active.length ? h('p', { id: 'active-bounds' }, `Active: ${active.map((m) => `${words(m.constraint).toLowerCase()} on link ${m.link}`).join(', ')}. These bounds, and not only the log, determine these bodies; the table gives the cost of each in fit.`) : null;
+  return h('div', {}, h('h3', {}, term('physical_margin', 'Margins of physical consistency')), held, chart, h('details', {}, h('summary', {}, 'As a table'), table_));
 }

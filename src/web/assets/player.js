@@ -3,7 +3,7 @@ import { ArmView, HOW_TO_TURN } from './arm.js';
 import { approach } from './arm-geometry.js';
 import { h, number } from './dom.js';
 
-/** `space`: what the arm keeps off, as in the request; `shape`: the capsules that it does so with. */
+/** `space`: what the arm avoids, as in the request; `shape`: the capsules that it does so with. */
 export function player({ joints, gravity, motion }, space, { shape = [], clearances = [], meshes = Promise.resolve([]) } = {}) {
   const canvas = h('canvas', { class: 'arm', 'aria-label': 'The arm in its motion, with the path of its last frame. Arrow keys turn the view.' });
   const last = motion.time.length - 1;

@@ -1,4 +1,5 @@
 // Plots: plotly.js with the colours of the page, units on every axis, and long series thinned without losing their peaks.
+import { shortNames } from './dom.js';
 
 /** Okabe and Ito's colours, which people with any kind of colour vision tell apart, and a dash each for those who see none. */
 const COLOURS = {
@@ -46,6 +47,7 @@ export async function plot(place, make, options = {}) {
   const Plotly = window.Plotly ?? await plotly();
   const draw = () => {
     const { traces, layout } = make();
+    shortenPlaces(traces, layout);
     return Plotly.react(place, traces, dressed(layout, place), { responsive: true, displaylogo: false, modeBarButtonsToRemove: ['lasso2d', 'select2d'], ...options });
   };
   if (place.dataset.label) {
@@ -70,6 +72,14 @@ export function plotLater(place, make, options) {
   watch.observe(place);
 }
 
+/** Long names of joints below an axis leave no room for what is drawn: they are shown without what all have in common. */
+function shortenPlaces(traces, layout) {
+  if (layout.xaxis?.type !== 'category' || layout.xaxis.ticktext) return;
+  const names = [...new Set(traces.flatMap((t) => t.x ?? []))].map(String);
+  const short = shortNames(names);
+  if (short !== names) layout.xaxis = { ...layout.xaxis, tickvals: names, ticktext: short };
+}
+
 function dressed(layout, place) {
   const [ink, soft, grid] = ['--ink', '--soft', '--grid'].map(variable);
   const narrow = place.clientWidth < 520;
@@ -87,7 +97,7 @@ function dressed(layout, place) {
   for (const name of Object.keys(full).concat(['xaxis', 'yaxis']).filter((k) => /^[xy]axis/.test(k))) {
     const own = full[name] ?? {};
     // Few figures on logarithmic axes: 1, 2, 5 at most.
-    full[name] = { ...axis, ...(own.type === 'log' ? { nticks: 3 } : {}), ...own, title: { ...axis.title, ...(typeof own.title === 'string' ? { text: own.title } : own.title) } };
+    full[name] = { ...axis, ...(own.type === 'log' ? { nticks: 3, tickformat: '~g' } : {}), ...own, title: { ...axis.title, ...(typeof own.title === 'string' ? { text: own.title } : own.title) } };
   }
   return full;
 }

@@ -4,7 +4,7 @@ import { colour, plot } from './plot.js';
 
 export function residualPlot(context) {
   const { result, report } = context;
-  const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, 'Residual against what explains it'));
+  const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, 'Residual over the variable that explains it'));
   const series = result.predictions;
   if (!series.length || !series[0].declared) {
     card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
@@ -13,7 +13,7 @@ export function residualPlot(context) {
   const [first] = suggestions(result, report);
   const log = select('Log', [...new Set(series.map((s) => s.log))]);
   const joint = select('Joint', result.joints, first.joint ?? result.joints[0]);
-  const across = select('Against', variables(result), first.variable);
+  const across = select('Over', variables(result), first.variable);
   const along = select('and', ['nothing else', ...variables(result)], first.second ?? 'nothing else');
   const holder = h('div');
   const draw = () => {
@@ -90,9 +90,9 @@ function scatter(context, { joint, across, x, before, after }) {
   const widest = 1.08 * Math.max(...before.map(Math.abs), ...after.map(Math.abs));
   const narrow = innerWidth < 640;
   const layout = narrow
-    ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `residual of ${joint} (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `residual of ${joint} (${unit})` }, height: 480 }
-    : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `residual of ${joint} (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
-  return { traces: [dots('declared model, without the effects', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
+    ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `without<br>effects (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `with<br>effects (${unit})` }, height: 480 }
+    : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `residual (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
+  return { traces: [dots('declared model', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
 }
 
 /** Over two variables: the residual as colour. Blue and brown, told apart by all, white for nothing left. */
@@ -100,7 +100,7 @@ function map(context, { joint, across, along, x, second, before }) {
   const unit = context.effort[context.result.joints.indexOf(joint)];
   const widest = Math.max(...before.map(Math.abs));
   return {
-    traces: [{ type: 'scatter', mode: 'markers', x, y: second, text: before.map((v) => v.toPrecision(3)), hovertemplate: `%{text} ${unit}<extra></extra>`, marker: { size: 7, color: before, cmin: -widest, cmax: widest, colorscale: [[0, '#01665e'], [0.5, '#f5f5f5'], [1, '#8c510a']], colorbar: { title: { text: `residual of ${joint}<br>(${unit})` }, thickness: 12 }, line: { width: 0.3, color: '#777' } } }],
+    traces: [{ type: 'scatter', mode: 'markers', x, y: second, text: before.map((v) => v.toPrecision(3)), hovertemplate: `%{text} ${unit}<extra></extra>`, marker: { size: 7, color: before, cmin: -widest, cmax: widest, colorscale: [[0, '#01665e'], [0.5, '#f5f5f5'], [1, '#8c510a']], colorbar: { title: { text: `residual<br>(${unit})` }, thickness: 12 }, line: { width: 0.3, color: '#777' } } }],
     layout: { height: 420, hovermode: 'closest', xaxis: { title: title(context, across) }, yaxis: { title: title(context, along) } },
   };
 }

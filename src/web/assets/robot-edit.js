@@ -2,7 +2,7 @@
 import { ArmView, HOW_TO_TURN } from './arm.js';
 import { explain, getJson, postJson, send, unmark } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
-import { fill, find, h } from './dom.js';
+import { fill, find, h, sentence, term } from './dom.js';
 import { jointDetails, suggestShape } from './robot-joint.js';
 import { Fields } from './robot-fields.js';
 import { tipChoice } from './robot-source.js';
@@ -23,7 +23,7 @@ export function editor({ id, start, saved, cancel }) {
   const name = h('input', { id: 'robot-id', value: id ?? slug(fields.doc.name), autocomplete: 'off', spellcheck: 'false' });
   const picture = preview();
   const draw = () => fill(form, h('h2', { id: 'editor-title' }, id ? `Edit ${fields.doc.name}` : 'Describe the robot'), notes, start.ends?.length ? tipChoice(start.ends, start.tip, start.again) : null,
-    general(fields), joints(fields, draw), h('div', { class: 'row spread' }, h('h3', {}, 'Links, shapes and bounds'), h('button', { type: 'button', onclick: () => { suggestShape(fields.doc); draw(); fields.changed(); } }, 'Suggest a shape')), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), asJson(fields, draw), trouble,
+    general(fields), joints(fields, draw), h('div', { class: 'row spread' }, h('h3', {}, 'Links, ', term('capsule', 'shapes'), ' and bounds'), h('button', { type: 'button', onclick: () => { suggestShape(fields.doc); draw(); fields.changed(); } }, 'Suggest a shape')), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), asJson(fields, draw), trouble,
     h('div', { class: 'row field' }, h('label', { class: 'inline', for: 'robot-id' }, 'ID'), (name.disabled = Boolean(id), name), h('span', { class: 'help' }, 'In requests and addresses: letters, digits, - and _.')),
     h('div', { class: 'actions' }, h('button', { class: 'primary' }, 'Save robot'), h('button', { type: 'button', onclick: cancel }, 'Cancel')));
   form.addEventListener('submit', async (event) => {
@@ -39,7 +39,7 @@ export function editor({ id, start, saved, cancel }) {
       explain(trouble, error, form);
     }
   });
-  const say = (more) => fill(notes, [...new Set([...remarks, ...more])].map((n) => h('div', { class: 'notice' }, h('p', {}, n))));
+  const say = (more) => fill(notes, [...new Set([...remarks, ...more])].map((n) => h('div', { class: 'notice' }, h('p', {}, sentence(n)))));
   let waiting = null;
   const soon = () => { clearTimeout(waiting); waiting = setTimeout(check, 350); };
   async function check() {
@@ -100,7 +100,7 @@ function joints(fields, draw) {
   const angle = h('select', { id: 'angle-unit', class: 'narrow', onchange: () => { fields.degrees = angle.value === 'deg'; draw(); } }, [['rad', 'radians'], ['deg', 'degrees']].map(([k, t]) => h('option', { value: k, selected: (k === 'deg') === fields.degrees }, t)));
   const turning = all.some((joint) => joint.kind !== 'prismatic');
   const unit = turning ? fields.angle : 'm';
-  const kind = (joint, j) => h('select', { class: 'narrow', 'aria-label': `${joint.name}: kind`, 'data-pointer': `/robot/joints/${j}/kind`, onchange: (e) => { joint.kind = e.target.value; draw(); fields.changed(); } }, [['revolute', 'turns'], ['prismatic', 'slides']].map(([k, t]) => h('option', { value: k, selected: joint.kind === k }, t)));
+  const kind = (joint, j) => h('select', { class: 'narrow', 'aria-label': `${joint.name}: kind`, 'data-pointer': `/robot/joints/${j}/kind`, onchange: (e) => { joint.kind = e.target.value; draw(); fields.changed(); } }, ['revolute', 'prismatic'].map((k) => h('option', { value: k, selected: joint.kind === k }, k)));
   const cell = (input) => h('td', {}, h('div', { class: 'field' }, input));
   const number = (j, path, label, options) => cell(fields.number(['joints', j, ...path], { label: `${all[j].name}: ${label}`, cell: true, ...options }));
   const placement = (joint, j) => {
@@ -127,7 +127,7 @@ function joints(fields, draw) {
   return h('div', {}, h('div', { class: 'row spread' }, h('h3', {}, 'Joints'), h('label', { class: 'inline', for: 'angle-unit' }, 'Angles in', angle)),
     h('p', { class: 'help' }, dh ? 'Modified DH parameters (Khalil; Craig’s a is d here, and his d is r).' : 'Pose of each joint in the link before it, as in a URDF file.'),
     table('Placement of the joints', ['Joint', 'Kind', ...heads, 'Remove'], all.map(row)), h('div', { class: 'actions' }, h('button', { type: 'button', onclick: add }, 'Add joint')),
-    h('h3', {}, 'Joint limits'), h('p', { class: 'help' }, `Angles in ${fields.degrees ? 'degrees' : 'radians'}; N·m, for sliding joints m and N. Empty: not limited.`),
+    h('h3', {}, 'Joint limits'), h('p', { class: 'help' }, `Angles in ${fields.degrees ? 'degrees' : 'radians'}; N·m, for prismatic joints m and N. Empty: not limited.`),
     table('Joint limits', ['Joint', `from (${unit})`, 'to', ...LIMITS.map(([, words, per]) => `${words} (${unit}${per})`), 'torque (N·m)'], all.map(limits)));
 }
 

@@ -1,6 +1,8 @@
 // What is known of one joint's link: mass, shape, bounds.
-import { h } from './dom.js';
+import { h, mark, term } from './dom.js';
 
+/** Parts of a joint that are terms of the glossary. */
+const TERMS = { prior: 'prior', bounds: 'bounds' };
 const INERTIA = ['xx', 'yy', 'zz', 'xy', 'xz', 'yz'];
 
 export function jointDetails(fields, j, draw) {
@@ -10,9 +12,9 @@ export function jointDetails(fields, j, draw) {
   const group = (title, ...parts) => h('div', { class: 'field', role: 'group', 'aria-label': `${joint.name}: ${title}` }, h('span', { class: 'label' }, title), parts);
   const number = (path, label, options = {}) => fields.number(at(...path), { label: `${joint.name}: ${label}`, ...options });
   const labelled = (text, input) => h('label', { class: 'stacked' }, text, input);
-  const tags = [joint.prior ? 'mass known' : null, joint.geometry?.length ? `${joint.geometry.length} capsule${joint.geometry.length > 1 ? 's' : ''}` : null, joint.bounds ? 'bounds' : null].filter(Boolean);
+  const tags = [joint.prior ? 'prior' : null, joint.geometry?.length ? `${joint.geometry.length} capsule${joint.geometry.length > 1 ? 's' : ''}` : null, joint.bounds ? 'bounds' : null].filter(Boolean);
   return h('details', { id: `joint-${j}` }, h('summary', {}, joint.name, ' ', tags.map((t) => [h('span', { class: 'tag' }, t), ' '])),
-    h('div', { class: 'halves' }, labelled('Name of the link behind it', fields.text(at('link'), { label: `${joint.name}: link` })),
+    h('div', { class: 'halves' }, labelled('Name of the link that the joint moves', fields.text(at('link'), { label: `${joint.name}: link` })),
       labelled('Long axis of the link', h('select', { 'aria-label': `${joint.name}: long axis`, 'data-pointer': `/robot/joints/${j}/slender_axis`, onchange: (e) => { if (e.target.value) joint.slender_axis = e.target.value; else delete joint.slender_axis; fields.changed(); } },
         ['', 'x', 'y', 'z'].map((a) => h('option', { value: a, selected: (joint.slender_axis ?? '') === a }, a || 'none'))))),
     prior(fields, joint, { group, number, labelled, slides, draw }), capsules(fields, joint, j, { number, draw }), bounds(fields, joint, { group, number, labelled, slides, draw }));
@@ -20,7 +22,7 @@ export function jointDetails(fields, j, draw) {
 
 function switched(fields, joint, key, words, make, draw, content) {
   const on = h('input', { type: 'checkbox', checked: Boolean(joint[key]), onchange: () => { if (on.checked) joint[key] = make(); else delete joint[key]; draw(); fields.changed(); } });
-  return h('fieldset', {}, h('legend', {}, h('label', { class: 'inline' }, on, words)), joint[key] ? content() : null);
+  return h('fieldset', {}, h('legend', {}, h('label', { class: 'inline' }, on, words), TERMS[key] ? mark(TERMS[key], words) : null), joint[key] ? content() : null);
 }
 
 function prior(fields, joint, { group, number, labelled, slides, draw }) {
@@ -42,7 +44,7 @@ function capsules(fields, joint, j, { number, draw }) {
     draw();
     fields.changed();
   };
-  return h('fieldset', {}, h('legend', {}, 'Shape, as capsules in the link frame'), list.map(line), h('button', { type: 'button', onclick: add }, 'Add capsule'), h('p', { class: 'help' }, 'All points within the radius of a segment. Needed for self-collision, floors and obstacles.'));
+  return h('fieldset', {}, h('legend', {}, 'Shape, as ', term('capsule', 'capsules'), ' in the link frame'), list.map(line), h('button', { type: 'button', onclick: add }, 'Add capsule'), h('p', { class: 'help' }, 'All points within the radius of a segment. Needed for self-collision, floors and obstacles.'));
 }
 
 /** Where the next joint is, in the frame of link `j`: most links are about as long. */

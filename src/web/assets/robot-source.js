@@ -89,7 +89,7 @@ function dhPanel(place, take) {
     const heads = ['Joint', 'Kind', ...columns.map(([, shown, angle]) => `${shown} (${angle ? unit : 'm'})`)];
     const cell = (row, j, [key, shown]) => h('td', {}, h('input', { class: 'cell-number', value: value(row, key), inputmode: 'decimal', 'aria-label': `${row.name} ${shown}`, 'data-row': j, 'data-key': key, oninput: (e) => { row[key] = e.target.value; } }));
     const line = (row, j) => h('tr', {}, h('td', {}, h('input', { class: 'cell-name', value: row.name, 'aria-label': `Name of joint ${j + 1}`, oninput: (e) => { row.name = e.target.value; } })),
-      h('td', {}, h('select', { class: 'narrow', 'aria-label': `Kind of joint ${j + 1}`, onchange: (e) => { row.kind = e.target.value; } }, ['revolute', 'prismatic'].map((k) => h('option', { value: k, selected: row.kind === k }, k === 'revolute' ? 'turns' : 'slides')))), columns.map((c) => cell(row, j, c)));
+      h('td', {}, h('select', { class: 'narrow', 'aria-label': `Kind of joint ${j + 1}`, onchange: (e) => { row.kind = e.target.value; } }, ['revolute', 'prismatic'].map((k) => h('option', { value: k, selected: row.kind === k }, k)))), columns.map((c) => cell(row, j, c)));
     fill(grid, h('table', { class: 'few' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t)))), h('tbody', {}, rows.map(line))));
   };
   [count, convention, degrees].forEach((e) => e.addEventListener('change', draw));
@@ -111,7 +111,7 @@ function dhPanel(place, take) {
   };
   return h('div', {}, h('div', { class: 'halves' }, h('div', { class: 'field' }, h('label', { for: 'dh-name' }, 'Name'), name), h('div', { class: 'field' }, h('label', { for: 'dh-count' }, 'Joints'), count),
     h('div', { class: 'field' }, h('label', { for: 'dh-convention' }, 'Convention'), convention), h('div', { class: 'field' }, h('label', { for: 'dh-unit' }, 'Angles in'), degrees)), help, grid,
-  h('p', { class: 'help' }, 'θ (or, for a sliding joint, d) is the offset that the joint’s own position is added to. Numbers may be written as 0.5, 1/2, pi/2 or -90.'), h('div', { class: 'actions' }, h('button', { type: 'button', class: 'primary', onclick: go }, 'Use this table')));
+  h('p', { class: 'help' }, 'θ (or, for a prismatic joint, d) is the offset that the joint’s own position is added to. Numbers may be written as 0.5, 1/2, pi/2 or -90.'), h('div', { class: 'actions' }, h('button', { type: 'button', class: 'primary', onclick: go }, 'Use this table')));
 }
 
 /** A number as people write it in a table: `-0.5`, `pi/2`, `-3*pi/4`, `1/2`; NaN for anything else. */

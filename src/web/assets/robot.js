@@ -3,7 +3,7 @@ import { ArmView, HOW_TO_TURN, poses } from './arm.js';
 import { download, explain, getJson, postJson, send, summaryOf } from './api.js';
 import { shapeOf } from './cell-view.js';
 import { meshesOf, meshPart } from './meshes.js';
-import { fill, find, h, measured, number, perSecond, table, time, unit, words } from './dom.js';
+import { fill, find, h, measured, number, perSecond, sentence, table, term, time, unit, words } from './dom.js';
 import { editor } from './robot-edit.js';
 import { sourceForm } from './robot-source.js';
 import { nameOf, typeset } from './expression.js';
@@ -38,12 +38,12 @@ const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria
 async function show(robot) {
   const target = find('#result');
   const drawn = await postJson('/motion', { robot: robot.id });
-  const base = h('div', {}, h('p', { class: 'soft' }, 'Working them out …'));
+  const base = h('div', {}, h('p', { class: 'soft' }, 'Computing …'));
   const history = h('div', {}, h('p', { class: 'soft' }, 'Looking …'));
   const parts = [['kinematics', 'Kinematics'], ['limits', 'Limits'], ['base', 'Base parameters'], ['history', 'History']];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
-    drawn.notes.length ? h('div', { class: 'notice' }, drawn.notes.map((n) => h('p', {}, n))) : null,
-    kinematics(robot, drawn), limits(drawn), section('base', 'Base parameters', base), section('history', 'Designs and identifications', history));
+    drawn.notes.length ? h('div', { class: 'notice' }, drawn.notes.map((n) => h('p', {}, sentence(n)))) : null,
+    kinematics(robot, drawn), limits(drawn), section('base', [term('base_parameters', 'Base parameters')], base), section('history', 'Designs and identifications', history));
   getJson(`/robots/${encodeURIComponent(robot.id)}/base-parameters`).then((b) => fill(base, baseTable(b))).catch((e) => explain(base, e));
   showHistory(history, robot).catch((e) => explain(history, e));
 }
@@ -68,7 +68,7 @@ function kinematics(robot, drawn) {
   const actions = h('div', { class: 'actions' }, zero, h('a', { class: 'button primary', href: `/design?robot=${encodeURIComponent(robot.id)}` }, 'Design a trajectory'), h('a', { class: 'button', href: `/identification?robot=${encodeURIComponent(robot.id)}` }, 'Identify'),
     h('button', { type: 'button', onclick: () => editKept(robot).catch((e) => explain(find('#trouble'), e)) }, robot.shipped ? 'Edit a copy' : 'Edit'),
     download('Description (JSON)', `/robots/${robot.id}`, `${robot.id}.json`), robot.shipped ? null : forget(robot));
-  return section('kinematics', drawn.robot, h('div', { class: 'columns', style: 'grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))' }, h('div', {}, canvas, h('p', { class: 'help' }, `Grid 0.25 m; the arrow g is gravity; arcs are the ranges of the joints. ${HOW_TO_TURN}`)), h('div', {}, sliders.map((s) => s.element), place)), actions, meshPart(robot, drawn, clothe));
+  return section('kinematics', drawn.robot, h('div', { class: 'columns', style: 'grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))' }, h('div', {}, canvas, h('p', { class: 'help' }, `Grid 0.25 m; the arrow g is gravity; arcs are the ranges of the joints. ${HOW_TO_TURN}`)), h('div', {}, h('div', { class: 'sliders' }, sliders.map((s) => s.element)), place)), actions, meshPart(robot, drawn, clothe));
 }
 
 function forget(robot) {
@@ -84,7 +84,7 @@ const start = (joint) => (span(joint)[0] <= 0 && span(joint)[1] >= 0 ? 0 : (span
 function slider(joint, value, tell) {
   const [low, high] = span(joint);
   const id = `joint-${joint.name}`.replace(/\W/g, '-');
-  const output = h('output', { class: 'number', for: id, style: 'min-width:5.5rem' });
+  const output = h('output', { class: 'number', for: id });
   const input = h('input', { id, type: 'range', min: low, max: high, step: (high - low) / 500 });
   const set = (v) => {
     input.value = v;
@@ -94,23 +94,23 @@ function slider(joint, value, tell) {
   input.addEventListener('input', () => set(input.value));
   input.value = value;
   output.textContent = `${number(value, 3)} ${joint.position_unit}`;
-  return { set, element: h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('label', { for: id, style: 'min-width:3rem;max-width:45%;flex:none;overflow-wrap:anywhere;margin:0' }, joint.name), input, output) };
+  return { set, element: h('div', { class: 'slider' }, h('label', { for: id }, joint.name), input, output) };
 }
 
 function limits(drawn) {
   const bound = (value, text) => (value === null ? '–' : `${number(value)} ${text}`);
   return section('limits', 'Joints and limits', table([
-    { head: 'Joint', cell: (j) => j.name, sort: (j) => j.name }, { head: 'Kind', cell: (j) => (j.kind === 'prismatic' ? 'slides' : 'turns') },
+    { head: 'Joint', cell: (j) => j.name, sort: (j) => j.name }, { head: 'Kind', cell: (j) => j.kind },
     { head: 'Position', number: true, cell: (j) => (j.position_limits ? `${number(j.position_limits[0])} … ${number(j.position_limits[1])} ${j.position_unit}` : '–') },
     { head: 'Velocity', number: true, cell: (j) => bound(j.velocity_limit, perSecond(j.position_unit, 1)), sort: (j) => j.velocity_limit }, { head: 'Acceleration', number: true, cell: (j) => bound(j.acceleration_limit, perSecond(j.position_unit, 2)), sort: (j) => j.acceleration_limit },
     { head: 'Jerk', number: true, cell: (j) => bound(j.jerk_limit, perSecond(j.position_unit, 3)), sort: (j) => j.jerk_limit }, { head: 'Torque', number: true, cell: (j) => bound(j.effort_limit, unit(j.effort_unit)), sort: (j) => j.effort_limit },
-    { head: 'Mass known (kg)', number: true, cell: (j) => (j.prior ? number(j.prior.mass) : '–'), sort: (j) => j.prior?.mass, title: 'Prior mass of the link behind the joint' },
+    { head: 'Prior mass (kg)', number: true, cell: (j) => (j.prior ? number(j.prior.mass) : '–'), sort: (j) => j.prior?.mass, term: 'prior' },
   ], drawn.joints, { caption: 'A dash: not limited, or not known' }));
 }
 
 function baseTable(base) {
-  return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} standard parameters: all that joint torques identify of this arm. R in a name means that other parameters are grouped into it.`), table([
-    { head: 'Name', cell: (p) => nameOf(p.name), sort: (p) => p.name }, { head: 'Is', cell: (p) => typeset(p.expression, p.name) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
+  return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} `, term('standard_parameters', 'standard parameters'), ': all that joint torques can identify of this arm. R in a name means that other parameters are grouped into it.'), table([
+    { head: 'Name', cell: (p) => nameOf(p.name), sort: (p) => p.name }, { head: 'Expression', cell: (p) => typeset(p.expression, p.name) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
   ], base.base_parameters, { caption: 'By name' })];
 }
 
@@ -124,7 +124,7 @@ async function runs(robot, kind) {
 
 async function showHistory(place, robot) {
   const [designs, identified] = await Promise.all([runs(robot, 'excitation'), runs(robot, 'identification')]);
-  fill(place, identified.length ? across(identified) : h('p', { class: 'soft' }, 'Nothing has been identified yet.'), designs.length ? table([
+  fill(place, identified.length ? across(identified) : h('p', { class: 'soft' }, 'No identifications yet.'), designs.length ? table([
     { head: 'Design', cell: (r) => h('a', { href: `/design?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Condition number', number: true, cell: (r) => number(r.result.condition_number), sort: (r) => r.result.condition_number },
     { head: 'Period', number: true, cell: (r) => `${number(r.result.period_s)} s`, sort: (r) => r.result.period_s }, { head: 'Limits', cell: (r) => r.result.request.constraints?.form ?? 'paper' }, { head: 'Ended', cell: (r) => words(r.result.status) },
   ], designs, { caption: 'Designs' }) : null);

@@ -1,8 +1,9 @@
 // Two or more runs side by side: parameters with their deviations, errors per joint, findings; of designs their criteria.
 import { getJson, summaryOf } from './api.js';
 import { CRITERIA } from './criteria.js';
-import { fill, h, measured, number, table, time, unit, words } from './dom.js';
+import { fill, h, measured, number, shortNames, table, term, time, unit, words } from './dom.js';
 import { nameOf } from './expression.js';
+import { effectName } from './finding.js';
 import { page } from './job-words.js';
 import { colour, plot, plotLater, plotly } from './plot.js';
 
@@ -17,7 +18,7 @@ export async function compareRuns(target, ids) {
   const runs = (await Promise.all(jobs.map(async (job) => ({ job, result: await summaryOf(job) })))).sort((a, b) => a.job.created_at.localeCompare(b.job.created_at));
   const kinds = new Set(jobs.map((j) => j.kind));
   if (kinds.size > 1) {
-    fill(target, section('compared', 'Comparison', h('p', {}, 'Designs and identifications have nothing in common to compare. Select runs of one kind.')));
+    fill(target, section('compared', 'Comparison', h('p', {}, 'Runs of different kinds cannot be compared. Select designs only, or identifications only.')));
     return;
   }
   runs.forEach((run, i) => { run.label = run.job.name ?? `${time(run.job.finished_at)} (${run.job.id.slice(0, 4)})`; run.index = i; });
@@ -41,12 +42,12 @@ function parameters(runs) {
   plotLater(chart, () => ({
     traces: runs.map((run, i) => ({ type: 'scatter', mode: 'markers', name: run.label, x: rows.map((_, k) => k + 0.5 * (i / runs.length - 0.25)), y: rows.map((r) => scaled(r, i)[0]),
       error_y: { type: 'data', array: rows.map((r) => 2 * scaled(r, i)[1]), color: colour(i), thickness: 1.2, width: 3 }, marker: { color: colour(i), size: 6, symbol: ['circle', 'square', 'diamond', 'cross', 'x', 'triangle-up', 'star'][i % 7] }, hovertemplate: rows.map((r) => `${r.name}: ${r.all[i]?.value === null ? '–' : measured(r.all[i].value, r.all[i].std_dev)} ${unit(r.unit)}<extra>${run.label}</extra>`) })),
-    layout: { height: 380, hovermode: 'closest', xaxis: { title: 'parameter', tickvals: rows.map((_, k) => k), ticktext: rows.map((r) => r.name), tickangle: -60, range: [-0.7, Math.min(rows.length, 24) - 0.3] }, yaxis: { title: 'difference from the first run<br>(largest standard deviation)' } },
+    layout: { height: 380, hovermode: 'closest', xaxis: { title: 'parameter', tickvals: rows.map((_, k) => k), ticktext: rows.map((r) => r.name), tickangle: -60, range: [-0.7, Math.min(rows.length, innerWidth < 640 ? 10 : 24) - 0.3] }, yaxis: { title: 'difference from the first run<br>(largest standard deviation)' } },
   }));
   const differ = rows.filter((r) => r.apart > APART).length;
-  return section('parameters', 'Parameters', h('p', {}, differ ? `${differ} of ${rows.length} parameters differ by more than ${APART} standard deviations between some two runs.` : `No parameter differs by more than ${APART} standard deviations between any two runs.`), chart,
+  return section('parameters', [term('base_parameters', 'Base parameters')], h('p', {}, differ ? `${differ} of ${rows.length} parameters differ by more than ${APART} standard deviations between some two runs.` : `No parameter differs by more than ${APART} standard deviations between any two runs.`), chart,
     table([{ head: 'Name', cell: (r) => nameOf(r.name), sort: (r) => r.name }, ...runs.map((run, i) => ({ head: run.label, number: true, cell: (r) => (r.all[i].value === null ? '–' : measured(r.all[i].value, r.all[i].std_dev)), sort: (r) => r.all[i].value })),
-      { head: 'Unit', cell: (r) => unit(r.unit) }, { head: 'Largest difference (σ)', number: true, cell: (r) => h('span', { class: r.apart > APART ? 'tag warn' : '' }, number(r.apart, 2)), sort: (r) => r.apart }], rows, { caption: 'Values ± standard deviation', sort: { column: runs.length + 2, way: 'descending' } }));
+      { head: 'Unit', cell: (r) => unit(r.unit) }, { head: 'Largest difference (σ)', term: 'std_dev', number: true, cell: (r) => h('span', { class: r.apart > APART ? 'tag warn' : '' }, number(r.apart, 2)), sort: (r) => r.apart }], rows, { caption: 'Values ± standard deviation', sort: { column: runs.length + 2, way: 'descending' } }));
 }
 
 /** One parameter over the dates of the runs. */
@@ -85,9 +86,9 @@ function apart(all) {
 
 function errors(runs) {
   const joints = runs[0].result.joints;
-  const rows = runs.flatMap((run) => [['identification', run.result.rms.identification], ['held out', run.result.rms.validation]].flatMap(([role, logs]) => (logs ?? []).map((log) => ({ run: run.label, role, log: log.name, ...(log.base ?? log) }))));
-  return section('errors', 'Errors per joint', h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for sliding joints).'),
-    table([{ head: 'Run', cell: (r) => r.run, sort: (r) => r.run }, { head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, ...joints.map((name, j) => ({ head: name, number: true, cell: (r) => number(r.rms?.[j], 3), sort: (r) => r.rms?.[j] }))], rows, { caption: 'RMS errors' }));
+  const rows = runs.flatMap((run) => [['identification', run.result.rms.identification], ['validation', run.result.rms.validation]].flatMap(([role, logs]) => (logs ?? []).map((log) => ({ run: run.label, role, log: log.name, ...(log.base ?? log) }))));
+  return section('errors', [term('rms_error', 'Errors'), ' per joint'], h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for prismatic joints).'),
+    table([{ head: 'Run', cell: (r) => r.run, sort: (r) => r.run }, { head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, ...shortNames(joints).map((name, j) => ({ head: name, number: true, cell: (r) => number(r.rms?.[j], 3), sort: (r) => r.rms?.[j] }))], rows, { caption: 'RMS errors' }));
 }
 
 function findings(runs) {
@@ -96,12 +97,12 @@ function findings(runs) {
   const rows = keys.map((key) => { const [effect, joints] = key.split('|'); return { effect, joints, all: all.map((list) => list.find((f) => `${f.effect}|${(f.joints ?? []).join(', ')}` === key)) }; });
   if (!rows.length) return section('findings', 'Findings', h('p', { class: 'soft' }, 'No effect was found in any of them.'));
   const said = (f) => (f ? h('span', {}, (f.parameters ?? []).map((p, i) => [i ? '; ' : '', `${words(p.name)} ${p.std_dev > 0 ? measured(p.value, p.std_dev) : number(p.value)} ${unit(p.unit)}`])) : '–');
-  return section('findings', 'Findings', table([{ head: 'Effect', cell: (r) => words(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => r.joints, sort: (r) => r.joints }, ...runs.map((run, i) => ({ head: run.label, cell: (r) => said(r.all[i]) }))], rows, { caption: 'Effects found, with their parameters' }));
+  return section('findings', [term('finding', 'Findings')], table([{ head: 'Effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => r.joints, sort: (r) => r.joints }, ...runs.map((run, i) => ({ head: run.label, cell: (r) => said(r.all[i]) }))], rows, { caption: 'Effects found, with their parameters' }));
 }
 
 function designs(runs) {
   const rows = Object.entries(CRITERIA).map(([key, c]) => ({ key, name: c.name, digits: c.digits, all: runs.map((r) => r.result.criteria?.[key] ?? (key === 'condition_number' ? r.result.condition_number : null)) })).filter((r) => r.all.some((v) => Number.isFinite(v)));
   const facts = [['Period (s)', (r) => r.period_s], ['Outcome', (r) => words(r.status)], ['Optimality criterion', (r) => CRITERIA[r.request?.criterion]?.name ?? '–']];
-  return [section('compared', 'Comparison', heads(runs)), section('criteria', 'Criteria', table([{ head: 'Criterion', cell: (r) => r.name }, ...runs.map((run, i) => ({ head: run.label, number: true, cell: (r) => number(r.all[i], r.digits), sort: (r) => r.all[i] }))], rows, { caption: 'Smaller is better' }),
+  return [section('compared', 'Comparison', heads(runs)), section('criteria', 'Criteria', table([{ head: 'Criterion', cell: (r) => term(r.key, r.name) }, ...runs.map((run, i) => ({ head: run.label, number: true, cell: (r) => number(r.all[i], r.digits), sort: (r) => r.all[i] }))], rows, { caption: 'Smaller is better' }),
     table([{ head: 'Design', cell: (r) => r[0] }, ...runs.map((run) => ({ head: run.label, cell: (r) => { const v = r[1](run.result); return typeof v === 'number' ? number(v) : v; } }))], facts, { caption: 'How they were made' }))];
 }

@@ -6,6 +6,8 @@ import { fill, find, h, seconds, table, time } from './dom.js';
 
 const FILTERS = ['search', 'robot', 'kind', 'state'];
 const chosen = new Set();
+/** Ids of the robots that are kept: a run may be of one that came in its request, or was deleted. */
+let robots = new Set();
 let jobs = [];
 let next = null;
 
@@ -40,9 +42,9 @@ function show() {
     return;
   }
   fill(find('#list'), table([
-    { head: 'Select', hidden: true, cell: select }, { head: 'Name', cell: named, sort: (j) => j.name ?? '' }, { head: 'Kind', cell: (j) => NAMES[j.kind] ?? j.kind, sort: (j) => j.kind }, { head: 'Robot', cell: (j) => h('a', { href: `/robot?robot=${encodeURIComponent(j.robot)}` }, j.robot), sort: (j) => j.robot },
+    { head: 'Select', hidden: true, cell: select }, { head: 'Name', cell: named, sort: (j) => j.name ?? '' }, { head: 'Kind', cell: (j) => NAMES[j.kind] ?? j.kind, sort: (j) => j.kind }, { head: 'Robot', cell: (j) => (robots.has(j.robot) ? h('a', { href: `/robot?robot=${encodeURIComponent(j.robot)}` }, j.robot) : j.robot ?? '–'), sort: (j) => j.robot ?? '' },
     { head: 'Logs', cell: (j) => h('div', { class: 'logs' }, j.logs?.length ? j.logs.join(', ') : '–'), sort: (j) => j.logs?.[0] ?? '' },
-    { head: 'State', cell: state, sort: (j) => j.state }, { head: 'Started', cell: (j) => time(j.started_at ?? j.created_at), sort: (j) => j.started_at ?? j.created_at }, { head: 'Duration', number: true, cell: (j) => (lasted(j) === null ? '–' : seconds(lasted(j))), sort: lasted },
+    { head: 'State', cell: state, sort: (j) => j.state }, { head: 'Started', cell: (j) => h('span', { class: 'nowrap' }, time(j.started_at ?? j.created_at)), sort: (j) => j.started_at ?? j.created_at }, { head: 'Duration', number: true, cell: (j) => (lasted(j) === null ? '–' : seconds(lasted(j))), sort: lasted },
     { head: 'Owner', cell: (j) => j.owner ?? '–', sort: (j) => j.owner ?? '' }, { head: 'Actions', hidden: true, cell: actions },
   ], jobs, { caption: `${jobs.length} run${jobs.length > 1 ? 's' : ''}${next ? ', and older ones' : ''}` }));
 }
@@ -104,8 +106,9 @@ find('#compare').addEventListener('click', () => compare([...chosen]).then(() =>
 
 async function begin() {
   const given = new URLSearchParams(location.search);
-  const { robots } = await getJson('/robots');
-  find('#robot').append(...robots.map((r) => h('option', { value: r.id }, r.name)));
+  const known = (await getJson('/robots')).robots;
+  robots = new Set(known.map((r) => r.id));
+  find('#robot').append(...known.map((r) => h('option', { value: r.id }, r.name)));
   FILTERS.forEach((f) => { find(`#${f}`).value = given.get(f) ?? ''; });
   const compared = given.get('compare')?.split(',').filter(Boolean) ?? [];
   compared.forEach((id) => chosen.add(id));

@@ -2,7 +2,7 @@
 import { fill, h, number, sinceStart } from './dom.js';
 import { colour, plotLong, variable } from './plot.js';
 
-export const MODELS = { base: 'the model found', physical: 'physical parameters and effects', declared: 'declared model, without the effects' };
+export const MODELS = { base: 'identified model (base parameters)', physical: 'identified model (physical parameters)', declared: 'declared model, without the effects' };
 
 /** `first`: number of the joint to begin with. */
 export function torquePlots(result, effort, { models: called = MODELS, first = 0 } = {}) {
@@ -30,7 +30,7 @@ export function torquePlots(result, effort, { models: called = MODELS, first = 0
     const residual = one.measured.map((m, i) => m - one[model.value][i]);
     const rms = Math.sqrt(residual.reduce((sum, r) => sum + r * r, 0) / residual.length);
     const unit = effort[result.joints.indexOf(joint.value)];
-    text.textContent = `Difference of the drawn points: ${number(rms, 3)} ${unit} root mean square. ${innerWidth < 640 ? 'The buttons above the plot zoom.' : 'Drag over the plot to zoom, double-click to go back.'}`;
+    text.textContent = `RMS difference of the points drawn: ${number(rms, 3)} ${unit}. ${innerWidth < 640 ? 'The buttons above the plot zoom.' : 'Drag over the plot to zoom, double-click to go back.'}`;
     plotLong(place, [
       { x: time, y: one.measured, trace: () => ({ name: 'measured', line: { color: variable('--soft'), width: 2.4 } }) },
       { x: time, y: one[model.value], trace: () => ({ name: 'predicted', line: { color: colour(1), width: 1.3 } }) },
