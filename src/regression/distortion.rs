@@ -64,6 +64,10 @@ impl AugmentedModel {
 
     /// All distortions applied in turn; `changed` stands in for the term at that place, or comes on top. Where one depends on the load, the load
     /// is that of the distorted motion: an elastic joint bends by a few per cent of what its own bending changes, so that `load_rounds` are enough.
+    ///
+    /// Distortions that depend on the load come last, whatever the order of the terms: the late torque of an elastic arm is that of the earlier motion and of its load.
+    /// Bending first would have a delay interpolate between bent states, whose velocities and accelerations are smoothed and do not belong to their positions: the difference
+    /// would come back divided by the square of the sampling interval.
     pub(crate) fn world(&self, stretch: &Stretch, plain: &Torques, changed: Option<(Option<usize>, &Term)>) -> World {
         let mut list: Vec<&Term> = Vec::new();
         for (t, own) in self.terms.iter().enumerate().filter(|(_, t)| t.is_distortion()) {
@@ -75,6 +79,7 @@ impl AugmentedModel {
         if let Some((None, term)) = changed {
             list.push(term);
         }
+        list.sort_by_key(|t| t.effect.distorts_by_load());
         let mut world = self.distorted(stretch, &plain.rigid, &plain.declared, &list);
         // Around zero the derivative is that of the undistorted load.
         let bends =

@@ -34,7 +34,9 @@ impl FinalModel {
         let kept = || self.terms.iter().filter(|t| is_remembered(t));
         let distortions = kept().filter(|t| t.effect.code() != "presliding_hysteresis");
         let hysteresis = kept().filter(|t| t.effect.code() == "presliding_hysteresis");
-        let distortions: Vec<_> = distortions.map(|t| (t.joints.first().copied(), t.shape[0])).collect();
+        // As the identification does: a delay takes earlier samples, and elastic joints bend under the loads of those.
+        let mut distortions: Vec<_> = distortions.map(|t| (t.joints.first().copied(), t.shape[0])).collect();
+        distortions.sort_by_key(|(joint, _)| joint.is_some());
         // As the identification does: what is within the step of a derivative around zero has the load of the undistorted motion.
         let step = by_code("joint_elasticity").expect("is in the list").steps()[0];
         let bends = distortions
