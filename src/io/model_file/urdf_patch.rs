@@ -1,10 +1,11 @@
 //! Identified bodies in the user's own URDF file: meshes, materials, comments, frames and other links stay as they are.
 
-use super::FinalModel;
 use super::missing::PATCHED;
-use crate::io::model_document::with_comment;
+use super::{FinalModel, ModelFormat};
+use crate::io::model_document::{urdf_gravity, with_comment};
+use crate::io::significant;
 use crate::model::{
-    CarriedLinks, ChainEnds, FieldProblem, ModelError, NewBody, Robot, Rounding, from_urdf, urdf_carried, urdf_with_bodies,
+    CarriedLinks, ChainEnds, FieldProblem, Joint, ModelError, NewBody, Robot, Rounding, from_urdf, urdf_carried, urdf_with_bodies,
 };
 use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 
@@ -19,11 +20,22 @@ pub struct Patched {
 /// Differences of frames in files that describe the same arm (m, and entries of rotations): digits that one of them rounded.
 const SAME_FRAME: f64 = 1e-5;
 
+/// The identified robot as a file describes it.
+struct Counterpart {
+    /// With frames as in the file.
+    robot: Robot,
+    /// Which format's report says what the file does not hold.
+    reported_as: &'static str,
+}
+
 impl FinalModel {
     /// The user's file with the identified bodies and friction in the links and joints of the same names.
     ///
     /// Links that are locked to a link of the chain (flanges, grippers, cameras) were identified with it. They keep what the file says of them, and the chain's link gets the
     /// rest; where no body is left by that, they lose their inertials and the chain's link gets all.
+    ///
+    /// A base that stands elsewhere in the file is the same arm where gravity, which is −z in URDF, is the same seen from the first joint. So is a file that holds the base tilt and
+    /// the encoder offsets of this model in its frames, as the URDF files of [`text`](Self::text) do.
     ///
     /// # Errors
     /// No URDF file, or one of another arm: other joints, or frames at other places.
@@ -33,9 +45,9 @@ impl FinalModel {
         let ends = ChainEnds { base, tip: tip.or(last) };
         let carried = urdf_carried(xml, ends, Rounding::Meant).map_err(of_model)?;
         let read = from_urdf(xml, self.robot.gravity(), self.robot.friction(), ends).map_err(of_model)?;
-        self.is_same_arm(&read.robot)?;
+        let ours = self.counterpart(&read.robot)?;
         let (mut new, mut notes) = (Vec::new(), Vec::new());
-        for ((identified, in_file), links) in self.robot.joints().iter().zip(read.robot.joints()).zip(&carried) {
+        for ((identified, in_file), links) in ours.robot.joints().iter().zip(read.robot.joints()).zip(&carried) {
             let Some(prior) = &identified.prior else { continue };
             // The dynamics' frames are the same; the link's frame is that of this file.
             let turn = Transform::from_rotation(in_file.description_frame);
@@ -44,7 +56,8 @@ impl FinalModel {
             new.push((links.joint.clone(), NewBody::Friction(prior.viscous, prior.coulomb)));
         }
         let patched = urdf_with_bodies(xml, &new).map_err(of_model)?;
-        notes.extend(self.remarks(PATCHED));
+        notes.extend(gravity_note(&ours.robot, &read.robot));
+        notes.extend(self.remarks(ours.reported_as));
         let top = format!("bodies and friction as identified by dynident {}", env!("CARGO_PKG_VERSION"));
         let comment: Vec<String> = std::iter::once(top).chain(notes.iter().cloned()).collect();
         Ok(Patched {
@@ -53,28 +66,74 @@ impl FinalModel {
         })
     }
 
-    fn is_same_arm(&self, other: &Robot) -> Result<(), Vec<FieldProblem>> {
-        let remedy =
-            "give the file that the robot of the identification was read from, or identify again with this file as the robot";
-        let refuse = |what: String| Err(vec![FieldProblem::new("/urdf", what).with_hint(remedy)]);
+    /// The robot as it was described, or with tilt and offsets in its frames, whichever the file has.
+    fn counterpart(&self, file: &Robot) -> Result<Counterpart, Vec<FieldProblem>> {
+        let refuse = |what: String| {
+            let remedy =
+                "give the file that the robot of the identification was read from, or identify again with this file as the robot";
+            vec![FieldProblem::new("/urdf", what).with_hint(remedy)]
+        };
         let names = |robot: &Robot| robot.joints().iter().map(|j| j.name.clone()).collect::<Vec<_>>();
-        let (ours, theirs) = (names(&self.robot), names(other));
+        let (ours, theirs) = (names(&self.robot), names(file));
         if ours != theirs {
-            return refuse(format!(
+            return Err(refuse(format!(
                 "has the joints {}, and the model has {}",
                 theirs.join(", "),
                 ours.join(", ")
-            ));
+            )));
         }
-        for (a, b) in self.robot.joints().iter().zip(other.joints()) {
-            let turned = (a.placement.rotation - b.placement.rotation).amax();
-            let moved = (a.placement.translation - b.placement.translation).amax();
-            if a.kind != b.kind || turned.max(moved) > SAME_FRAME {
-                return refuse(format!("has joint `{}` at another place than the model", a.name));
-            }
+        let described = Counterpart {
+            robot: self.robot.clone(),
+            reported_as: PATCHED,
+        };
+        let Some(elsewhere) = moved_joint(&self.robot, file) else {
+            return Ok(described);
+        };
+        let absorbed = self.absorbed();
+        if moved_joint(&absorbed, file).is_some() {
+            return Err(refuse(elsewhere));
         }
-        Ok(())
+        Ok(Counterpart {
+            robot: absorbed,
+            reported_as: ModelFormat::Urdf.name(),
+        })
     }
+}
+
+/// The first joint that a file has at another place, in words.
+fn moved_joint(ours: &Robot, file: &Robot) -> Option<String> {
+    let differs = |a: &Joint, b: &Joint| {
+        let turned = (a.placement.rotation - b.placement.rotation).amax();
+        let moved = (a.placement.translation - b.placement.translation).amax();
+        turned.max(moved) > SAME_FRAME
+    };
+    let mut pairs = ours.joints().iter().zip(file.joints()).enumerate();
+    let (k, (joint, _)) = pairs.find(|(k, (a, b))| {
+        // Where the base stands is nothing to the arm: which way its weight pulls is.
+        let elsewhere = differs(a, b) && (*k > 0 || !has_same_gravity(ours, file));
+        a.kind != b.kind || elsewhere
+    })?;
+    let gravity = if k == 0 {
+        ", and gravity along -z of the file is not that of the model there"
+    } else {
+        ""
+    };
+    Some(format!("has joint `{}` at another place than the model{gravity}", joint.name))
+}
+
+/// Whether the gravity of a file's root frame, −z, is that of the model, both seen from the first joint.
+fn has_same_gravity(ours: &Robot, file: &Robot) -> bool {
+    let [a, b] = [(ours, ours.gravity()), (file, urdf_gravity(ours))]
+        .map(|(robot, gravity)| robot.joints()[0].placement.rotation.transpose() * gravity);
+    (a - b).norm() <= SAME_FRAME * ours.gravity().norm()
+}
+
+/// Said of a file in whose simulation the weight pulls another way than it did in the identification.
+fn gravity_note(ours: &Robot, file: &Robot) -> Option<String> {
+    let [x, y, z] = ours.gravity().map(|v| significant(v, 6)).into();
+    (!has_same_gravity(ours, file)).then(|| {
+        format!("identified with gravity [{x}, {y}, {z}] m/s^2 in the base frame; simulators let it point along -z of this file's root: mount the arm there as it stands")
+    })
 }
 
 /// Bodies of a link of the chain and of those that are locked to it, which together are `body` (about the frame of the former).
