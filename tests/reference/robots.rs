@@ -1,12 +1,13 @@
 //! Shipped robots against what has been published of them: forward kinematics and numbers of base parameters.
 
 use crate::support::{rng, uniform};
-use dynident::dynamics::forward_kinematics;
+use dynident::dynamics::{forward_kinematics, inverse_dynamics};
 use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::model::Robot;
-use dynident::parameters::BaseParameters;
+use dynident::parameters::{BaseParameters, Layout};
 use dynident::spatial::Transform;
 use nalgebra::{Matrix3, Vector3};
+use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 fn shipped(name: &str) -> Robot {
@@ -90,5 +91,26 @@ fn val_shipped_robots_have_the_published_number_of_base_parameters() {
             inertial + 2 * robot.joint_count(),
             "{name}"
         );
+    }
+}
+
+/// Bodies that were published in other frames, against Pinocchio with the published numbers (`tests/data/ref_shipped_bodies.py`).
+#[test]
+fn val_shipped_bodies_have_the_torques_of_their_sources() {
+    let text = include_str!("../data/ref_shipped_bodies.json");
+    let reference: Value = serde_json::from_str(text).unwrap();
+    for (name, states) in reference["arms"].as_object().unwrap() {
+        let robot = shipped(name);
+        let layout = Layout::standard(&robot);
+        let phi = layout.prior(&robot).expect("every link has a body");
+        for state in states.as_array().unwrap() {
+            let list =
+                |field: &str| -> Vec<f64> { state[field].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+            let torque = inverse_dynamics(&robot, &layout, phi.as_slice(), &list("q"), &list("qd"), &list("qdd"));
+            for (ours, theirs) in torque.iter().zip(list("torque")) {
+                // The documents have twelve digits.
+                assert!((ours - theirs).abs() < 1e-9 * (1.0 + theirs.abs()), "{name}: {ours} {theirs}");
+            }
+        }
     }
 }
