@@ -2,7 +2,9 @@
 
 use crate::app::{Code, Error, LogFile};
 use crate::io::shipped::Shipped;
-use crate::io::{NamedRobots, Parsed, RobotDocument, parse, robot_document, robot_file, shapes_of_meshes};
+use crate::io::{
+    NamedRobots, Parsed, RobotDocument, is_archive, parse, robot_archive, robot_document, robot_file, shapes_of_meshes,
+};
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
@@ -89,7 +91,7 @@ impl ChainArguments {
     }
 }
 
-/// A robot by the name of one that comes with the program, or from a file (JSON or URDF).
+/// A robot by the name of one that comes with the program, or from a file (JSON, URDF, MJCF, or a ZIP archive of a URDF file and its meshes).
 pub fn robot(name_or_file: &str, chain: &ChainArguments) -> Result<Parsed, Error> {
     let mut parsed = named_robot(name_or_file)?;
     chain.put(&mut parsed.value)?;
@@ -106,6 +108,14 @@ fn named_robot(name_or_file: &str) -> Result<Parsed, Error> {
         });
     }
     let bytes = read(path).map_err(|e| e.with_hint(format!("give a file, or one of: {}", names.join(", "))))?;
+    if is_archive(&bytes) {
+        let read = robot_archive(&bytes).map_err(|e| in_file(path, e.into()))?;
+        print_notes(&read.notes);
+        return Ok(Parsed {
+            value: read.document,
+            problems: Vec::new(),
+        });
+    }
     let mut parsed = robot_file(&bytes).map_err(|e| in_file(path, e.into()))?;
     add_meshes(path, &mut parsed.value);
     Ok(parsed)

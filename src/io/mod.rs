@@ -54,6 +54,7 @@ pub use motion_document::{
 };
 pub use residual_document::*;
 pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_file, shapes_of_meshes};
+pub use robot::{RobotArchive, is_archive, robot_archive};
 pub use robot_report::{ReportedJoint, RobotReport};
 pub use trajectory_file::{
     MOST_ROWS, Parts, TrajectoryFile, TrajectoryFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts,

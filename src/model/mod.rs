@@ -35,3 +35,4 @@ pub use urdf::{
     urdf_with_bodies,
 };
 pub use words::{decimals, readable, scientific, shortest};
+pub(crate) use xml::XmlText;

@@ -2,10 +2,11 @@
 
 use super::blocking::sized;
 use super::problem::Failure;
+use super::state::Service;
 use crate::app::{Code, Error};
 use crate::io::{Parsed, parse, robot_file};
 use axum::body::Bytes;
-use axum::extract::{FromRequest, Request};
+use axum::extract::{DefaultBodyLimit, FromRequest, Request};
 use axum::http::{HeaderMap, header};
 
 /// A JSON body, read as far as possible: what is wrong with its numbers is listed, not refused yet.
@@ -16,6 +17,15 @@ pub struct JsonBody {
 
 /// A robot: JSON or a URDF file.
 pub struct RobotBody(pub Parsed);
+
+/// A robot that is to be kept: as [`RobotBody`], or a ZIP archive of a URDF file with its meshes, which is still to be unpacked.
+pub enum RobotUpload {
+    Document(Parsed),
+    Archive(Bytes),
+}
+
+/// Bytes of an archive of a robot: meshes of an arm have tens of megabytes. Other documents are held to less, being held in memory several times.
+const LARGEST_ARCHIVE: usize = 64 << 20;
 
 fn media_type(headers: &HeaderMap) -> String {
     let text = headers
@@ -57,6 +67,28 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
         let text = bytes.clone();
         let parsed = sized(text.len(), move || parse(&text)).await?.map_err(Error::from)?;
         Ok(Self { parsed, bytes })
+    }
+}
+
+fn is_zip(media_type: &str) -> bool {
+    matches!(media_type, "application/zip" | "application/x-zip-compressed")
+}
+
+impl FromRequest<Service> for RobotUpload {
+    type Rejection = Failure;
+
+    async fn from_request(mut request: Request, service: &Service) -> Result<Self, Failure> {
+        let found = media_type(request.headers());
+        if is_zip(&found) {
+            DefaultBodyLimit::max(LARGEST_ARCHIVE).apply(&mut request);
+            return Ok(Self::Archive(Bytes::from_request(request, service).await?));
+        }
+        if !is_json(&found) && !is_xml(&found) {
+            let expected = "application/json, application/xml for URDF, or application/zip for a URDF file with its meshes";
+            return Err(unsupported(&found, expected));
+        }
+        let RobotBody(parsed) = RobotBody::from_request(request, service).await?;
+        Ok(Self::Document(parsed))
     }
 }
 

@@ -3,6 +3,9 @@
 use crate::server::{Server, in_database, quick_request};
 use dynident::service::Config;
 use serde_json::json;
+use std::io::Write;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
 
 const URDF: &str = include_str!("../../examples/robots/iiwa14.urdf");
 
@@ -186,4 +189,75 @@ fn pages_and_health_answer() {
         docs.text
     );
     assert_eq!(server.get("/docs/swagger-ui-bundle.js").status, 200);
+}
+
+/// A description package: the URDF file and a mesh in text.
+fn package(robot: &str) -> Vec<u8> {
+    let corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.4], [0.0, 0.1, 0.4], [0.1, 0.1, 0.0]];
+    let corner = |k: usize| format!("vertex {} {} {}\n", corners[k][0], corners[k][1], corners[k][2]);
+    let facet = |t: [usize; 3]| {
+        format!(
+            "facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n",
+            t.map(corner).concat()
+        )
+    };
+    let mesh = format!("solid m\n{}endsolid m\n", [[0, 1, 2], [0, 1, 3]].map(facet).concat());
+    let urdf = format!(
+        r#"<robot name="packed"><link name="base"/><link name="l1"><collision><geometry><mesh filename="package://packed/meshes/l1.stl"/></geometry></collision></link>
+        <link name="l2"><visual><geometry><mesh filename="package://packed/meshes/l2.dae"/></geometry></visual></link>
+        <joint name="j1" type="continuous"><parent link="base"/><child link="l1"/></joint><joint name="j2" type="continuous"><parent link="l1"/><child link="l2"/></joint></robot>"#
+    );
+    let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, content) in [(robot, urdf), ("packed/meshes/l1.stl", mesh)] {
+        writer.start_file(name, SimpleFileOptions::default()).unwrap();
+        writer.write_all(content.as_bytes()).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+#[test]
+fn a_robot_may_come_with_its_meshes_in_an_archive() {
+    let server = Server::start();
+    let post = |path: &str, bytes: &[u8]| server.post_raw(path, "application/zip", bytes, None);
+    let answer = post("/robots?tip=l2", &package("packed/urdf/arm.urdf"));
+    assert_eq!(answer.status, 201, "{}", answer.text);
+    let kept = answer.json();
+    assert_eq!((&kept["id"], &kept["joints"]), (&json!("packed"), &json!(["j1", "j2"])));
+    assert_eq!(kept["understood"]["joints"][0]["capsules"], 1, "{kept}");
+    let notes = kept["notes"].to_string();
+    assert!(
+        notes.contains("not in the archive") && notes.contains("package://packed/meshes/l2.dae"),
+        "{notes}"
+    );
+    let document = server.get("/robots/packed").json();
+    assert_eq!(document["tip"], "l2");
+    let capsule = &document["geometry"]["l1"][0];
+    assert_eq!(capsule["source"], "around package://packed/meshes/l1.stl");
+    assert!(capsule["radius"].as_f64().unwrap() > 0.05, "{capsule}");
+    // What is kept is used like any other.
+    assert_eq!(server.get("/robots/packed/base-parameters").status, 200);
+    let none = post("/robots", &package("packed/readme.txt"));
+    assert_eq!(
+        (none.status, none.problem()["code"].as_str()),
+        (400, Some("malformed_document")),
+        "{}",
+        none.text
+    );
+    assert!(
+        none.problem()["detail"].as_str().unwrap().contains("has no robot"),
+        "{}",
+        none.text
+    );
+    let damaged = post("/robots", b"PK\x03\x04 and no more");
+    assert_eq!(damaged.status, 400, "{}", damaged.text);
+    let large = post("/robots", &vec![0; (64 << 20) + 1]);
+    assert_eq!(
+        (large.status, large.problem()["code"].as_str()),
+        (413, Some("payload_too_large")),
+        "{}",
+        large.text
+    );
+    // Other documents are held to the ordinary limit.
+    let wordy = server.post_raw("/robots", "application/xml", &vec![b' '; (8 << 20) + 1], None);
+    assert_eq!(wordy.status, 413, "{}", wordy.text);
 }

@@ -2,6 +2,9 @@
 
 use super::{Folder, ROOT, run, stderr, stdout};
 use serde_json::Value;
+use std::io::Write;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
 
 fn data(file: &str) -> String {
     format!("{ROOT}/tests/data/{file}")
@@ -166,4 +169,16 @@ fn meshes_beside_a_urdf_file_give_its_links_a_shape() {
         .map(|j| j["capsules"].as_u64().unwrap())
         .collect();
     assert_eq!(capsules, [1, 1, 0], "{report}");
+    // The same as one archive.
+    let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, content) in [("my_arm/urdf/arm.urdf", text.into_bytes()), ("my_arm/meshes/l1.stl", stl())] {
+        writer.start_file(name, SimpleFileOptions::default()).unwrap();
+        writer.write_all(&content).unwrap();
+    }
+    let archive = folder.file("arm.zip");
+    std::fs::write(&archive, writer.finish().unwrap().into_inner()).unwrap();
+    let output = run(&["--json", "robot", &archive]);
+    let packed: Value = serde_json::from_str(&stdout(&output)).unwrap_or_else(|_| panic!("{}", stderr(&output)));
+    assert_eq!(packed["joints"], report["joints"]);
+    assert!(stderr(&output).contains("not in the archive"), "{}", stderr(&output));
 }

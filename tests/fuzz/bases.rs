@@ -7,7 +7,10 @@ use super::target::Target;
 use super::xml::Element;
 use dynident::cli::run_with;
 use serde_json::{Value, json};
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 /// Names of parts, which are the names of the files that the program gets.
 pub const ROBOT: &str = "robot";
@@ -124,6 +127,32 @@ fn mesh(binary: bool) -> Document {
     Document::Plain(if binary { bytes } else { text.into_bytes() })
 }
 
+/// The same points as Wavefront OBJ, and as a COLLADA scene with every transformation.
+const OBJ: &str = "# box\nmtllib none.mtl\no box\nv -0.05 -0.1 -0.3\nv 0.05 -0.1 -0.3\nv -0.05 0.1 0.3\nv 0.05 0.1 0.3\nvn 0 0 1\nvt 0 0\ng one\ns off\nusemtl grey\nf 1/1/1 2/1/1 4/1/1 3/1/1\nf 1 2 -1\nl 1 2\n";
+const DAE: &str = r##"<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit name="cm" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">-5 -10 -30 5 -10 -30 -5 10 30 5 10 30</float_array>
+<technique_common><accessor source="#a" count="4" stride="3" offset="0"><param name="X" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
+<library_nodes><node id="n"><instance_geometry url="#g"/></node></library_nodes>
+<library_visual_scenes><visual_scene id="s"><node id="top"><translate>1 2 3</translate><rotate>0 0 1 90</rotate><scale>1 1 2</scale>
+<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url="#g"/></node><instance_node url="#n"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"##;
+
+/// A description package, its files as they are so that changed bytes reach the readers.
+fn package(urdf: &str) -> Document {
+    let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, content) in [
+        ("arm/urdf/arm.urdf", urdf),
+        ("arm/meshes/l2.dae", DAE),
+        ("arm/package.xml", "<package/>"),
+    ] {
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        writer.start_file(name, options).expect("memory can be written");
+        writer.write_all(content.as_bytes()).expect("memory can be written");
+    }
+    Document::Plain(writer.finish().expect("memory can be written").into_inner())
+}
+
 /// Robots, and what their files name.
 fn robots() -> Vec<Vec<(&'static str, Document)>> {
     let mjcf = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/ref_mjcf.xml");
@@ -135,6 +164,18 @@ fn robots() -> Vec<Vec<(&'static str, Document)>> {
         vec![(ROBOT, Document::Xml(Element::parse(&mjcf)))],
         with_mesh(true),
         with_mesh(false),
+        vec![
+            (ROBOT, Document::Xml(Element::parse(&meshed))),
+            (MESH, Document::Plain(OBJ.into())),
+        ],
+        vec![
+            (ROBOT, Document::Xml(Element::parse(&meshed))),
+            (MESH, Document::Xml(Element::parse(DAE))),
+        ],
+        vec![(
+            ROBOT,
+            package(&URDF.replace("package://x/y.stl", "package://arm/meshes/l2.dae")),
+        )],
     ]);
     all
 }

@@ -5,6 +5,7 @@ mod support;
 
 mod dynamics;
 mod excitation;
+mod meshes;
 mod robot_files;
 mod robots;
 mod shapes;

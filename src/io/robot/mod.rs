@@ -2,10 +2,14 @@
 //!
 //! Every object of a robot document may carry a `source`: one string that says where its numbers come from.
 
+#[cfg_attr(not(feature = "formats"), path = "no_archive.rs")]
+mod archive;
 mod file;
 mod joint;
+mod mesh_points;
 mod meshes;
 
+pub use archive::{RobotArchive, is_archive, robot_archive};
 pub use file::robot_file;
 pub use joint::{DH_FIELDS, INERTIA_FIELDS, JOINT_FIELDS, LIMIT_FIELDS, MDH_FIELDS, PLACEMENT_FIELDS, PRIOR_FIELDS};
 pub use meshes::shapes_of_meshes;

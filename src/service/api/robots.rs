@@ -4,11 +4,11 @@ use super::query::QueryFields;
 use super::results::computed;
 use super::schemas::RobotSchema;
 use crate::app::{Code, Error, Problem};
-use crate::io::{BaseParametersDocument, Parsed, RobotReport};
+use crate::io::{BaseParametersDocument, Parsed, RobotArchive, RobotReport};
 use crate::model::FieldProblem;
 use crate::service::access::{Access, slug};
 use crate::service::child::{REQUEST, RobotRead, Task};
-use crate::service::document::RobotBody;
+use crate::service::document::RobotUpload;
 use crate::service::known::is_shipped;
 use crate::service::problem::Failure;
 use crate::service::state::Service;
@@ -156,18 +156,44 @@ fn put_ends(parsed: &mut Parsed, mut query: QueryFields) -> Result<(), Failure> 
     Ok(())
 }
 
+/// The document that is kept, and what there is to say of its robot.
+async fn read_upload(service: &Service, upload: RobotUpload, query: QueryFields) -> Result<(Value, RobotRead), Failure> {
+    let (mut parsed, notes) = match upload {
+        RobotUpload::Document(parsed) => (parsed, Vec::new()),
+        RobotUpload::Archive(bytes) => {
+            let task = Task::RobotArchive { bytes: bytes.into() };
+            let RobotArchive { document, notes } = service.compute_document(task, REQUEST).await?;
+            let problems = Vec::new();
+            (
+                Parsed {
+                    value: document,
+                    problems,
+                },
+                notes,
+            )
+        }
+    };
+    put_ends(&mut parsed, query)?;
+    let document = parsed.value.clone();
+    let mut robot = read(service, parsed).await?;
+    robot.notes.extend(notes);
+    Ok((document, robot))
+}
+
 /// Keep a robot of the lab; its id is made from its name.
+///
+/// A ZIP archive has one URDF file and the meshes that it names (STL, OBJ, COLLADA): links that are described by meshes alone get capsules around them. At most 64 MiB.
 #[utoipa::path(
     post, path = "/robots", tag = "robots", operation_id = "add_robot",
     params(
         ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF or MJCF file that has more"),
         ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
     ),
-    request_body(content((RobotSchema = "application/json"), (String = "application/xml"))),
+    request_body(content((RobotSchema = "application/json"), (String = "application/xml"), (Vec<u8> = "application/zip"))),
     responses(
         (status = 201, description = "Kept; its address is in `Location`", body = RobotSummary,
             headers(("Location" = String, description = "Address of the robot"))),
-        (status = 400, description = "Neither JSON nor XML", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Neither JSON nor XML nor a ZIP archive of one robot", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "The token is not for a robot of this name", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "A robot of that name exists", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
@@ -179,12 +205,10 @@ pub async fn post(
     State(service): State<Service>,
     access: Access,
     query: QueryFields,
-    RobotBody(mut parsed): RobotBody,
+    upload: RobotUpload,
 ) -> Result<Response, Failure> {
     access.require(Role::Admin)?;
-    put_ends(&mut parsed, query)?;
-    let document = parsed.value.clone();
-    let robot = read(&service, parsed).await?;
+    let (document, robot) = read_upload(&service, upload, query).await?;
     let id = slug(&robot.name);
     keep(&service, &access, &id, (document, robot), false).await
 }
@@ -197,11 +221,11 @@ pub async fn post(
         ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF or MJCF file that has more"),
         ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
     ),
-    request_body(content((RobotSchema = "application/json"), (String = "application/xml"))),
+    request_body(content((RobotSchema = "application/json"), (String = "application/xml"), (Vec<u8> = "application/zip"))),
     responses(
         (status = 200, description = "Replaced", body = RobotSummary),
         (status = 201, description = "Kept", body = RobotSummary),
-        (status = 400, description = "Neither JSON nor XML", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Neither JSON nor XML nor a ZIP archive of one robot", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "The token is not for a robot of this name", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "Comes with the program", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
@@ -214,17 +238,15 @@ pub async fn put(
     access: Access,
     Path(id): Path<String>,
     query: QueryFields,
-    RobotBody(mut parsed): RobotBody,
+    upload: RobotUpload,
 ) -> Result<Response, Failure> {
     access.require(Role::Admin)?;
-    put_ends(&mut parsed, query)?;
     if id != slug(&id) {
         let problem = FieldProblem::new("/path/id", "is not a name").with_hint(format!("names are like `{}`", slug(&id)));
         return Err(Failure(Error::invalid("the address", vec![problem])));
     }
-    let document = parsed.value.clone();
-    let robot = read(&service, parsed).await?;
-    keep(&service, &access, &id, (document, robot), true).await
+    let read = read_upload(&service, upload, query).await?;
+    keep(&service, &access, &id, read, true).await
 }
 
 async fn keep(

@@ -8,7 +8,9 @@ use super::message::{
 use crate::app::{CancelFlag, Code, Error, Exchange, LogFile, inspect, motion, runs};
 use crate::excitation::{Backoff, Found, Point, first_run};
 use crate::io::log::log_overview;
-use crate::io::{BaseParametersDocument, Parsed, RobotDocument, read_identify_request, read_motion_request, robot_document};
+use crate::io::{
+    BaseParametersDocument, Parsed, RobotDocument, read_identify_request, read_motion_request, robot_archive, robot_document,
+};
 use crate::service::blocking::ended;
 use crate::service::known::Known;
 use crate::service::problem::internal_error;
@@ -142,6 +144,7 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             answer(&overview)
         }
         Task::Robot { document } => answer(&RobotRead::from(robot(document)?)),
+        Task::RobotArchive { bytes } => answer(&robot_archive(&bytes)?),
         Task::BaseParameters { document } => answer(&BaseParametersDocument::of(&robot(document)?.robot)),
         Task::Report {
             result,

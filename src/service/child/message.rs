@@ -110,6 +110,11 @@ pub enum Task {
     Robot {
         document: Document,
     },
+    /// A ZIP archive of a robot's file with its meshes. Answers with a [`crate::io::RobotArchive`].
+    RobotArchive {
+        #[serde(with = "serde_bytes")]
+        bytes: Vec<u8>,
+    },
     /// `GET /robots/{id}/base-parameters`.
     BaseParameters {
         document: Document,
