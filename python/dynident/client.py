@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar, Union
@@ -12,8 +14,8 @@ from typing import Any, Generic, TypeVar, Union
 from . import results
 from .errors import DynidentError
 from .model import Model
-from .results import Design, Identification, Validation
-from .uploads import Log, as_file, many, multipart
+from .results import Design, Identification, KeptRobot, Validation
+from .uploads import Log, as_file, many, multipart, robot_upload
 
 T = TypeVar("T")
 Robot = Union[str, dict[str, Any]]
@@ -69,6 +71,24 @@ class Client:
         """Names, expressions and numeric map of the base parameters of a known robot."""
         document: dict[str, Any] = self._json("GET", f"/robots/{robot}/base-parameters")
         return document
+
+    def add_robot(
+        self,
+        robot: dict[str, Any] | str | os.PathLike[str],
+        *,
+        id: str | None = None,
+        tip: str | None = None,
+        base: str | None = None,
+    ) -> KeptRobot:
+        """Keeps a robot of the lab: a document, or the path of a JSON, URDF or MJCF file or of a ZIP archive of a URDF file with its meshes.
+
+        With `id` it takes the place of the robot that had this name. `tip` and `base` are the ends of the arm in a URDF or MJCF file that has more.
+        """
+        kind, body = robot_upload(robot)
+        ends = {name: link for name, link in (("tip", tip), ("base", base)) if link is not None}
+        query = f"?{urllib.parse.urlencode(ends)}" if ends else ""
+        method, path = ("POST", "/robots") if id is None else ("PUT", f"/robots/{urllib.parse.quote(id, safe='')}")
+        return results.kept_robot(json.loads(self._send(method, path + query, body, kind)[1]))
 
     def start_excite(
         self,

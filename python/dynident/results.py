@@ -25,6 +25,19 @@ class BaseParameter:
 
 
 @dataclass(frozen=True)
+class KeptRobot:
+    """A robot of the lab, as the server has read it."""
+
+    #: What requests call it.
+    id: str
+    name: str
+    joints: list[str]
+    #: What to know about how it was read.
+    notes: list[str]
+    document: dict[str, Any] = field(repr=False)
+
+
+@dataclass(frozen=True)
 class PhysicalParameters:
     """A link: kg, m, kg m² about the centre of mass; friction in N·m s/rad and N·m (N s/m, N)."""
 
@@ -181,6 +194,10 @@ class Validation:
     id: str
     logs: list[LogErrors]
     document: dict[str, Any] = field(repr=False)
+
+
+def kept_robot(d: dict[str, Any]) -> KeptRobot:
+    return KeptRobot(d["id"], d["name"], d["joints"], d["notes"], d)
 
 
 def design(client: Client, d: dict[str, Any]) -> Design:

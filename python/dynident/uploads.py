@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import uuid
 from collections.abc import Iterable, Mapping
@@ -31,6 +32,18 @@ def as_file(log: Log, number: int) -> tuple[str, bytes]:
     arrays: dict[str, Any] = {name: np.asarray(values) for name, values in columns.items()}
     np.savez(content, **arrays)
     return f"log{number}.npz", content.getvalue()
+
+
+def robot_upload(robot: Mapping[str, Any] | str | os.PathLike[str]) -> tuple[str, bytes]:
+    """Content type and body of a robot; what a file is, its first bytes say."""
+    if isinstance(robot, Mapping):
+        return "application/json", json.dumps(robot).encode()
+    content = Path(robot).read_bytes()
+    if content.startswith(b"PK\x03\x04"):
+        return "application/zip", content
+    # Packed files are unpacked by the server, whatever they hold.
+    is_json = content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+    return ("application/json" if is_json else "application/xml"), content
 
 
 def many(logs: Any) -> list[Any]:

@@ -17,6 +17,54 @@ fn copied(from: &Path, to: &Path) {
     }
 }
 
+/// The installed client by mypy, as its users have it: every type is stated, and none is wrong.
+fn checked(python: &Path, folder: &Path) {
+    let run = Command::new(python)
+        .args(["-m", "mypy", "--strict", "--cache-dir"])
+        .arg(folder.join("mypy"))
+        .arg("site/dynident")
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stdout));
+}
+
+/// Robots by their documents, by files of every kind, and by an archive.
+const ROBOTS: &str = r#"
+import gzip, json, os, pathlib, zipfile
+from dynident import Client, DynidentError
+client = Client(os.environ["DYNIDENT_URL"])
+urdf = '<robot name="two"><link name="a"/><link name="b"/><link name="c"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>' \
+    '<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>'
+pathlib.Path("two.urdf").write_text(urdf)
+pathlib.Path("two.json").write_text("\n " + json.dumps({"urdf": urdf}))
+pathlib.Path("two.urdf.gz").write_bytes(gzip.compress(urdf.encode()))
+with zipfile.ZipFile("two.zip", "w") as archive:
+    archive.write("two.urdf", "two/urdf/two.urdf")
+for n, robot in enumerate(["two.urdf", pathlib.Path("two.json"), "two.urdf.gz", "two.zip", {"urdf": urdf}]):
+    kept = client.add_robot(robot, id=f"two-{n}", tip="b")
+    assert (kept.id, kept.joints) == (f"two-{n}", ["j"]), kept
+    assert kept.id in client.robots()
+try:
+    client.add_robot({"joints": []})
+    raise SystemExit("an empty robot was kept")
+except DynidentError as error:
+    assert error.code == "invalid_document", error
+print("robots kept")
+"#;
+
+fn keeps_robots(python: &Path, folder: &Path, server: &Server) {
+    let run = Command::new(python)
+        .args(["-c", ROBOTS])
+        .current_dir(folder)
+        .env("PYTHONPATH", folder.join("site"))
+        .env("DYNIDENT_URL", server.url(""))
+        .output()
+        .unwrap();
+    let (said, wrong) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success() && said.contains("robots kept"), "{said}{wrong}");
+}
+
 #[test]
 fn the_notebook_leads_from_a_robot_to_a_validated_model() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -42,7 +90,9 @@ fn the_notebook_leads_from_a_robot_to_a_validated_model() {
         .output()
         .unwrap();
     assert!(installed.status.success(), "{}", String::from_utf8_lossy(&installed.stderr));
+    checked(&python, &folder);
     let server = Server::start();
+    keeps_robots(&python, &folder, &server);
     let run = Command::new(&python)
         .arg(folder.join("source/run_notebook.py"))
         .arg(folder.join("source/notebooks/robot_to_model.ipynb"))

@@ -4,9 +4,9 @@ Two joints, 200 Hz, 200 samples; `expected.csv` has every number with all its di
 mcap 1.6.0 and rosbags 0.11.9:
 
     pip install numpy scipy pandas pyarrow mcap rosbags zstandard
-    python tests/data/ref_log_formats.py
+    python tests/data/ref_log_formats.py [FOLDER]
 """
-import gzip, json, shutil, tempfile
+import gzip, json, shutil, sys, tempfile
 from pathlib import Path
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-OUT = Path(__file__).parent / 'logs' / 'formats'
+OUT = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / 'logs' / 'formats'
 JOINTS = ['shoulder', 'elbow']
 N = 200
 k = np.arange(N)

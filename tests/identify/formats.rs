@@ -6,6 +6,7 @@ use dynident::io::log::{
 };
 use dynident::preparation::Log;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/logs/formats")
@@ -58,33 +59,36 @@ fn assert_is_expected(name: &str, (log, report): &(Log, LogReport), has_velociti
     }
 }
 
+/// Recordings that need no mapping, and whether they have velocities.
+const PLAIN: [(&str, bool); 23] = [
+    ("expected.csv", true),
+    ("savez.npz", true),
+    ("transposed.npz", true),
+    ("stamps.npz", false),
+    ("savetxt.txt", true),
+    ("pandas.csv", true),
+    ("pandas.parquet", true),
+    ("lists.parquet", false),
+    ("version5.mat", true),
+    ("version7.mat", false),
+    ("milliseconds.mat", false),
+    ("joint_states.db3", true),
+    ("joint_states.mcap", true),
+    ("packed_messages.db3", true),
+    ("packed.db3.zstd", true),
+    ("json.mcap", false),
+    ("packed.csv.zst", true),
+    ("packed.parquet.gz", true),
+    ("utf16.csv", true),
+    ("ur_rtde_lists.csv", true),
+    ("ur_rtde_arrays.csv", true),
+    ("ur_rtde_brackets.csv", true),
+    ("split.zip", true),
+];
+
 #[test]
 fn val_files_of_other_libraries_are_read_to_the_last_digit_without_a_mapping() {
-    for (name, has_velocities) in [
-        ("expected.csv", true),
-        ("savez.npz", true),
-        ("transposed.npz", true),
-        ("stamps.npz", false),
-        ("savetxt.txt", true),
-        ("pandas.csv", true),
-        ("pandas.parquet", true),
-        ("lists.parquet", false),
-        ("version5.mat", true),
-        ("version7.mat", false),
-        ("milliseconds.mat", false),
-        ("joint_states.db3", true),
-        ("joint_states.mcap", true),
-        ("packed_messages.db3", true),
-        ("packed.db3.zstd", true),
-        ("json.mcap", false),
-        ("packed.csv.zst", true),
-        ("packed.parquet.gz", true),
-        ("utf16.csv", true),
-        ("ur_rtde_lists.csv", true),
-        ("ur_rtde_arrays.csv", true),
-        ("ur_rtde_brackets.csv", true),
-        ("split.zip", true),
-    ] {
+    for (name, has_velocities) in PLAIN {
         let read = read(name, &Columns::default()).unwrap_or_else(|e| panic!("{e}"));
         assert_is_expected(name, &read, has_velocities);
         // A name says nothing of what a file is.
@@ -92,6 +96,24 @@ fn val_files_of_other_libraries_are_read_to_the_last_digit_without_a_mapping() {
         let renamed = read_bytes("log.csv", &bytes, &Columns::default()).unwrap();
         assert_eq!(renamed.0.q, read.0.q, "{name}");
     }
+}
+
+/// The same recording, written now by the libraries as they are installed: NumPy, SciPy, pandas, pyarrow, `rosbags` and `mcap`.
+#[test]
+fn val_files_that_libraries_write_today_are_read_to_the_last_digit() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let python = root.join("target/simulators/bin/python");
+    assert!(python.exists(), "rosbags and pyarrow are missing: run scripts/setup test");
+    let folder = std::env::temp_dir().join(format!("dynident-written-{}", std::process::id()));
+    let script = root.join("tests/data/ref_log_formats.py");
+    let output = Command::new(python).arg(script).arg(&folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for (name, has_velocities) in PLAIN {
+        let bytes = std::fs::read(folder.join(name)).unwrap();
+        let read = read_bytes(name, &bytes, &Columns::default()).unwrap_or_else(|e| panic!("{e}"));
+        assert_is_expected(name, &read, has_velocities);
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
