@@ -242,7 +242,7 @@ fn archives_without_one_robot_are_refused_with_what_they_have() {
         (
             zipped(&[("package.xml", urdf()), ("a.stl", binary())]),
             "has no robot",
-            ".mjcf",
+            "URDF file",
         ),
         (zipped(&[("arm.urdf.xacro", urdf())]), "xacro files alone", "expand"),
         (zipped(&[("a.urdf", vec![b' '; 65 << 20])]), "more than 64 MiB", "one robot"),
