@@ -202,11 +202,10 @@ fn package(robot: &str) -> Vec<u8> {
         )
     };
     let mesh = format!("solid m\n{}endsolid m\n", [[0, 1, 2], [0, 1, 3]].map(facet).concat());
-    let urdf = format!(
-        r#"<robot name="packed"><link name="base"/><link name="l1"><collision><geometry><mesh filename="package://packed/meshes/l1.stl"/></geometry></collision></link>
+    let urdf = r#"<robot name="packed"><link name="base"/><link name="l1"><collision><geometry><mesh filename="package://packed/meshes/l1.stl"/></geometry></collision></link>
         <link name="l2"><visual><geometry><mesh filename="package://packed/meshes/l2.dae"/></geometry></visual></link>
         <joint name="j1" type="continuous"><parent link="base"/><child link="l1"/></joint><joint name="j2" type="continuous"><parent link="l1"/><child link="l2"/></joint></robot>"#
-    );
+        .to_string();
     let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
     for (name, content) in [(robot, urdf), ("packed/meshes/l1.stl", mesh)] {
         writer.start_file(name, SimpleFileOptions::default()).unwrap();
