@@ -28,7 +28,7 @@ pub struct Quality {
 pub enum Verdict {
     /// It is.
     Good,
-    /// Away from the log's own path the model errs by far more than on it.
+    /// Away from the recorded motion the predicted torque is far less certain than on it.
     PoorExcitation,
     /// Some base parameters are not determined at all.
     Unidentifiable,

@@ -13,7 +13,8 @@ use super::telemetry::identify_and_log;
 use crate::app::{Code, Error};
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
-use axum::http::Uri;
+use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::{StatusCode, Uri};
 use axum::middleware::{from_fn, from_fn_with_state, map_response};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
@@ -138,6 +139,27 @@ pub fn openapi_json() -> String {
     text
 }
 
+/// The page of Swagger UI says nothing of screens, and phones would show it as wide as a desk.
+async fn fit_for_phones(response: Response) -> Response {
+    const LARGEST_PAGE: usize = 1 << 16;
+    let html = |r: &Response| {
+        r.headers()
+            .get(CONTENT_TYPE)
+            .is_some_and(|t| t.as_bytes().starts_with(b"text/html"))
+    };
+    if !html(&response) {
+        return response;
+    }
+    let (mut head, body) = response.into_parts();
+    let Ok(page) = axum::body::to_bytes(body, LARGEST_PAGE).await else {
+        return StatusCode::INTERNAL_SERVER_ERROR.into_response();
+    };
+    let viewport = "<head>\n    <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">";
+    let page = String::from_utf8_lossy(&page).replacen("<head>", viewport, 1);
+    head.headers.remove(CONTENT_LENGTH);
+    Response::from_parts(head, page.into())
+}
+
 /// The service as a tower of routes and layers.
 pub fn router(service: Service) -> Router {
     let (routes, open, document) = documented(service.config().largest_upload);
@@ -152,7 +174,7 @@ pub fn router(service: Service) -> Router {
     let routes = routes
         .merge(open)
         .merge(crate::web::pages())
-        .merge(SwaggerUi::new("/docs").url("/openapi.json", document))
+        .merge(Router::from(SwaggerUi::new("/docs").url("/openapi.json", document)).layer(map_response(fit_for_phones)))
         .fallback(nothing_here)
         .method_not_allowed_fallback(method_not_allowed)
         .layer(DefaultBodyLimit::max(largest))

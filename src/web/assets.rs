@@ -80,6 +80,7 @@ fn media_type(name: &str) -> &'static str {
     match name.rsplit('.').next() {
         Some("js") => "text/javascript; charset=utf-8",
         Some("css") => "text/css; charset=utf-8",
+        Some("json") => "application/json",
         Some("html") => "text/html; charset=utf-8",
         Some("svg") => "image/svg+xml",
         _ => "application/octet-stream",

@@ -12,7 +12,7 @@ const PAGES: &[(&str, &str, &str)] = &[
     ("/robot", "Robot", "robot"),
     ("/design", "Design", "design"),
     ("/identification", "Identification", "identification"),
-    ("/loop", "The loop", "loop"),
+    ("/loop", "Diagnosis", "loop"),
     ("/runs", "Runs", "runs"),
     ("/help", "Help", "help"),
 ];

@@ -387,7 +387,7 @@ fn the_report_is_one_file_with_all_that_is_needed() {
         hash,
         "other.csv",
         "robot.json",
-        "Margins to what is physically possible",
+        "Margins of physical consistency",
         "<svg",
         "@media print",
     ] {

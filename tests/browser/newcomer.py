@@ -5,7 +5,7 @@ import json
 import math
 import re
 
-from browser import arguments, browser_page, check, check_accessible, check_contrast, picture, settle, simulate
+from browser import arguments, browser_page, check, check_accessible, check_contrast, check_prints, picture, settle, simulate
 
 NOISE = [0.3, 0.3, 0.2, 0.2, 0.12, 0.12, 0.06]
 # Two links of 3 kg and 1 kg with friction.
@@ -192,16 +192,21 @@ def report(page, options):
     sheet = waiting.value
     sheet.wait_for_load_state()
     text = sheet.inner_text("body")
-    for needed in ["Joint spring on A4", "a spring at the joint explains it", "SHA-256", "run.csv", "To do it again", '"seed": 1']:
+    for needed in ["Joint spring on A4", "a spring at the joint explains it", "SHA-256", "run.csv", "Reproduction", '"seed": 1']:
         assert needed in text, needed
     # Torques of seven joints on two logs, errors, before and after, and the parameters of every unit.
     assert sheet.locator("figure svg").count() >= 14 + 4
     assert sheet.locator("math").count() > 57
     assert sheet.locator("script, link, img").count() == 0
+    # The verdict first, then the findings, then the data; every part is in the contents.
+    places = [text.index(said) for said in ["explains the residual", "a spring at the joint explains it", "Data: good", "Residual diagnosis", "SHA-256", "Noise floor"]]
+    assert places[:5] == sorted(places[:5]), places
+    parts = sheet.locator("h2").all_inner_texts()
+    assert sheet.locator("nav a").all_inner_texts() == parts and parts[0] == "Residual diagnosis" and parts[-1] == "Terms", parts
     wide = sheet.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
     assert wide <= 0, f"report: {wide} px wider than the screen"
     check_accessible(sheet, "report")
-    printed = len(re.findall(rb"/Type\s*/Page\b", sheet.pdf(prefer_css_page_size=True)))
+    printed = check_prints(sheet, "report")
     assert 10 <= printed <= 20, f"report: {printed} pages"
     picture(sheet, options, "report")
     sheet.close()

@@ -374,7 +374,7 @@ fn read_logs(
 pub(super) fn reason(quality: &Quality, base: &BaseParameters, estimate: &Estimate, robot: &Robot) -> String {
     match quality.verdict {
         Verdict::Good => {
-            "the parameters predict torques elsewhere in the workspace at least as well as on the log's own path".to_string()
+            "the parameters predict torques elsewhere in the workspace at least as well as on the recorded motion".to_string()
         }
         Verdict::ExplainsNothing => {
             "the model explains nothing here: on data that it was not fitted to it predicts the torques no better than a constant per joint; check that the \
@@ -399,8 +399,8 @@ pub(super) fn reason(quality: &Quality, base: &BaseParameters, estimate: &Estima
             let worst = tested.max_by(|&a, &b| quality.extrapolation[a].total_cmp(&quality.extrapolation[b]));
             let j = worst.unwrap_or(0);
             format!(
-                "away from the log's own path the torque of joint {} is uncertain by {} {}, {} times the error on it: record a \
-                 richer excitation before using this model",
+                "away from the recorded motion, the predicted torque of joint {} is uncertain by {} {}, {} times its RMS error in the \
+                 log: record a richer excitation before using this model",
                 robot.joints()[j].name,
                 significant(quality.prediction_std[j], 3),
                 robot.joints()[j].effort_unit(),

@@ -1,4 +1,4 @@
-//! One finding: what its joints leave over, what explains it, what else it could be, and what remains.
+//! One finding: the residual on its joints, what explains it, what else it could be, and what remains.
 
 use super::words::{parameters, phrase, sentence, subject};
 use super::{Teller, is_rejected};

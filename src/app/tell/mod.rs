@@ -69,7 +69,7 @@ impl Teller<'_> {
                 .into();
         }
         if beyond_repair(&self.report.data_faults) {
-            return "No effect was looked for: what a model leaves over of wrong data says nothing of the robot.".into();
+            return "No effect was looked for: the residual of wrong data says nothing about the robot.".into();
         }
         let count = self.report.findings.iter().filter(|f| !is_rejected(f)).count();
         let effects = if count == 1 {
@@ -79,18 +79,16 @@ impl Teller<'_> {
         };
         let rest = self.report.remainder.as_ref().map(|r| self.at(&r.joints));
         match (self.report.verdict, count, rest) {
-            (Verdict::NothingMissing | Verdict::Explained, 0, _) => {
-                "Nothing is missing: what the model leaves over is noise.".into()
-            }
-            (Verdict::NothingMissing | Verdict::Explained, ..) => format!("{effects} what the model leaves over."),
+            (Verdict::NothingMissing | Verdict::Explained, 0, _) => "Nothing is missing: the residual is noise.".into(),
+            (Verdict::NothingMissing | Verdict::Explained, ..) => format!("{effects} the residual."),
             (Verdict::PartlyExplained, _, Some(rest)) => {
-                format!("{effects} a part of what the model leaves over; on {rest} something remains that no effect explains.")
+                format!("{effects} a part of the residual; on {rest} a part remains that no effect explains.")
             }
-            (Verdict::PartlyExplained, ..) => format!("{effects} a part of what the model leaves over."),
+            (Verdict::PartlyExplained, ..) => format!("{effects} a part of the residual."),
             (Verdict::Unexplained, _, Some(rest)) => {
-                format!("On {rest} the model leaves over something that no effect explains.")
+                format!("No effect explains the residual on {rest}.")
             }
-            (Verdict::Unexplained, ..) => "No effect explains what the model leaves over.".into(),
+            (Verdict::Unexplained, ..) => "No effect explains the residual.".into(),
         }
     }
 

@@ -125,9 +125,7 @@ fn a_finding_is_told_with_its_figures() {
         document["findings"][0]["against"],
         serde_json::json!({"joint": name, "variable": "q"})
     );
-    let summary = format!(
-        "One effect explains what the model leaves over. On held-out data, the error falls most on {name} (3.32 → 0.2 N·m)."
-    );
+    let summary = format!("One effect explains the residual. On held-out data, the error falls most on {name} (3.32 → 0.2 N·m).");
     assert_eq!(document["summary"], summary);
 }
 

@@ -60,9 +60,9 @@ pub(super) fn criteria_document(problem: &Problem, c: &Criteria) -> CriteriaDocu
 
 pub(super) const RECOMMENDATION: RecommendedDocument = RecommendedDocument {
     criterion: "i_optimality",
-    reason: "a model is identified to predict torques, and this is the expected error of that prediction over the workspace, in N m or N, by the torque \
-             noise of every joint; it depends neither on the units of the parameters nor on which set of them is called base. Give torque_noise, and \
-             constraints exact and free: they are worth more than any criterion",
+    reason: "it is the expected error of predicted torques over the workspace, in N m or N, for the torque noise given; it depends neither on the units of the \
+             parameters nor on the choice of base parameters. Giving torque_noise, exact limits and a free start improves a design more than the choice of \
+             the criterion",
 };
 
 pub(super) fn predicted_document(p: &Predicted) -> PredictedDocument {

@@ -79,7 +79,7 @@ pub fn finding_figure(document: &IdentifyDocument, finding: &EffectFinding) -> O
         _ => "time (s)".into(),
     };
     let panel = |label: &str, predicted: &[f64], colour: usize| Panel {
-        y: format!("left of {name} ({})", unit(effort)),
+        y: format!("residual of {name} ({})", unit(effort)),
         series: vec![Series {
             name: label.into(),
             mark: Mark::Point,

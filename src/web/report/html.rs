@@ -138,6 +138,13 @@ impl Html {
         format!("<nav aria-label=\"Contents\"><ol>{parts}</ol></nav>\n")
     }
 
+    /// Terms with their explanations.
+    pub fn definitions<'a>(&mut self, list: impl Iterator<Item = (&'a str, &'a str)>) {
+        let one = |(name, words): (&str, &str)| format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(words));
+        self.0
+            .push_str(&format!("<dl>\n{}</dl>\n", list.map(one).collect::<String>()));
+    }
+
     pub fn paragraph(&mut self, class: &str, words: &str) {
         self.0.push_str(&format!("<p class=\"{class}\">{}</p>\n", escaped(words)));
     }

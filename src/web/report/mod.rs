@@ -5,6 +5,7 @@ mod html;
 mod parts;
 mod physical;
 mod residual;
+mod terms;
 
 use crate::io::IdentifyDocument;
 use html::{Html, escaped};
@@ -33,14 +34,15 @@ pub struct Circumstances {
 pub fn report(result: &IdentifyDocument, circumstances: &Circumstances) -> String {
     let (mut top, mut page) = (Html::default(), Html::default());
     parts::heading(&mut top, result, circumstances);
-    parts::summary(&mut page, result);
+    parts::summary(&mut top, result);
+    residual::diagnosis(&mut page, result);
     parts::logs(&mut page, result);
-    parts::parameters(&mut page, result);
     parts::errors(&mut page, result);
-    residual::loop_closed(&mut page, result);
-    parts::torques(&mut page, result);
+    parts::parameters(&mut page, result);
     physical::physical(&mut page, result);
-    parts::again(&mut page, result, circumstances);
+    parts::torques(&mut page, result);
+    parts::reproduction(&mut page, result, circumstances);
+    terms::terms(&mut page);
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{REPORT_POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -98,6 +100,7 @@ mod tests {
             "<mi mathvariant=\"normal\">ZZ</mi><mn>2</mn>",
             "not determined",
             "Fine &amp; well.",
+            "<dt>Noise floor</dt>",
             "<svg",
         ] {
             assert!(page.contains(needed), "{needed}");

@@ -5,6 +5,7 @@ use super::formula;
 use super::html::{Cell, Html, capital, escaped, listed, text, words};
 use crate::io::{
     BaseValue, ChoiceDocument, EffectParameter, EffectValue, IdentifyDocument, JointErrors, LogDocument, LogOrigin, LogRms,
+    ResidualDocument,
 };
 use crate::web::figures::{error_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
@@ -22,6 +23,9 @@ pub(super) fn heading(page: &mut Html, result: &IdentifyDocument, circumstances:
 }
 
 pub(super) fn summary(page: &mut Html, result: &IdentifyDocument) {
+    if let Some(residual) = &result.residual {
+        verdict(page, residual);
+    }
     let q = &result.quality;
     let class = if q.verdict == "good" { "verdict" } else { "verdict bad" };
     page.paragraph(
@@ -32,20 +36,6 @@ pub(super) fn summary(page: &mut Html, result: &IdentifyDocument) {
             capital(text(&q.reason).trim_end_matches('.'))
         ),
     );
-    if let Some(residual) = &result.residual {
-        page.paragraph("verdict", &text(&residual.summary));
-        for fault in &residual.data_faults {
-            let sentence = format!(
-                "{}. {}",
-                capital(text(&fault.detail).trim_end_matches('.')),
-                text(&fault.remedy)
-            );
-            page.paragraph("finding", &sentence);
-        }
-        let findings = residual.findings.iter().map(|f| &f.sentence);
-        let sentences = findings.chain(residual.remainder.iter().map(|r| &r.sentence));
-        sentences.for_each(|s| page.paragraph("finding", s));
-    }
     let row = |name: &str, value: String| vec![name.to_string(), value];
     let rows = [
         row(
@@ -55,16 +45,33 @@ pub(super) fn summary(page: &mut Html, result: &IdentifyDocument) {
         row("Condition number, columns scaled", text(&q.condition_number)),
         row("Estimator", text(&result.estimator)),
         row(
-            "Fit of the physical parameters over that of the base parameters",
+            "Physical fit: residual of the physical over that of the base parameters",
             text(&result.feasibility.as_ref().map(|f| f.rms_ratio)),
         ),
     ];
-    page.table("", &["What", "#Figure"], rows.into_iter());
+    page.table("Key figures", &["Quantity", "#Value"], rows.into_iter());
     result.notes.iter().for_each(|note| page.paragraph("soft", note));
 }
 
+/// What the diagnosis came to, faults of the data, and every finding in its sentence.
+fn verdict(page: &mut Html, residual: &ResidualDocument) {
+    let faulty = !residual.data_faults.is_empty();
+    page.paragraph(if faulty { "verdict bad" } else { "verdict" }, &text(&residual.summary));
+    for fault in &residual.data_faults {
+        let sentence = format!(
+            "{}. {}",
+            capital(text(&fault.detail).trim_end_matches('.')),
+            text(&fault.remedy)
+        );
+        page.paragraph("finding", &sentence);
+    }
+    let findings = residual.findings.iter().map(|f| &f.sentence);
+    let sentences = findings.chain(residual.remainder.iter().map(|r| &r.sentence));
+    sentences.for_each(|s| page.paragraph("finding", s));
+}
+
 pub(super) fn logs(page: &mut Html, result: &IdentifyDocument) {
-    page.heading(2, "Logs");
+    page.heading(2, "Logs and their preparation");
     let row = |l: &LogDocument| {
         vec![
             l.file.clone(),
@@ -77,7 +84,7 @@ pub(super) fn logs(page: &mut Html, result: &IdentifyDocument) {
     };
     page.table(
         "",
-        &["File", "Role", "#Rows used", "#of", "#Rate (Hz)", "#Length (s)"],
+        &["File", "Role", "#Rows used", "#Rows", "#Rate (Hz)", "#Length (s)"],
         result.log_report.iter().map(row),
     );
     for log in &result.log_report {
@@ -95,8 +102,8 @@ pub(super) fn logs(page: &mut Html, result: &IdentifyDocument) {
         }
         let row = |c: &ChoiceDocument| [words(&c.what), text(&c.value), text(&c.why)].to_vec();
         page.table(
-            &format!("How {} was prepared", text(&log.file)),
-            &["What", "How", "Why"],
+            &format!("Preparation of {}", text(&log.file)),
+            &["Step", "Choice", "Reason"],
             log.choices.iter().map(row),
         );
     }
@@ -137,7 +144,7 @@ pub(super) fn parameters(page: &mut Html, result: &IdentifyDocument) {
 }
 
 pub(super) fn errors(page: &mut Html, result: &IdentifyDocument) {
-    page.heading(2, "Errors");
+    page.heading(2, "Errors per joint");
     let names: Vec<String> = result.joints.iter().map(|j| format!("#{j}")).collect();
     let heads: Vec<&str> = ["Log", "Role", "Model"]
         .into_iter()
@@ -152,7 +159,7 @@ pub(super) fn errors(page: &mut Html, result: &IdentifyDocument) {
     };
     for (role, logs) in [
         ("identification", &result.rms.identification),
-        ("held out", &result.rms.validation),
+        ("validation", &result.rms.validation),
     ] {
         for log in logs {
             add(role, log, "base", &log.base);
@@ -160,7 +167,7 @@ pub(super) fn errors(page: &mut Html, result: &IdentifyDocument) {
         }
     }
     page.table(
-        "Root mean square of measured less predicted torque (N m, or N for sliding joints), of single measurements about the model with the effects found",
+        "RMS error: measured less predicted torque (N m, or N for prismatic joints) of single measurements, for the model with the effects found",
         &heads,
         rows.into_iter(),
     );
@@ -184,7 +191,7 @@ fn effects(page: &mut Html, list: &[EffectValue]) {
                 text(&p.std_dev),
                 unit(&p.unit),
                 match (effect.in_model, !effect.finding) {
-                    (true, true) => "yes, not beyond chance by itself",
+                    (true, true) => "yes, not significant alone",
                     (true, false) => "yes",
                     (false, _) => "no",
                 }
@@ -225,9 +232,9 @@ pub(super) fn torques(page: &mut Html, result: &IdentifyDocument) {
     }
 }
 
-pub(super) fn again(page: &mut Html, result: &IdentifyDocument, circumstances: &Circumstances) {
+pub(super) fn reproduction(page: &mut Html, result: &IdentifyDocument, circumstances: &Circumstances) {
     let Some(origin) = &result.provenance else { return };
-    page.heading(2, "To do it again");
+    page.heading(2, "Reproduction");
     page.paragraph(
         "",
         &format!(

@@ -43,7 +43,7 @@ pub(super) fn physical(page: &mut Html, result: &IdentifyDocument) {
     let active: Vec<Vec<String>> = all.iter().filter(|m| m.active).map(row).collect();
     if !active.is_empty() {
         page.table(
-            "Active constraints: these, and not the log alone, decide the bodies. By how much the fit is worse than the best without each",
+            "Active constraints: these, and not only the log, determine the bodies. Cost: increase of the residual by each",
             &["Link", "Constraint", "#Margin", "#Cost (%)"],
             active.into_iter(),
         );
@@ -73,7 +73,7 @@ fn margins(page: &mut Html, margins: &[MarginValue]) {
             .collect::<Vec<_>>()
     };
     page.table(
-        "Margins to what is physically possible: above zero where it is",
+        "Margins of physical consistency: above zero where it is satisfied",
         &heads,
         links.iter().map(row),
     );

@@ -1,15 +1,40 @@
-//! The part of the report on what the model leaves over, finding by finding.
+//! The part of the report on the residual: findings, held-out errors, noise floor and detection limits.
 
 use super::html::{Cell, Html, capital, listed, text, words};
 use crate::io::{
     ChangeCode, EffectFinding, EffectParameter, EvaluatedFigure, HeldOutCode, HeldOutDocument, HeldOutJoint, IdentifyDocument,
-    LackOfFit, LawDocument, RivalDocument, UndetectedEffect,
+    LackOfFit, LawDocument, ResidualDocument, RivalDocument, UndetectedEffect,
 };
 use crate::web::figures::{before_after_figure, finding_figure, unit};
 
-pub(super) fn loop_closed(page: &mut Html, result: &IdentifyDocument) {
+pub(super) fn diagnosis(page: &mut Html, result: &IdentifyDocument) {
     let Some(residual) = &result.residual else { return };
-    page.heading(2, "What the model leaves over");
+    page.heading(2, "Residual diagnosis");
+    if residual.findings.is_empty() && residual.remainder.is_none() {
+        page.paragraph("", &text(&residual.summary));
+    }
+    for finding in &residual.findings {
+        describe(page, result, finding);
+    }
+    if let Some(rest) = &residual.remainder {
+        page.heading(3, &format!("Unexplained on {}", listed(&rest.joints)));
+        page.paragraph("finding", &text(&rest.sentence));
+        page.paragraph("soft", &text(&rest.note));
+    }
+    held_out(page, &residual.held_out);
+    if let Some(figure) = before_after_figure(result) {
+        page.figure(
+            &figure,
+            "RMS error of single measurements per joint, of the declared model and of the model with the effects found, with the noise floor. Both models are estimated from the same rows with the same weights.",
+        );
+    }
+    lack_of_fit(page, residual);
+    undetected(page, &residual.undetected);
+}
+
+/// The residual of both models over that of noise alone.
+fn lack_of_fit(page: &mut Html, residual: &ResidualDocument) {
+    page.heading(3, "Noise floor and lack of fit");
     page.paragraph("", &format!("Noise floor from: {}.", text(&residual.noise_source)));
     let fits = residual.lack_of_fit.iter().zip(&residual.lack_of_fit_after);
     let fits = fits.zip(&residual.noise_floor);
@@ -24,26 +49,10 @@ pub(super) fn loop_closed(page: &mut Html, result: &IdentifyDocument) {
         ]
     };
     page.table(
-        "Lack of fit: 1 where only noise is left",
-        &["Joint", "#Noise floor", "#Before", "#p", "#After", "#p"],
+        "Lack of fit of the declared model and of the model with the effects found; 1: only noise remains",
+        &["Joint", "#Noise floor", "#Declared model", "#p", "#With effects", "#p"],
         fits.map(row),
     );
-    held_out(page, &residual.held_out);
-    for finding in &residual.findings {
-        describe(page, result, finding);
-    }
-    if let Some(rest) = &residual.remainder {
-        page.heading(3, &format!("Unexplained, on {}", listed(&rest.joints)));
-        page.paragraph("finding", &text(&rest.sentence));
-        page.paragraph("soft", &text(&rest.note));
-    }
-    undetected(page, &residual.undetected);
-    if let Some(figure) = before_after_figure(result) {
-        page.figure(
-            &figure,
-            "Error of single measurements per joint, of the declared model and of the model with the effects found, beside the noise floor. Both models are estimated from the same rows with the same weights.",
-        );
-    }
 }
 
 /// The declared model and the final one on held-out data, joint by joint.
@@ -61,8 +70,9 @@ fn held_out(page: &mut Html, held_out: &HeldOutDocument) {
             chance(j.p_value),
         ]
     };
+    page.heading(3, "Held-out errors");
     let caption = format!(
-        "Held-out error per joint (N m or N): {}. Data held out: {}",
+        "Held-out RMS error per joint (N m, or N for prismatic joints): {}. Held-out data: {}",
         words(held_out.verdict.code()),
         text(&held_out.source)
     );
@@ -93,14 +103,15 @@ fn undetected(page: &mut Html, list: &[UndetectedEffect]) {
     };
     let rows: Vec<Vec<String>> = list.iter().map(row).collect();
     if !rows.is_empty() {
+        page.heading(3, "Effects tested and not found");
         page.table(
-            "Looked for and not found: not beyond chance, each by itself beside the final model",
+            "Each estimated alone beside the final model; none is significant",
             &[
                 "Effect",
                 "Joint",
                 "#Value",
-                "#Deviation",
-                "#No larger than",
+                "#σ",
+                "#Limit: |value| + 3σ",
                 "Unit",
                 "In the model",
             ],
@@ -158,14 +169,14 @@ fn describe(page: &mut Html, result: &IdentifyDocument, finding: &EffectFinding)
     page.table("", &["Parameter", "#Value", "#σ", "Unit"], finding.parameters.iter().map(row));
     let e = &finding.evidence;
     let mut evidence = format!(
-        "Twice the log of the evidence ratio against leaving it out: {}; chance of such a gain without it: {}.",
+        "Difference in BIC with the effect: {}; p of the gain: {}.",
         text(&e.log_evidence_ratio),
         chance(e.p_value)
     );
     let held_out = &finding.held_out;
     if held_out.change != ChangeCode::NotTested {
         evidence += &format!(
-            " Held-out error without and with it: {} and {}, {} (p = {}).",
+            " Held-out error without and with the effect: {} and {}, {} (p = {}).",
             text(&held_out.before),
             text(&held_out.after),
             words(held_out.change.code()),
@@ -188,15 +199,15 @@ fn describe(page: &mut Html, result: &IdentifyDocument, finding: &EffectFinding)
     };
     if !finding.rivals.is_empty() {
         page.table(
-            "Not excluded in its place; twice the log of the odds in favour of the finding",
-            &["Effect", "Joints", "#Evidence"],
+            "Rivals that the data do not exclude, with the difference in BIC in favour of the finding",
+            &["Rival", "Joints", "#Difference in BIC"],
             finding.rivals.iter().map(rival),
         );
     }
     if let Some(figure) = finding_figure(result, finding) {
         page.figure(
             &figure,
-            "What is left on the joint, of the declared model and of the model with all effects found.",
+            "Residual of the joint for the declared model and for the model with all effects found.",
         );
     }
 }

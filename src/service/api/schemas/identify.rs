@@ -60,7 +60,7 @@ pub struct IdentifyRequestSchema {
     /// Points of every series of measured and predicted torque in the answer.
     #[schema(default = 0)]
     prediction_points: Option<u32>,
-    /// Trace what the model leaves over.
+    /// Diagnose the residual.
     #[schema(default = true)]
     trace: Option<bool>,
 }
