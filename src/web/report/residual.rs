@@ -148,7 +148,7 @@ fn formula(page: &mut Html, law: &LawDocument) {
     };
     page.table(
         "",
-        &["", "Formula"],
+        &["Quantity", "Formula"],
         names.chain(energy).zip(unset.iter().cloned().enumerate()).map(set),
     );
 }
