@@ -263,6 +263,9 @@ fn read_feasible(fields: &Fields, robot: Option<&Robot>) -> Option<FeasibleOptio
         }
     };
     number("prior_weight", &mut options.consistent.prior_weight);
+    if part.nullable("prior_weight").is_some() {
+        options.consistent.most_shift = f64::INFINITY;
+    }
     number("least_eigenvalue", &mut options.consistent.least_eigenvalue);
     number("least_viscous", &mut options.consistent.least_viscous);
     number("least_viscous", &mut options.paper.least_viscous);

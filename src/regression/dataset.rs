@@ -6,8 +6,14 @@ use crate::effects::{Column, Span};
 use crate::preparation::{Exclusion, MotionError, PreparedLog};
 use std::sync::Arc;
 
-/// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike.
-pub type ColumnFilter = Arc<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
+/// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike: columns of N samples to
+/// columns of M rows.
+pub type ColumnFilter = Arc<dyn Fn(&[&[f64]]) -> Vec<Vec<f64>> + Send + Sync>;
+
+/// A filter of columns from a filter of one column.
+pub(crate) fn one_by_one(filter: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static) -> ColumnFilter {
+    Arc::new(move |columns: &[&[f64]]| columns.iter().map(|x| filter(x)).collect())
+}
 
 /// One stretch of motion with its torque: the average over the periods of a log, or the log itself.
 #[derive(Clone)]
@@ -62,7 +68,8 @@ pub struct Unfiltered {
 impl Unfiltered {
     /// Rows of some torques of all joints, n × N.
     pub(crate) fn rows(&self, torque: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        torque.iter().map(|t| (self.filter)(t)).collect()
+        let torque: Vec<&[f64]> = torque.iter().map(Vec::as_slice).collect();
+        (self.filter)(&torque)
     }
 }
 
@@ -111,20 +118,29 @@ impl Stretch {
         self.periods.len().max(1)
     }
 
-    /// `values` over the motion as they enter the rows.
-    pub(crate) fn shaped(&self, values: Vec<f64>) -> Vec<f64> {
+    /// Lists of `values` over the motion as they enter the rows.
+    pub(crate) fn shaped(&self, values: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         match &self.filter {
-            Some(filter) => filter(&values),
+            Some(filter) => filter(&values.iter().map(Vec::as_slice).collect::<Vec<_>>()),
             None => values,
         }
     }
 
-    /// A column over the motion as it enters the rows.
-    pub(crate) fn shaped_column(&self, column: Column) -> Column {
-        let rows = column.rows.into_iter();
-        Column {
-            rows: rows.map(|(j, values)| (j, self.shaped(values))).collect(),
+    /// Values with a key each, as they enter the rows.
+    pub(crate) fn shaped_with<K>(&self, values: impl IntoIterator<Item = (K, Vec<f64>)>) -> Vec<(K, Vec<f64>)> {
+        let (keys, values): (Vec<K>, Vec<Vec<f64>>) = values.into_iter().unzip();
+        keys.into_iter().zip(self.shaped(values)).collect()
+    }
+
+    /// Columns over the motion as they enter the rows.
+    pub(crate) fn shaped_columns(&self, columns: Vec<Column>) -> Vec<Column> {
+        let mut shaped: Vec<Column> = columns.iter().map(|_| Column { rows: Vec::new() }).collect();
+        let rows = columns.into_iter().enumerate();
+        let rows = rows.flat_map(|(k, column)| column.rows.into_iter().map(move |(j, values)| ((k, j), values)));
+        for ((k, j), values) in self.shaped_with(rows) {
+            shaped[k].rows.push((j, values));
         }
+        shaped
     }
 
     /// Rows of `joint` that can be compared with a model whose (distorted) motion is `motion`: usable ones, but not those at a reversal,

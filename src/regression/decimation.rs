@@ -1,6 +1,6 @@
 //! The coarse form of a stretch: the same rows from fewer samples, or rows that are means over neighbouring ones.
 
-use super::dataset::{Coarse, Stretch};
+use super::dataset::{Coarse, Stretch, one_by_one};
 use crate::dynamics::Motion;
 use crate::preparation::RowFilter;
 use crate::preparation::filter::LowPass;
@@ -89,7 +89,7 @@ impl Stretch {
             samples: (0..rows).map(|s| first + s * step).collect(),
             usable: middle.usable.clone(),
             resting: middle.resting.clone(),
-            filter: Some(Arc::new(mean)),
+            filter: Some(one_by_one(mean)),
             coarse: Some(Coarse {
                 first,
                 step,
@@ -104,15 +104,17 @@ impl Stretch {
         let picked: Vec<usize> = (first..self.motion.samples()).step_by(step).collect();
         let rows = self.rows();
         // The last row may lie on a sample that thinning has cut off.
-        let column = move |x: &[f64]| {
-            let mut y = filter.column_rows(x);
-            y.resize(rows, y.last().copied().unwrap_or(0.0));
-            y
+        let columns = move |x: &[&[f64]]| {
+            let mut columns = filter.column_rows(x);
+            columns
+                .iter_mut()
+                .for_each(|y| y.resize(rows, y.last().copied().unwrap_or(0.0)));
+            columns
         };
         let stretch = Box::new(Self {
             motion: Motion::from_fn(self.joints(), picked.len(), |j, s| self.motion.get(j, picked[s])),
             interval: self.interval * step as f64,
-            filter: Some(Arc::new(column)),
+            filter: Some(Arc::new(columns)),
             periods: Vec::new(),
             ..self.clone()
         });

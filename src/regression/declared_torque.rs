@@ -29,7 +29,7 @@ impl AugmentedModel {
             rows.fill(&chain, &set, &stretch.motion, Coulomb::Sign);
             for (j, own) in shaped.iter_mut().enumerate() {
                 let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
-                own.extend(blocks.map(|(values, &at)| (first + at, stretch.shaped(values[..rows.samples()].to_vec()))));
+                own.extend(stretch.shaped_with(blocks.map(|(values, &at)| (first + at, values[..rows.samples()].to_vec()))));
             }
         }
         shaped

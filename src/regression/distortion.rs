@@ -18,9 +18,8 @@ impl AugmentedModel {
             let columns = self.distortion_columns(stretch, plain, term, Some(t), known);
             for (i, rows) in columns.into_iter().enumerate() {
                 let at = self.offset_of(t) + i;
-                rows.into_iter()
-                    .enumerate()
-                    .for_each(|(j, v)| jacobian[j].push((at, stretch.shaped(v))));
+                let shaped = stretch.shaped(rows).into_iter().enumerate();
+                shaped.for_each(|(j, v)| jacobian[j].push((at, v)));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! A dataset from a prepared log.
 
-use super::dataset::{ColumnFilter, Stretch, Unfiltered};
+use super::dataset::{ColumnFilter, Stretch, Unfiltered, one_by_one};
 use super::decimation::coarse_filter;
 use super::rows::at_rest;
 use crate::dynamics::Motion;
@@ -64,7 +64,7 @@ impl Stretch {
             return None;
         }
         let stretch = Arc::new(Self::fine(&prepared.before_filter(), log));
-        let filter = Arc::new(move |x: &[f64]| filter.torque_rows(x));
+        let filter = one_by_one(move |x: &[f64]| filter.torque_rows(x));
         Some(Unfiltered { stretch, filter })
     }
 
@@ -119,7 +119,7 @@ impl Stretch {
             excluded: prepared.excluded.clone(),
             resolution: prepared.resolution.clone(),
             motion_error: prepared.motion_error.clone(),
-            filter: (!plain).then(|| Arc::new(move |x: &[f64]| filter.column_rows(x)) as ColumnFilter),
+            filter: (!plain).then(|| Arc::new(move |x: &[&[f64]]| filter.column_rows(x)) as ColumnFilter),
             coarse: None,
             unfiltered: None,
             source: source_of(prepared),

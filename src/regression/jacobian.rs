@@ -60,9 +60,7 @@ impl AugmentedModel {
                 let block = |j: usize| {
                     let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
                     let scaled = |v: &f64| v * world.gain[j];
-                    blocks
-                        .map(|(values, &at)| (at, stretch.shaped(values[..rows.samples()].iter().map(scaled).collect())))
-                        .collect()
+                    stretch.shaped_with(blocks.map(|(values, &at)| (at, values[..rows.samples()].iter().map(scaled).collect())))
                 };
                 let jacobian = (0..self.robot.joint_count()).map(block).collect();
                 (jacobian, self.torques(&world.motion, &robot, Some((&set, &rows))))
@@ -90,9 +88,7 @@ impl AugmentedModel {
             }
         }
         let gained = torque.into_iter().zip(&world.gain);
-        let torque = gained
-            .map(|(row, g)| stretch.shaped(row.into_iter().map(|v| v * g).collect()))
-            .collect();
+        let torque = stretch.shaped(gained.map(|(row, g)| row.into_iter().map(|v| v * g).collect()).collect());
         if base.is_some() && distorted {
             let known = (&world.motion, world.gravity, &here.declared[..]);
             self.push_distortions(&mut jacobian, stretch, &plain, known);
@@ -120,11 +116,9 @@ impl AugmentedModel {
             let shapes = shape_derivatives(term, scene);
             let all = columns.iter().chain(&shapes).zip(self.offset_of(at)..);
             let rows = all.flat_map(|(column, at)| column.rows.iter().map(move |(j, values)| (*j, at, values)));
-            let gained = |(j, at, values): (usize, usize, &Vec<f64>)| {
-                let gained = values.iter().map(|v| v * gain[j]).collect();
-                (j, at, stretch.shaped(gained))
-            };
-            rows.map(gained).collect()
+            let gained = |(j, at, values): (usize, usize, &Vec<f64>)| ((j, at), values.iter().map(|v| v * gain[j]).collect());
+            let shaped = stretch.shaped_with(rows.map(gained)).into_iter();
+            shaped.map(|((j, at), values)| (j, at, values)).collect()
         });
         (columns, derivatives)
     }

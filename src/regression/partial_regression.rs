@@ -56,10 +56,7 @@ impl System {
 
     /// Whitens columns over the motion of `stretches` (not shaped yet), one list per stretch.
     pub fn whitened(&self, data: &Data, stretches: &[&Stretch], columns: Vec<Vec<Column>>) -> Whitened {
-        let shaped = |(stretch, columns): (&&Stretch, Vec<Column>)| {
-            let of = |c| stretch.shaped_column(c);
-            columns.into_iter().map(of).collect()
-        };
+        let shaped = |(stretch, columns): (&&Stretch, Vec<Column>)| stretch.shaped_columns(columns);
         let shaped: Vec<Vec<Column>> = stretches.iter().zip(columns).map(shaped).collect();
         let borrowed: Vec<Vec<&Column>> = shaped.iter().map(|c| c.iter().collect()).collect();
         self.whitened_shaped(data, stretches, &borrowed)

@@ -24,9 +24,13 @@ impl Stretch {
         self.usable.iter_mut().chain(&mut self.resting).for_each(half);
         half(&mut self.samples);
         let filter = self.filter.take();
-        let rows = move |x: &[f64]| -> Vec<f64> {
-            let all = filter.as_ref().map_or_else(|| x.to_vec(), |f| f(x));
-            all.into_iter().step_by(2).collect()
+        let rows = move |columns: &[&[f64]]| -> Vec<Vec<f64>> {
+            let mut all = match &filter {
+                Some(filter) => filter(columns),
+                None => columns.iter().map(|x| x.to_vec()).collect(),
+            };
+            all.iter_mut().for_each(half);
+            all
         };
         Self {
             filter: Some(Arc::new(rows)),

@@ -1,6 +1,6 @@
 //! Filters against SciPy (tests/data/README.md).
 
-use dynident::preparation::filter::{LowPass, Padding, zero_phase};
+use dynident::preparation::filter::{LowPass, Padding, zero_phase, zero_phase_all};
 use serde_json::Value;
 use std::f64::consts::PI;
 
@@ -33,6 +33,27 @@ fn val_zero_phase_butterworth_equals_scipy() {
             assert!(worst < 1e-9, "order {order}, {key}: {worst:e}");
         }
     }
+}
+
+/// Records side by side are filtered as each alone, whatever their number and the number of sections.
+#[test]
+fn prop_records_side_by_side_are_filtered_as_each_alone() {
+    for (order, count) in [(1, 1), (2, 3), (5, 8), (8, 9), (12, 23)] {
+        let filter = LowPass::butterworth(order, 3.0, 100.0).unwrap();
+        let records: Vec<Vec<f64>> = (0..count).map(|k| signal(400, 100.0 + k as f64)).collect();
+        let borrowed: Vec<&[f64]> = records.iter().map(Vec::as_slice).collect();
+        for padding in [Padding::Odd, Padding::Periodic] {
+            let alone: Vec<Vec<f64>> = borrowed.iter().map(|x| zero_phase(&filter, x, padding, 70)).collect();
+            assert_eq!(
+                zero_phase_all(&filter, &borrowed, padding, 70),
+                alone,
+                "order {order}, {count} records"
+            );
+        }
+    }
+    let filter = LowPass::butterworth(4, 3.0, 100.0).unwrap();
+    assert_eq!(zero_phase_all(&filter, &[&[1.0], &[2.0]], Padding::Odd, 5), [[1.0], [2.0]]);
+    assert!(zero_phase_all(&filter, &[], Padding::Odd, 5).is_empty());
 }
 
 #[test]

@@ -116,6 +116,7 @@ fn prop_a_strong_pull_ends_at_the_prior() {
     let objective = objective(&robot, 1.0);
     let options = ConsistentOptions {
         prior_weight: 1e12,
+        most_shift: f64::INFINITY,
         ..ConsistentOptions::default()
     };
     let fit = fit_consistent(&robot.robot, &objective, &options);

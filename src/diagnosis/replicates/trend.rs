@@ -97,14 +97,16 @@ fn columns_of(data: &Data, system: &System, log: usize, joint: usize) -> Whitene
     let position = |j: usize| {
         let q = thin.motion.positions(j).to_vec();
         let squared = q.iter().map(|v| v * v).collect();
-        [stretch.shaped(q), stretch.shaped(squared)]
+        [q, squared]
     };
     let cosine = |k: usize| -> Vec<f64> {
         let at = |s: usize| (PI * k as f64 * (s as f64 + 0.5) / rows as f64).cos();
         (0..rows).map(at).collect()
     };
-    let positions = (0..stretch.joints()).flat_map(position);
-    let values = positions.chain((1..=SETTINGS.replicates.slow_cosines + SETTINGS.replicates.neighbour_cosines).map(cosine));
+    let positions = stretch.shaped((0..stretch.joints()).flat_map(position).collect());
+    let values = positions
+        .into_iter()
+        .chain((1..=SETTINGS.replicates.slow_cosines + SETTINGS.replicates.neighbour_cosines).map(cosine));
     let block = &system.blocks[log][joint];
     let white = |v: Vec<f64>| DVector::from_vec(data.noise[joint].whiten(&v, &block.rows, stretch.repetitions()));
     let columns: Vec<DVector<f64>> = values.map(white).collect();

@@ -162,7 +162,7 @@ fn shaped(data: &Data, system: &System, coarse: &[&Stretch], candidate: &Candida
             let scene = e.scene(system, stretch);
             candidate.effect.columns(candidate.form, &scene, &candidate.joints, shape)
         };
-        columns.into_iter().map(|c| stretch.shaped_column(c)).collect()
+        stretch.shaped_columns(columns)
     };
     coarse.iter().zip(system.thinned(data)).map(of).collect()
 }

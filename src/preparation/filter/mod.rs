@@ -4,7 +4,7 @@ mod butterworth;
 mod zero_phase;
 
 pub use butterworth::{FilterError, LowPass, Section};
-pub use zero_phase::{Padding, zero_phase};
+pub use zero_phase::{Padding, zero_phase, zero_phase_all};
 
 /// Central differences of samples `step` apart; one-sided at the ends.
 pub fn central_difference(x: &[f64], step: f64) -> Vec<f64> {

@@ -171,6 +171,7 @@ fn relaxation(options: &PaperOptions) -> ConsistentOptions {
     ConsistentOptions {
         boxes: Vec::new(),
         prior_weight: 0.0,
+        most_shift: f64::INFINITY,
         bounds: options.bounds.clone(),
         least_eigenvalue: 0.0,
         least_viscous: options.least_viscous,

@@ -12,8 +12,8 @@ use utoipa::ToSchema;
 pub struct FeasibleSchema {
     #[schema(required = false, default = "consistent")]
     method: FeasibleMethodSchema,
-    /// Weight of the pull towards the robot's prior parameters.
-    #[schema(default = 1.0)]
+    /// Weight of the pull towards the robot's prior parameters, in noise variances. Left out: at most 1, and no more than what moves the base parameters by 0.3 of
+    /// their standard deviations (root mean square).
     prior_weight: Option<f64>,
     /// Least eigenvalue of the pseudo-inertia, in units of the prior link's.
     #[schema(default = 1e-4)]
