@@ -26,7 +26,7 @@ pub(crate) struct Searched<'a> {
 }
 
 /// Selects on the coarse forms, confirms by all samples, and goes on without the effects that were not confirmed, because they may have stood where another
-/// belongs: every turn has fewer candidates.
+/// belongs. One of those before them may be that other, so it has a second turn, and no third: the search ends.
 pub(crate) fn searched<'a>(
     coarse: &Data,
     fine: &Data<'a>,
@@ -35,6 +35,7 @@ pub(crate) fn searched<'a>(
     threshold: &Threshold,
 ) -> Searched<'a> {
     let mut open = candidates.to_vec();
+    let mut turned_down: Vec<Term> = Vec::new();
     let mut selected = select(coarse, start, &open, threshold);
     // A law that the samples do not confirm would be found again.
     let mut may_have_laws = true;
@@ -70,7 +71,10 @@ pub(crate) fn searched<'a>(
             };
         }
         may_have_laws &= !doubtful.iter().any(|t| is_law(t.effect));
-        open.retain(|c| !doubtful.iter().any(|t| c.is_same_effect(t)));
+        turned_down.extend(doubtful.iter().cloned());
+        let times = |c: &Candidate, list: &[Term]| list.iter().filter(|t| c.is_same_effect(t)).count();
+        let may_come = |c: &&Candidate| times(c, &doubtful) == 0 && times(c, &turned_down) < 2;
+        open = candidates.iter().filter(may_come).cloned().collect();
         let left = Selected {
             system: data.fit(system.model),
             accepted,

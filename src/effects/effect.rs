@@ -240,6 +240,11 @@ pub trait Effect: Sync + Send {
         &[]
     }
 
+    /// Least step of parameter `i` on a log that does not repeat, with samples every `interval` seconds: columns are differenced over no less.
+    fn least_step(&self, _i: usize, _interval: f64) -> f64 {
+        0.0
+    }
+
     /// Coefficients (parameters of a distortion, `count` of them) of the effect with size one, in each of its parameters that have a size. `middle` is the middle of
     /// where its first joint moves. Each parameter by itself unless said otherwise.
     fn units(&self, _form: usize, count: usize, _middle: f64) -> Vec<Vec<f64>> {

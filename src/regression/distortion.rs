@@ -34,7 +34,11 @@ impl AugmentedModel {
         at: Option<usize>,
         known: KnownTorque,
     ) -> Vec<Vec<Vec<f64>>> {
-        let steps = term.effect.steps();
+        let step = |(i, &step): (usize, &f64)| match stretch.periodic {
+            true => step,
+            false => term.effect.least_step(i, stretch.interval).max(step),
+        };
+        let steps: Vec<f64> = term.effect.steps().iter().enumerate().map(step).collect();
         (0..steps.len())
             .map(|i| {
                 let side = |sign: f64| {

@@ -98,7 +98,6 @@ fn prop_families_are_named_whole_on_logs_without_periods() {
 
 /// Torque streams that are late by less than a sample up to several, or early.
 #[test]
-#[ignore = "known limit: found where the column is differenced over half a sample, which then takes the place of friction on the measured Panda"]
 fn prop_a_delay_is_found_on_logs_without_periods() {
     for (seed, seconds) in [(0, 0.015), (1, 0.015), (2, 0.007), (3, -0.01)] {
         let outcome = once(

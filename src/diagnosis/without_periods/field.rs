@@ -193,7 +193,7 @@ impl<'a> Field<'a> {
         if own.rank == 0 || share < self.threshold.share || held_out < self.threshold.generalises * own.gain {
             return None;
         }
-        if held_out <= 0.0 || !self.is_sure(contender, own) {
+        if held_out <= 0.0 || !self.is_sure(contender, own) || self.is_of_one_joint(contender) {
             return None;
         }
         let p_value = (chance_of(self.system, &contender.columns) * tried).min(1.0);
@@ -217,6 +217,17 @@ impl<'a> Field<'a> {
         let (ranks, p_value) = signed_rank_test(&relative.collect::<Vec<_>>());
         own.held_out() > SETTINGS.without_periods.sure * own.deviation()
             || ranks > 0.0 && 0.5 * p_value < SETTINGS.without_periods.rank_chance
+    }
+
+    /// Whether an effect of the whole arm gains beyond chance on no more than one joint: then it stands in for what that joint lacks. A late torque stream or
+    /// a tilted base shows on several.
+    fn is_of_one_joint(&self, contender: &Contender) -> bool {
+        if contender.members.iter().any(|s| !s.candidate.joints.is_empty()) {
+            return false;
+        }
+        let gains = contender.gains_by_joint(self.system, &self.blocks, &self.folds);
+        let sure = |gains: &&Vec<f64>| gains.iter().sum::<f64>() > SETTINGS.without_periods.sure * deviation_of_sum(gains);
+        gains.len() > 1 && gains.iter().filter(sure).count() < 2
     }
 
     /// Whether some joint is predicted worse on blocks left out, beyond chance and beyond a sliver of what it leaves.

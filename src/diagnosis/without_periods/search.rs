@@ -5,31 +5,47 @@ use super::{nuisance, settle};
 use crate::diagnosis::selection::{Candidate, Selected, Threshold, drop_superfluous, is_physical, scan};
 use crate::regression::{Data, Term};
 
-/// Goes on from a selection.
+/// Goes on from a selection, and, without the effects that do not last, on from what is left: they may have stood where another belongs.
 pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     let mut data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();
+    loop {
+        grow(&mut data, &mut now, [candidates, &open], threshold);
+        let gone = settle::settle(&data, &mut now);
+        if gone.is_empty() {
+            break;
+        }
+        open.retain(|c| !gone.iter().any(|t| c.is_same_effect(t)));
+    }
+    nuisance::promote(&data, &mut now, candidates, threshold);
+    now.noise = data.noise;
+    now
+}
+
+/// Adds effects of `open` until none has earned its place.
+fn grow(data: &mut Data, now: &mut Selected, [candidates, open]: [&[Candidate]; 2], threshold: &Threshold) {
+    let mut open = open.to_vec();
     for _ in 0..2 * threshold.most_effects {
         if now.accepted.len() >= threshold.most_effects {
             break;
         }
-        let scored = scan(&data, &now.system, &open);
-        let Some(field) = Field::of(&data, &now.system, &open, &scored, threshold) else {
+        let scored = scan(data, &now.system, &open);
+        let Some(field) = Field::of(data, &now.system, &open, &scored, threshold) else {
             break;
         };
-        let nuisance = match nuisance::is_open(&now) {
+        let nuisance = match nuisance::is_open(now) {
             true => field.nuisance_offsets(),
             false => Vec::new(),
         };
         if !nuisance.is_empty() {
-            nuisance::add(&data, &mut now, nuisance);
+            nuisance::add(data, now, nuisance);
         } else {
             let chosen = field.families().map_or_else(|| field.singles(), |family| vec![family]);
             if chosen.is_empty() {
                 break;
             }
-            match fitted(&data, &now, &chosen) {
-                Ok(next) => now = next,
+            match fitted(data, now, &chosen) {
+                Ok(next) => *now = next,
                 Err(refused) => {
                     // The fit to all rows says otherwise: it has no further turn.
                     open.retain(|c| !refused.iter().any(|r| r.0 == c.effect.code() && r.1 == c.joints));
@@ -37,15 +53,11 @@ pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], t
                 }
             }
         }
-        data = data.with_noise(data.left_as_noise(&now.system));
+        *data = data.with_noise(data.left_as_noise(&now.system));
         now.system = data.fit(now.system.model.clone());
         now.noise = data.noise.clone();
-        drop_superfluous(&data, &mut now, candidates, threshold);
+        drop_superfluous(data, now, candidates, threshold);
     }
-    settle::settle(&data, &mut now);
-    nuisance::promote(&data, &mut now, candidates, threshold);
-    now.noise = data.noise;
-    now
 }
 
 /// Effects that are not to be tried again: code and joints.

@@ -6,17 +6,17 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::effects::Kind;
 use crate::regression::{AugmentedModel, Data, SETTINGS as REGRESSION_SETTINGS, System, Term, f_tail};
 
-/// Takes out what is not beyond doubt, the weakest first. A spring whose stiffness is not gives its place to a torque offset.
-pub(crate) fn settle(data: &Data, now: &mut Selected) {
+/// Takes out what is not beyond doubt, the weakest first, and says what went. A spring whose stiffness is not gives its place to a torque offset.
+pub(crate) fn settle(data: &Data, now: &mut Selected) -> Vec<Term> {
+    let mut gone = Vec::new();
     loop {
         let fixed = now.fixed;
         let weakest = (fixed..now.system.model.terms.len())
             .map(|at| (at, doubt(&now.system, at)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((at, chance)) = weakest else { return };
-        if chance < SETTINGS.without_periods.doubtful {
-            return;
-        }
+        let Some((at, _)) = weakest.filter(|(_, chance)| *chance >= SETTINGS.without_periods.doubtful) else {
+            return gone;
+        };
         if nuisance::demote(now, at) {
             now.system = data.fit(now.system.model.clone());
             continue;
@@ -28,7 +28,7 @@ pub(crate) fn settle(data: &Data, now: &mut Selected) {
                 now.accepted[at - fixed].effect = "torque_offset";
             }
             None => {
-                model.terms.remove(at);
+                gone.push(model.terms.remove(at));
                 now.accepted.remove(at - fixed);
             }
         }
