@@ -35,8 +35,33 @@ pub(crate) fn searched<'a>(
     threshold: &Threshold,
 ) -> Searched<'a> {
     let mut open = candidates.to_vec();
-    let mut turned_down: Vec<Term> = Vec::new();
+    let mut turned_down = TurnedDown::default();
     let mut selected = select(coarse, start, &open, threshold);
+    // Rivals cost far more than a fit to all samples, which without periods turns most down.
+    while !selected.system.noise_is_measured {
+        let fine = fine.with_noise(selected.noise.clone());
+        let system = fine.fit(selected.system.model.clone());
+        let mut accepted = selected.accepted.clone();
+        let (system, doubtful) = confirmed(
+            &fine,
+            system,
+            selected.fixed,
+            &mut accepted,
+            &mut Vec::new(),
+            threshold.chance,
+        );
+        if doubtful.is_empty() {
+            break;
+        }
+        open = turned_down.open(candidates, doubtful);
+        let data = coarse.with_noise(selected.noise.clone());
+        let left = Selected {
+            system: data.fit(system.model),
+            accepted,
+            ..selected
+        };
+        selected = extend(&data, left, &open, threshold);
+    }
     // A law that the samples do not confirm would be found again.
     let mut may_have_laws = true;
     loop {
@@ -71,16 +96,29 @@ pub(crate) fn searched<'a>(
             };
         }
         may_have_laws &= !doubtful.iter().any(|t| is_law(t.effect));
-        turned_down.extend(doubtful.iter().cloned());
-        let times = |c: &Candidate, list: &[Term]| list.iter().filter(|t| c.is_same_effect(t)).count();
-        let may_come = |c: &&Candidate| times(c, &doubtful) == 0 && times(c, &turned_down) < 2;
-        open = candidates.iter().filter(may_come).cloned().collect();
+        open = turned_down.open(candidates, doubtful);
         let left = Selected {
             system: data.fit(system.model),
             accepted,
             ..examined
         };
         selected = extend(&data, left, &open, threshold);
+    }
+}
+
+/// Effects that all samples did not confirm.
+#[derive(Default)]
+struct TurnedDown(Vec<Term>);
+
+impl TurnedDown {
+    /// Adds those turned down just now, and says which of the candidates may come next: those of earlier turns once more.
+    fn open(&mut self, candidates: &[Candidate], now: Vec<Term>) -> Vec<Candidate> {
+        let times = |c: &Candidate, list: &[Term]| list.iter().filter(|t| c.is_same_effect(t)).count();
+        let earlier = std::mem::take(&mut self.0);
+        let may_come = |c: &&Candidate| times(c, &now) == 0 && times(c, &earlier) < 2;
+        let open = candidates.iter().filter(may_come).cloned().collect();
+        self.0 = earlier.into_iter().chain(now).collect();
+        open
     }
 }
 
@@ -100,7 +138,9 @@ fn confirmed(
         match doubts.max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((i, p)) if p >= limit => {
                 accepted.remove(i);
-                contests.remove(i);
+                if i < contests.len() {
+                    contests.remove(i);
+                }
                 let mut model = system.model;
                 gone.push(model.terms.remove(fixed + i));
                 system = data.fit(model);
