@@ -240,7 +240,7 @@ pub trait Effect: Sync + Send {
         &[]
     }
 
-    /// Least step of parameter `i` on a log that does not repeat, with samples every `interval` seconds: columns are differenced over no less.
+    /// Least step of parameter `i` where columns go through a filter, with samples every `interval` seconds: they are differenced over no less.
     fn least_step(&self, _i: usize, _interval: f64) -> f64 {
         0.0
     }

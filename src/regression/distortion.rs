@@ -34,9 +34,10 @@ impl AugmentedModel {
         at: Option<usize>,
         known: KnownTorque,
     ) -> Vec<Vec<Vec<f64>>> {
-        let step = |(i, &step): (usize, &f64)| match stretch.periodic {
-            true => step,
-            false => term.effect.least_step(i, stretch.interval).max(step),
+        // Without a filter, rows at a reversal are left out.
+        let step = |(i, &step): (usize, &f64)| match &stretch.filter {
+            None => step,
+            Some(_) => term.effect.least_step(i, stretch.interval).max(step),
         };
         let steps: Vec<f64> = term.effect.steps().iter().enumerate().map(step).collect();
         (0..steps.len())
