@@ -56,7 +56,11 @@ impl FinalModel {
             new.push((links.joint.clone(), NewBody::Friction(prior.viscous, prior.coulomb)));
         }
         let patched = urdf_with_bodies(xml, &new).map_err(of_model)?;
-        notes.extend(gravity_note(&ours.robot, &read.robot));
+        // The base that was asked for may hang below fixed joints that turn it; a simulation begins at the root.
+        let from_root = ChainEnds { base: None, ..ends };
+        let whole = from_urdf(xml, self.robot.gravity(), self.robot.friction(), from_root).ok();
+        let whole = whole.filter(|w| w.robot.joint_count() == read.robot.joint_count());
+        notes.extend(gravity_note(&ours.robot, whole.as_ref().map_or(&read.robot, |w| &w.robot)));
         notes.extend(self.remarks(ours.reported_as));
         let top = format!("bodies and friction as identified by dynident {}", env!("CARGO_PKG_VERSION"));
         let comment: Vec<String> = std::iter::once(top).chain(notes.iter().cloned()).collect();
