@@ -39,28 +39,13 @@ pub(crate) fn searched<'a>(
     let mut selected = select(coarse, start, &open, threshold);
     // Rivals cost far more than a fit to all samples, which without periods turns most down.
     while !selected.system.noise_is_measured {
-        let fine = fine.with_noise(selected.noise.clone());
-        let system = fine.fit(selected.system.model.clone());
-        let mut accepted = selected.accepted.clone();
-        let (system, doubtful) = confirmed(
-            &fine,
-            system,
-            selected.fixed,
-            &mut accepted,
-            &mut Vec::new(),
-            threshold.chance,
-        );
-        if doubtful.is_empty() {
+        let confirmed = confirmed(&fine.with_noise(selected.noise.clone()), &selected, threshold.chance);
+        if confirmed.gone.is_empty() {
             break;
         }
-        open = turned_down.open(candidates, doubtful);
+        open = turned_down.open(candidates, &confirmed.gone);
         let data = coarse.with_noise(selected.noise.clone());
-        let left = Selected {
-            system: data.fit(system.model),
-            accepted,
-            ..selected
-        };
-        selected = extend(&data, left, &open, threshold);
+        selected = extend(&data, confirmed.left_of(&data, selected), &open, threshold);
     }
     // A law that the samples do not confirm would be found again.
     let mut may_have_laws = true;
@@ -82,27 +67,20 @@ pub(crate) fn searched<'a>(
             }
         }
         let fine = fine.with_noise(examined.noise.clone());
-        let mut accepted = examined.accepted.clone();
-        let system = fine.fit(examined.system.model.clone());
-        let (system, doubtful) = confirmed(&fine, system, fixed, &mut accepted, &mut contests, threshold.chance);
-        if doubtful.is_empty() || remainder.is_some() {
+        let confirmed = confirmed(&fine, &examined, threshold.chance);
+        if confirmed.gone.is_empty() || remainder.is_some() {
             return Searched {
-                remainder: remainder.or_else(|| unaccounted(&fine, &system)),
+                remainder: remainder.or_else(|| unaccounted(&fine, &confirmed.system)),
                 data: fine,
-                system,
                 fixed,
-                accepted,
-                contests,
+                accepted: confirmed.of(&examined.accepted),
+                contests: confirmed.of(&contests),
+                system: confirmed.system,
             };
         }
-        may_have_laws &= !doubtful.iter().any(|t| is_law(t.effect));
-        open = turned_down.open(candidates, doubtful);
-        let left = Selected {
-            system: data.fit(system.model),
-            accepted,
-            ..examined
-        };
-        selected = extend(&data, left, &open, threshold);
+        may_have_laws &= !confirmed.gone.iter().any(|t| is_law(t.effect));
+        open = turned_down.open(candidates, &confirmed.gone);
+        selected = extend(&data, confirmed.left_of(&data, examined), &open, threshold);
     }
 }
 
@@ -112,40 +90,58 @@ struct TurnedDown(Vec<Term>);
 
 impl TurnedDown {
     /// Adds those turned down just now, and says which of the candidates may come next: those of earlier turns once more.
-    fn open(&mut self, candidates: &[Candidate], now: Vec<Term>) -> Vec<Candidate> {
+    fn open(&mut self, candidates: &[Candidate], now: &[Term]) -> Vec<Candidate> {
         let times = |c: &Candidate, list: &[Term]| list.iter().filter(|t| c.is_same_effect(t)).count();
-        let earlier = std::mem::take(&mut self.0);
-        let may_come = |c: &&Candidate| times(c, &now) == 0 && times(c, &earlier) < 2;
+        let may_come = |c: &&Candidate| times(c, now) == 0 && times(c, &self.0) < 2;
         let open = candidates.iter().filter(may_come).cloned().collect();
-        self.0 = earlier.into_iter().chain(now).collect();
+        self.0.extend_from_slice(now);
         open
     }
 }
 
-/// Takes effects beyond the first `fixed` terms out that the samples do not confirm, the weakest first, until all that are left are: the chance of
-/// `θᵀ C⁻¹ θ` (Wald), θ what the effect adds and C its covariance, is below `limit`. What was tried before is not counted again. Says what went.
-fn confirmed(
-    data: &Data,
-    mut system: System,
-    fixed: usize,
-    accepted: &mut Vec<Accepted>,
-    contests: &mut Vec<Contest>,
-    limit: f64,
-) -> (System, Vec<Term>) {
-    let mut gone = Vec::new();
+/// Effects of a selection that all samples confirm, and those that they do not.
+struct Confirmed {
+    /// Fitted to all samples, without those that went.
+    system: System,
+    /// Which effects of the selection stayed.
+    kept: Vec<usize>,
+    gone: Vec<Term>,
+}
+
+impl Confirmed {
+    /// What belongs to the effects that stayed.
+    fn of<T: Clone>(&self, all: &[T]) -> Vec<T> {
+        self.kept.iter().map(|&i| all[i].clone()).collect()
+    }
+
+    /// The selection with the effects that stayed, fitted to `data`.
+    fn left_of(&self, data: &Data, selected: Selected) -> Selected {
+        Selected {
+            system: data.fit(self.system.model.clone()),
+            accepted: self.of(&selected.accepted),
+            ..selected
+        }
+    }
+}
+
+/// Takes effects of a selection out that the samples of `data` do not confirm, the weakest first, until all that are left are: the chance of `θᵀ C⁻¹ θ` (Wald), θ what
+/// the effect adds and C its covariance, is below `limit`. What was tried before is not counted again.
+fn confirmed(data: &Data, selected: &Selected, limit: f64) -> Confirmed {
+    let mut found = Confirmed {
+        system: data.fit(selected.system.model.clone()),
+        kept: (0..selected.accepted.len()).collect(),
+        gone: Vec::new(),
+    };
     loop {
-        let doubts = (0..accepted.len()).map(|i| (i, doubt(&system, fixed + i)));
+        let doubts = (0..found.kept.len()).map(|i| (i, doubt(&found.system, selected.fixed + i)));
         match doubts.max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((i, p)) if p >= limit => {
-                accepted.remove(i);
-                if i < contests.len() {
-                    contests.remove(i);
-                }
-                let mut model = system.model;
-                gone.push(model.terms.remove(fixed + i));
-                system = data.fit(model);
+                found.kept.remove(i);
+                let mut model = found.system.model;
+                found.gone.push(model.terms.remove(selected.fixed + i));
+                found.system = data.fit(model);
             }
-            _ => return (system, gone),
+            _ => return found,
         }
     }
 }

@@ -240,8 +240,8 @@ pub trait Effect: Sync + Send {
         &[]
     }
 
-    /// Least step of parameter `i` where columns go through a filter, with samples every `interval` seconds: they are differenced over no less.
-    fn least_step(&self, _i: usize, _interval: f64) -> f64 {
+    /// Least step where columns go through a filter, with samples every `interval` seconds: they are differenced over no less.
+    fn least_step(&self, _interval: f64) -> f64 {
         0.0
     }
 

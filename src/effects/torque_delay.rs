@@ -57,7 +57,7 @@ impl Effect for TorqueDelay {
 
     /// Half a sample: over less, a reversal of friction lies in the difference in one row of many and is multiplied there, where over half a sample it is in
     /// every second row, as it is in the torque that is late.
-    fn least_step(&self, _i: usize, interval: f64) -> f64 {
+    fn least_step(&self, interval: f64) -> f64 {
         0.5 * interval
     }
 

@@ -1,6 +1,6 @@
 //! What torque and regressor columns go through on their way into least squares.
 
-use crate::preparation::filter::{LowPass, Padding, zero_phase, zero_phase_all};
+use crate::preparation::filter::{LowPass, Padding, zero_phase_all};
 
 /// Filter, ends and decimation. Parallel filtering has the same filter in both places; the paper filters torque alone.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,28 +40,24 @@ impl RowFilter {
         (edges..samples - edges).step_by(self.decimation)
     }
 
-    /// Rows of a torque signal of N samples.
-    pub fn torque_rows(&self, x: &[f64]) -> Vec<f64> {
-        self.pass(self.torque.as_ref(), x)
+    /// Rows of torque signals of N samples each.
+    pub fn torque_rows(&self, signals: &[&[f64]]) -> Vec<Vec<f64>> {
+        self.pass(self.torque.as_ref(), signals)
     }
 
     /// Rows of regressor or effect columns of N samples each.
     pub fn column_rows(&self, columns: &[&[f64]]) -> Vec<Vec<f64>> {
-        let pick = |y: &[f64]| self.rows(y.len()).map(|s| y[s]).collect();
-        match &self.columns {
-            Some(filter) => {
-                let filtered = zero_phase_all(filter, columns, self.padding, filter.settling_samples());
-                filtered.iter().map(|y| pick(y)).collect()
-            }
-            None => columns.iter().map(|x| pick(x)).collect(),
-        }
+        self.pass(self.columns.as_ref(), columns)
     }
 
-    fn pass(&self, filter: Option<&LowPass>, x: &[f64]) -> Vec<f64> {
-        let pick = |y: &[f64]| self.rows(x.len()).map(|s| y[s]).collect();
+    fn pass(&self, filter: Option<&LowPass>, records: &[&[f64]]) -> Vec<Vec<f64>> {
+        let pick = |y: &[f64]| self.rows(y.len()).map(|s| y[s]).collect();
         match filter {
-            Some(filter) => pick(&zero_phase(filter, x, self.padding, filter.settling_samples())),
-            None => pick(x),
+            Some(filter) => {
+                let filtered = zero_phase_all(filter, records, self.padding, filter.settling_samples());
+                filtered.iter().map(|y| pick(y)).collect()
+            }
+            None => records.iter().map(|x| pick(x)).collect(),
         }
     }
 }

@@ -10,9 +10,9 @@ use std::sync::Arc;
 /// columns of M rows.
 pub type ColumnFilter = Arc<dyn Fn(&[&[f64]]) -> Vec<Vec<f64>> + Send + Sync>;
 
-/// A filter of columns from a filter of one column.
-pub(crate) fn one_by_one(filter: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static) -> ColumnFilter {
-    Arc::new(move |columns: &[&[f64]]| columns.iter().map(|x| filter(x)).collect())
+/// Rows of a matrix, borrowed.
+pub(crate) fn slices(rows: &[Vec<f64>]) -> Vec<&[f64]> {
+    rows.iter().map(Vec::as_slice).collect()
 }
 
 /// One stretch of motion with its torque: the average over the periods of a log, or the log itself.
@@ -68,8 +68,7 @@ pub struct Unfiltered {
 impl Unfiltered {
     /// Rows of some torques of all joints, n × N.
     pub(crate) fn rows(&self, torque: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let torque: Vec<&[f64]> = torque.iter().map(Vec::as_slice).collect();
-        (self.filter)(&torque)
+        (self.filter)(&slices(torque))
     }
 }
 
@@ -121,7 +120,7 @@ impl Stretch {
     /// Lists of `values` over the motion as they enter the rows.
     pub(crate) fn shaped(&self, values: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         match &self.filter {
-            Some(filter) => filter(&values.iter().map(Vec::as_slice).collect::<Vec<_>>()),
+            Some(filter) => filter(&slices(&values)),
             None => values,
         }
     }

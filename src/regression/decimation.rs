@@ -1,6 +1,6 @@
 //! The coarse form of a stretch: the same rows from fewer samples, or rows that are means over neighbouring ones.
 
-use super::dataset::{Coarse, Stretch, one_by_one};
+use super::dataset::{Coarse, Stretch};
 use crate::dynamics::Motion;
 use crate::preparation::RowFilter;
 use crate::preparation::filter::LowPass;
@@ -89,7 +89,7 @@ impl Stretch {
             samples: (0..rows).map(|s| first + s * step).collect(),
             usable: middle.usable.clone(),
             resting: middle.resting.clone(),
-            filter: Some(one_by_one(mean)),
+            filter: Some(Arc::new(move |columns: &[&[f64]]| columns.iter().map(|x| mean(x)).collect())),
             coarse: Some(Coarse {
                 first,
                 step,

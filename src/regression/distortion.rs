@@ -35,11 +35,11 @@ impl AugmentedModel {
         known: KnownTorque,
     ) -> Vec<Vec<Vec<f64>>> {
         // Without a filter, rows at a reversal are left out.
-        let step = |(i, &step): (usize, &f64)| match &stretch.filter {
-            None => step,
-            Some(_) => term.effect.least_step(i, stretch.interval).max(step),
-        };
-        let steps: Vec<f64> = term.effect.steps().iter().enumerate().map(step).collect();
+        let least = stretch
+            .filter
+            .as_ref()
+            .map_or(0.0, |_| term.effect.least_step(stretch.interval));
+        let steps: Vec<f64> = term.effect.steps().iter().map(|step| step.max(least)).collect();
         (0..steps.len())
             .map(|i| {
                 let side = |sign: f64| {

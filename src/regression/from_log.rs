@@ -1,6 +1,6 @@
 //! A dataset from a prepared log.
 
-use super::dataset::{ColumnFilter, Stretch, Unfiltered, one_by_one};
+use super::dataset::{ColumnFilter, Stretch, Unfiltered, slices};
 use super::decimation::coarse_filter;
 use super::rows::at_rest;
 use crate::dynamics::Motion;
@@ -64,7 +64,7 @@ impl Stretch {
             return None;
         }
         let stretch = Arc::new(Self::fine(&prepared.before_filter(), log));
-        let filter = one_by_one(move |x: &[f64]| filter.torque_rows(x));
+        let filter = Arc::new(move |x: &[&[f64]]| filter.torque_rows(x));
         Some(Unfiltered { stretch, filter })
     }
 
@@ -83,10 +83,8 @@ impl Stretch {
             };
             let unfolded: Vec<Vec<f64>> = log.tau.iter().zip(&prepared.torque).map(measured).collect();
             let rows = |k: usize| {
-                unfolded
-                    .iter()
-                    .map(|t| prepared.row_filter.torque_rows(&t[k * n..(k + 1) * n]))
-                    .collect()
+                let period: Vec<&[f64]> = unfolded.iter().map(|t| &t[k * n..(k + 1) * n]).collect();
+                prepared.row_filter.torque_rows(&period)
             };
             periods = (0..p.count).map(rows).collect();
             starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
@@ -108,7 +106,7 @@ impl Stretch {
         Self {
             name: prepared.name.clone(),
             motion: Motion::clone(&prepared.motion),
-            torque: prepared.torque.iter().map(|t| prepared.row_filter.torque_rows(t)).collect(),
+            torque: prepared.row_filter.torque_rows(&slices(&prepared.torque)),
             periods,
             starts,
             interval: 1.0 / prepared.rate_hz,

@@ -4,6 +4,8 @@ mod degenerate;
 mod effects;
 mod identify;
 mod log_files;
+#[path = "../support/mesh.rs"]
+mod mesh;
 mod operate;
 mod robot_files;
 

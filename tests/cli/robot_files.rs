@@ -1,6 +1,7 @@
 //! Robot files on the command line.
 
 use super::{Folder, ROOT, run, stderr, stdout};
+use crate::mesh::{binary_stl, box_of};
 use serde_json::Value;
 use std::io::Write;
 use zip::ZipWriter;
@@ -110,36 +111,8 @@ fn regress_logs_with_stamps_of_other_units_are_read_or_refused() {
     assert!(status == Some(0) && text.contains("nanoseconds"), "{error}");
 }
 
-/// Twelve triangles, binary.
 fn stl() -> Vec<u8> {
-    let corner = |k: usize| {
-        [0.05f32, 0.08, 0.3]
-            .map(|h| h)
-            .into_iter()
-            .enumerate()
-            .map(move |(i, h)| if k >> i & 1 == 1 { h } else { -h })
-    };
-    let faces = [
-        [0, 1, 3, 2],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 3, 7, 6],
-        [0, 2, 6, 4],
-        [1, 3, 7, 5],
-    ];
-    let mut bytes = vec![b' '; 80];
-    bytes.extend(12u32.to_le_bytes());
-    for [a, b, c, d] in faces {
-        for triangle in [[a, b, c], [a, c, d]] {
-            bytes.extend([0; 12]);
-            triangle
-                .into_iter()
-                .flat_map(corner)
-                .for_each(|v| bytes.extend(v.to_le_bytes()));
-            bytes.extend([0; 2]);
-        }
-    }
-    bytes
+    binary_stl(&box_of([0.05, 0.08, 0.3]))
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Identities that hold for every serial arm, tried on random ones.
 
+#[path = "../support/mesh.rs"]
+mod mesh;
 #[path = "../support/mod.rs"]
 mod support;
 

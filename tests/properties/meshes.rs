@@ -1,5 +1,6 @@
 //! Shapes of links from meshes: STL, OBJ and COLLADA, and ZIP archives of a robot with its meshes.
 
+use crate::mesh::{binary_stl, box_of};
 use dynident::io::{is_archive, robot_archive, shapes_of_meshes};
 use serde_json::Value;
 use std::io::Write;
@@ -8,40 +9,11 @@ use zip::write::SimpleFileOptions;
 
 /// A box of 0.1 × 0.2 × 0.6 m as twelve triangles, around its centre.
 fn triangles() -> Vec<[[f64; 3]; 3]> {
-    let corner = |k: usize| {
-        [0.05, 0.1, 0.3]
-            .into_iter()
-            .enumerate()
-            .map(move |(i, h)| if k >> i & 1 == 1 { h } else { -h })
-    };
-    let corner = |k: usize| -> [f64; 3] { corner(k).collect::<Vec<_>>().try_into().unwrap() };
-    let faces = [
-        [0, 1, 3, 2],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 3, 7, 6],
-        [0, 2, 6, 4],
-        [1, 3, 7, 5],
-    ];
-    faces
-        .iter()
-        .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
-        .map(|t| t.map(corner))
-        .collect()
+    box_of([0.05, 0.1, 0.3])
 }
 
 fn binary() -> Vec<u8> {
-    let mut bytes = vec![b's'; 80];
-    bytes.extend((triangles().len() as u32).to_le_bytes());
-    for triangle in triangles() {
-        bytes.extend([0u8; 12]);
-        triangle
-            .iter()
-            .flatten()
-            .for_each(|v| bytes.extend((*v as f32).to_le_bytes()));
-        bytes.extend([0u8; 2]);
-    }
-    bytes
+    binary_stl(&triangles())
 }
 
 /// The same box in each of the other formats; its faces as quadrilaterals, and in millimetres below two nodes.

@@ -9,6 +9,7 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::effects::Effect;
 use crate::regression::{Data, System, Term, chance_of, f_tail};
 use rayon::prelude::*;
+use std::cell::LazyCell;
 
 pub(crate) const OFFSET: &str = "torque_offset";
 
@@ -181,11 +182,11 @@ impl<'a> Field<'a> {
     fn passes(&self, contender: &Contender, own: &Validated, tried: f64) -> Option<f64> {
         let left: f64 = contender.joints.iter().map(|&j| self.blocks.squares[j]).sum();
         let held_out = own.held_out();
+        let gains = LazyCell::new(|| contender.gains_by_joint(self.system, &self.blocks, &self.folds));
         let share = match contender.joints.len() {
             1 => own.gain / left,
             // Of many joints, some can have nothing to do with it: the one that it explains most of counts.
             _ => {
-                let gains = contender.gains_by_joint(self.system, &self.blocks, &self.folds);
                 let share = |(gains, left): (&Vec<f64>, &f64)| gains.iter().sum::<f64>() / left.max(f64::MIN_POSITIVE);
                 gains.iter().zip(&self.blocks.squares).map(share).fold(0.0, f64::max)
             }
@@ -193,11 +194,11 @@ impl<'a> Field<'a> {
         if own.rank == 0 || share < self.threshold.share || held_out < self.threshold.generalises * own.gain {
             return None;
         }
-        if held_out <= 0.0 || !self.is_sure(contender, own) || self.is_of_one_joint(contender) {
+        if held_out <= 0.0 || !self.is_sure(contender, own) || self.is_of_one_joint(contender, &gains) {
             return None;
         }
         let p_value = (chance_of(self.system, &contender.columns) * tried).min(1.0);
-        if p_value >= self.threshold.chance || self.a_joint_pays(contender) {
+        if p_value >= self.threshold.chance || self.a_joint_pays(&gains) {
             return None;
         }
         Some(p_value)
@@ -221,18 +222,16 @@ impl<'a> Field<'a> {
 
     /// Whether an effect of the whole arm gains beyond chance on no more than one joint: then it stands in for what that joint lacks. A late torque stream or
     /// a tilted base shows on several.
-    fn is_of_one_joint(&self, contender: &Contender) -> bool {
-        if contender.members.iter().any(|s| !s.candidate.joints.is_empty()) {
-            return false;
-        }
-        let gains = contender.gains_by_joint(self.system, &self.blocks, &self.folds);
+    fn is_of_one_joint(&self, contender: &Contender, gains: &[Vec<f64>]) -> bool {
+        let of_the_arm = contender.members.iter().all(|s| s.candidate.joints.is_empty());
+        // Joints that stand still, or whose torque takes no part, cannot show it.
+        let can_show = self.blocks.squares.iter().filter(|s| **s > 0.0).count();
         let sure = |gains: &&Vec<f64>| gains.iter().sum::<f64>() > SETTINGS.without_periods.sure * deviation_of_sum(gains);
-        gains.len() > 1 && gains.iter().filter(sure).count() < 2
+        of_the_arm && can_show > 1 && gains.iter().filter(sure).count() < 2
     }
 
     /// Whether some joint is predicted worse on blocks left out, beyond chance and beyond a sliver of what it leaves.
-    fn a_joint_pays(&self, contender: &Contender) -> bool {
-        let gains = contender.gains_by_joint(self.system, &self.blocks, &self.folds);
+    fn a_joint_pays(&self, gains: &[Vec<f64>]) -> bool {
         let pays = |(gains, left): (&Vec<f64>, &f64)| {
             let sum: f64 = gains.iter().sum();
             let (ranks, p_value) = signed_rank_test(gains);

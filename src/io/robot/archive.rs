@@ -1,5 +1,6 @@
 //! A robot's file with its meshes in one ZIP archive: a description package as people have it.
 
+use super::RobotArchive;
 use super::file::robot_file;
 use super::meshes::shapes_of_meshes;
 use crate::io::json::Malformed;
@@ -18,20 +19,6 @@ const LARGEST_IN_ALL: u64 = 512 << 20;
 const MOST_NAMES: usize = 8;
 
 type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
-
-/// A robot document from an archive.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct RobotArchive {
-    /// As [`robot_file`] reads it, with `geometry` from the meshes.
-    pub document: Value,
-    /// What to know about the meshes.
-    pub notes: Vec<String>,
-}
-
-/// Whether these are the bytes of a ZIP archive.
-pub fn is_archive(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"PK\x03\x04")
-}
 
 /// The one URDF (or else MJCF) file of an archive; the meshes that a URDF file names become capsules of its links.
 ///

@@ -9,7 +9,7 @@ mod joint;
 mod mesh_points;
 mod meshes;
 
-pub use archive::{RobotArchive, is_archive, robot_archive};
+pub use archive::robot_archive;
 pub use file::robot_file;
 pub use joint::{DH_FIELDS, INERTIA_FIELDS, JOINT_FIELDS, LIMIT_FIELDS, MDH_FIELDS, PLACEMENT_FIELDS, PRIOR_FIELDS};
 pub use meshes::shapes_of_meshes;
@@ -22,6 +22,20 @@ use crate::spatial::Transform;
 use nalgebra::Vector3;
 use serde_json::Value;
 use std::collections::BTreeMap;
+
+/// A robot document from an archive.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct RobotArchive {
+    /// As [`robot_file`] reads it, with `geometry` from the meshes.
+    pub document: Value,
+    /// What to know about the meshes.
+    pub notes: Vec<String>,
+}
+
+/// Whether these are the bytes of a ZIP archive.
+pub fn is_archive(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+}
 
 /// A robot as read, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]

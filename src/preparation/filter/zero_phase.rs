@@ -88,28 +88,24 @@ fn padded(x: &[f64], pad: usize) -> Vec<f64> {
 }
 
 /// Sections that run through the record together: each waits for its own last output, so several at once take no longer than one, as long as their states
-/// stay in registers.
+/// stay in registers. Of packs, the states of two fill them.
 const TOGETHER: usize = 4;
-
-/// Sections of packs that run together: the states of two fill the vector registers.
 const PACKS_TOGETHER: usize = 2;
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
 fn forwards_packs(sections: &[Section], x: &mut [Pack]) {
-    let steady = x[0];
-    for some in sections.chunks(PACKS_TOGETHER) {
-        match some {
-            [a] => together(&[a], x, steady),
-            [a, b] => together(&[a, b], x, steady),
-            _ => unreachable!("chunks of at most two"),
-        }
-    }
+    in_groups(sections, x, PACKS_TOGETHER);
+}
+
+fn forwards(sections: &[Section], x: &mut [f64]) {
+    in_groups(sections, x, TOGETHER);
 }
 
 /// Direct form II transposed, from the steady state of the first sample.
-fn forwards(sections: &[Section], x: &mut [f64]) {
+#[inline(always)]
+fn in_groups<R: Real>(sections: &[Section], x: &mut [R], most: usize) {
     let steady = x[0];
-    for some in sections.chunks(TOGETHER) {
+    for some in sections.chunks(most) {
         match some {
             [a] => together(&[a], x, steady),
             [a, b] => together(&[a, b], x, steady),
