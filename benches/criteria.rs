@@ -3,8 +3,8 @@
 //! `cargo bench --bench criteria -- [seconds per search]`. Noise is that of the published experiment, one standard deviation per joint; the
 //! torque error is i_optimality itself: expected over random states within the limits, from one period.
 
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::excitation::*;
-use dynident::io::{NamedRobots, shipped::Shipped};
 use std::time::Instant;
 
 /// RMS errors of the published base parameters (Table 4) on the identification motion [N m].

@@ -5,7 +5,8 @@
 //! `PYTHON` names the interpreter, `python3` if it is not set.
 
 use dynident::app::{CancelFlag, LogFile, identify};
-use dynident::io::{NamedRobots, NoExcitations, Parsed, read_identify_request, shipped::Shipped};
+use dynident::documents::{NamedRobots, NoExcitations, read_identify_request, shipped::Shipped};
+use dynident::formats::Parsed;
 use dynident::parameters::Layout;
 use dynident::simulate::{Experiment, Noise, simulate};
 use dynident::trajectory::FourierSeries;

@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --bench search -- [seconds per search] [seeds] [paper|exact] [zero|free] [stop below] [first seed]`
 
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::excitation::*;
-use dynident::io::{NamedRobots, shipped::Shipped};
 use std::sync::Mutex;
 use std::time::Instant;
 

@@ -3,9 +3,9 @@
 //! `cargo run --release --example dense_sampling -- [random designs] [optimised designs]`, 10000 and 100 if left out. Every sample of every joint
 //! of every design is a sum of the harmonics at that moment: a table of sines and cosines, multiplied with the coefficients.
 
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
 use dynident::excitation::*;
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::model::Robot;
 use dynident::parameters::Layout;
 use dynident::trajectory::{FourierSeries, Trajectory};

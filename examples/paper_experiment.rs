@@ -4,6 +4,7 @@
 //!
 //! `cargo run --release --example paper_experiment [evaluations of the excitation search]`
 
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::excitation::{
     Control, Criterion, Form, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, Start, search,
 };
@@ -11,7 +12,6 @@ use dynident::identification::physical::{
     ConsistentOptions, FeasibleMethod, FeasibleOptions, FitObjective, PaperFit, PaperOptions, Triangle, fit_consistent,
     fit_feasible, fit_paper,
 };
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::model::{Joint, Robot};
 use dynident::parameters::{BaseParameters, Layout};
 use dynident::preparation::{Log, Period, PreparedLog, PreprocessOptions, prepare};

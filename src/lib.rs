@@ -26,7 +26,7 @@
 //! | [`identification`] | physically consistent bodies from base parameters; whether a log was good enough |
 //! | [`solver`] | NLopt, behind two functions |
 //! | [`effects`], [`diagnosis`], [`simulate`] | what a rigid model lacks, how it is found in the residual, a virtual robot to try it on |
-//! | [`io`], [`app`] | documents to and from these; use cases with progress, cancellation and stable error codes |
+//! | [`documents`], [`formats`], [`app`] | documents to and from these; use cases with progress, cancellation and stable error codes |
 //! | `service`, `cli` | the same over HTTP and on the command line (features of the same names, on by default) |
 //!
 //! # A first trajectory
@@ -34,7 +34,7 @@
 //! ```
 //! use dynident::excitation::{Control, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, search};
 //! use dynident::excitation::{Criterion, Form, Start};
-//! use dynident::io::{NamedRobots, shipped::Shipped};
+//! use dynident::documents::{NamedRobots, shipped::Shipped};
 //!
 //! /// Never ends the search and looks at nothing.
 //! struct Alone;
@@ -76,15 +76,16 @@ pub mod cancel;
 pub mod cli;
 pub mod diagnosis;
 pub mod docs;
+pub mod documents;
 #[warn(missing_docs)]
 pub mod dynamics;
 #[warn(missing_docs)]
 pub mod effects;
 #[warn(missing_docs)]
 pub mod excitation;
+pub mod formats;
 #[warn(missing_docs)]
 pub mod identification;
-pub mod io;
 #[warn(missing_docs)]
 pub mod model;
 #[warn(missing_docs)]

@@ -7,8 +7,8 @@ mod measured;
 mod show;
 
 use dynident::diagnosis::{DiagnosisOptions, diagnose};
-use dynident::io::log::{Columns, read_log_file};
-use dynident::io::{NamedRobots, shipped::Shipped};
+use dynident::documents::{NamedRobots, shipped::Shipped};
+use dynident::formats::logs::{Columns, read_log_file};
 use dynident::model::{Joint, Robot};
 use dynident::preparation::{PreprocessOptions, prepare};
 use dynident::regression::Stretch;

@@ -2,7 +2,7 @@
 
 use crate::show::show;
 use dynident::diagnosis::*;
-use dynident::io::log::{Columns, JointColumns, read_log_file};
+use dynident::formats::logs::{Columns, JointColumns, read_log_file};
 use dynident::model::*;
 use dynident::preparation::{Log, Period, PreprocessOptions, prepare};
 use dynident::regression::*;

@@ -1,8 +1,8 @@
 //! What a designed recording would reveal.
 
 use crate::diagnosis::{DiagnosisOptions, Plan, SETTINGS, detectable};
+use crate::documents::{Assessed, ExcitationRequest};
 use crate::excitation::{Design, Problem};
-use crate::io::{Assessed, ExcitationRequest};
 use crate::model::Robot;
 use crate::parameters::Layout;
 use crate::regression::AugmentedModel;

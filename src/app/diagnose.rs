@@ -7,7 +7,7 @@ use crate::diagnosis::{
     mounting_until,
 };
 use crate::dynamics::Motion;
-use crate::io::log::{FindingKind, LogReport};
+use crate::formats::logs::{FindingKind, LogReport};
 use crate::model::Robot;
 use crate::preparation::Exclusion;
 use nalgebra::Vector3;

@@ -1,6 +1,6 @@
 //! What can go wrong, under stable codes that the service and the command line share.
 
-use crate::io::Malformed;
+use crate::formats::Malformed;
 use crate::model::{FieldProblem, readable};
 
 /// A stable name for one kind of error.

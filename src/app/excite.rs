@@ -3,11 +3,12 @@
 use super::detectable::Basis;
 use super::{Code, Error};
 use crate::cancel::CancelFlag;
+use crate::documents::{DesignDocument, ExcitationRequest};
 use crate::excitation::{
     Backoff, Control, Design, Found, Given, Halt, NoRun, Point, Problem, ProblemSpec, Progress, RunSpec, first_run, run_in,
     run_out, search_from,
 };
-use crate::io::{DesignDocument, ExcitationRequest, significant};
+use crate::formats::significant;
 use crate::model::FieldProblem;
 use crate::trajectory::FourierSeries;
 use serde::{Deserialize, Serialize};

@@ -2,8 +2,8 @@
 
 use super::{CancelFlag, Code, Error, LogFile};
 use crate::diagnosis::{DataFault, RawLog, column_faults_until, sample_faults};
-use crate::io::log::{found_columns, read_joined_log_until};
-use crate::io::{FindingDocument, IdentifyRequest, InspectDocument, InspectedJoint, InspectedLog, LogDocument};
+use crate::documents::{FindingDocument, IdentifyRequest, InspectDocument, InspectedJoint, InspectedLog, LogDocument};
+use crate::formats::logs::{found_columns, read_joined_log_until};
 use crate::model::Joint;
 use crate::preparation::{Log, PreparedLog, keep_peaks, prepare_until};
 

@@ -1,8 +1,8 @@
 //! What a robot looks like, and what a motion asks of it.
 
 use super::CancelFlag;
+use crate::documents::{DrawnCapsule, DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, robot_value};
 use crate::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
-use crate::io::{DrawnCapsule, DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, robot_value};
 use crate::model::{Capsule, Joint, Robot};
 use crate::parameters::Layout;
 use crate::spatial::Transform;
@@ -110,9 +110,10 @@ fn sampled(robot: &Robot, series: &FourierSeries, samples: usize, cancel: &Cance
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::documents::read_motion_request;
+    use crate::documents::shipped::Shipped;
     use crate::dynamics::inverse_dynamics;
-    use crate::io::shipped::Shipped;
-    use crate::io::{parse, read_motion_request};
+    use crate::formats::parse;
 
     #[test]
     fn a_motion_is_sampled_with_the_torque_of_single_states() {

@@ -2,7 +2,7 @@
 
 use super::identify::cancelled;
 use super::{CancelFlag, Code, Error, LogFile};
-use crate::io::{IdentifyRequest, LogOrigin, Provenance, robot_value};
+use crate::documents::{IdentifyRequest, LogOrigin, Provenance, robot_value};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::Read;

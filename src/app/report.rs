@@ -2,14 +2,14 @@
 
 use super::identify::{ReadLogs, reason};
 use crate::diagnosis::ResidualReport;
-use crate::identification::Quality;
-use crate::identification::physical::{
-    ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
-};
-use crate::io::{
+use crate::documents::{
     BaseValue, DeclaredDocument, Direction, EffectValue, Feasibility, FitStart, IdentifyDocument, IdentifyRequest,
     InertiaDocument, JointErrors, LogDocument, LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue, QualityDocument,
     RmsDocument,
+};
+use crate::identification::Quality;
+use crate::identification::physical::{
+    ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
 };
 use crate::model::Robot;
 use crate::parameters::Layout;

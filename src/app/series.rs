@@ -2,7 +2,7 @@
 
 use super::identify::{ReadLogs, UsedLog};
 use super::{Code, Error};
-use crate::io::PredictionDocument;
+use crate::documents::PredictionDocument;
 use crate::model::Robot;
 use crate::preparation::keep_peaks;
 use crate::regression::{AugmentedModel, Stretch};

@@ -7,7 +7,7 @@ use super::series::{Predictors, drawn, predictions};
 use super::tell::residual_document;
 use super::{CancelFlag, Code, Error};
 use crate::diagnosis::{DataFault, DiagnosisOptions, diagnose};
-use crate::io::{
+use crate::documents::{
     LogDocument, ModelEffect, PredictionDocument, ResidualDocument, ValidateDocument, ValidateRequest, ValidatedLog,
 };
 use crate::parameters::Layout;

@@ -2,7 +2,7 @@
 
 use super::{Ending, files};
 use crate::app::Error;
-use crate::io::{BaseParametersDocument, RobotDocument};
+use crate::documents::{BaseParametersDocument, RobotDocument};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -21,7 +21,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         files::print(&files::pretty(&document))?;
         return Ok(Ending::Done);
     }
-    let of = |p: &crate::io::BaseParameterDocument| format!("{:8} [{}]  {}\n", p.name, p.unit, p.expression);
+    let of = |p: &crate::documents::BaseParameterDocument| format!("{:8} [{}]  {}\n", p.name, p.unit, p.expression);
     let lines: String = document.base_parameters.iter().map(of).collect();
     files::print(&format!("{}: {} base parameters\n{lines}", document.robot, document.count))?;
     Ok(Ending::Done)

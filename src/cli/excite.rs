@@ -3,9 +3,10 @@
 use super::plots::{PictureKind, write_picture};
 use super::{Ending, files, render};
 use crate::app::{CancelFlag, Code, Error, Excited, Runs, excite, runs};
+use crate::documents::shipped::Shipped;
+use crate::documents::{ExcitationRequest, read_excitation_request};
 use crate::excitation::{Backoff, LONGEST_RUN_IN_S, Problem, Progress, first_run};
-use crate::io::shipped::Shipped;
-use crate::io::{ExcitationRequest, Parsed, TrajectoryFile, TrajectoryFormat, read_excitation_request};
+use crate::formats::{Parsed, TrajectoryFile, TrajectoryFormat};
 use crate::model::FieldProblem;
 use crate::trajectory::FourierSeries;
 use crate::web::figures::design_figure;

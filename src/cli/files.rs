@@ -1,10 +1,9 @@
 //! Reading and writing files, with errors that name them.
 
 use crate::app::{Code, Error, LogFile};
-use crate::io::shipped::Shipped;
-use crate::io::{
-    NamedRobots, Parsed, RobotDocument, is_archive, parse, robot_archive, robot_document, robot_file, shapes_of_meshes,
-};
+use crate::documents::shipped::Shipped;
+use crate::documents::{NamedRobots, RobotDocument, robot_document};
+use crate::formats::{Parsed, is_archive, parse, robot_archive, robot_file, shapes_of_meshes};
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;

@@ -2,7 +2,7 @@
 
 use super::{Ending, files};
 use crate::app::{Code, Error};
-use crate::io::log::{Columns, FoundColumns, LogColumn, LogError, LogOverview, found_columns, log_overview};
+use crate::formats::logs::{Columns, FoundColumns, LogColumn, LogError, LogOverview, found_columns, log_overview};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;

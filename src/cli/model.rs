@@ -2,7 +2,7 @@
 
 use super::{Ending, files};
 use crate::app::{Code, Error, ModelFiles};
-use crate::io::{ModelFormat, robot_file};
+use crate::formats::{ModelFormat, robot_file};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]

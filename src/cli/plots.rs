@@ -2,7 +2,7 @@
 
 use super::files;
 use crate::app::{Code, Error};
-use crate::io::IdentifyDocument;
+use crate::documents::IdentifyDocument;
 use crate::web::figures::{Figure, before_after_figure, error_figure, finding_figure, parameter_figures, torque_figure};
 use std::path::Path;
 

@@ -1,9 +1,10 @@
 //! What people and programs see.
 
 use crate::app::{Error, Problem};
-use crate::io::{
-    DesignDocument, DetectableEffectDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument, significant,
+use crate::documents::{
+    DesignDocument, DetectableEffectDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument,
 };
+use crate::formats::significant;
 use std::fmt::Write;
 
 /// To standard error: a problem document with `--json`, else lines for people.

@@ -2,7 +2,7 @@
 
 use super::{Ending, files};
 use crate::app::Error;
-use crate::io::{ReportedJoint, RobotReport};
+use crate::documents::{ReportedJoint, RobotReport};
 use std::fmt::Write;
 
 #[derive(Debug, clap::Args)]

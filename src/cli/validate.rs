@@ -3,8 +3,9 @@
 use super::excite::cancel_on_interrupt;
 use super::{Ending, files, render};
 use crate::app::{Error, validate};
-use crate::io::shipped::Shipped;
-use crate::io::{NoExcitations, Parsed, read_validate_request, robot_file};
+use crate::documents::shipped::Shipped;
+use crate::documents::{NoExcitations, read_validate_request};
+use crate::formats::{Parsed, robot_file};
 use crate::model::FieldProblem;
 use serde_json::json;
 use std::path::PathBuf;

@@ -4,7 +4,7 @@ use super::blocking::sized;
 use super::problem::Failure;
 use super::state::Service;
 use crate::app::{Code, Error};
-use crate::io::{Parsed, parse, robot_file};
+use crate::formats::{Parsed, parse, robot_file};
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, FromRequest, Request};
 use axum::http::{HeaderMap, header};

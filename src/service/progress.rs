@@ -3,8 +3,8 @@
 use super::child::Advance;
 use super::work::Told;
 use crate::app::Step;
+use crate::documents::{StartDocument, criterion_name};
 use crate::excitation::Progress;
-use crate::io::{StartDocument, criterion_name};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::sync::{Mutex, PoisonError};

@@ -1,7 +1,7 @@
 //! How many rows a log may have, found out before it is read into memory.
 
 use crate::app::{CancelFlag, Code, Error, LogFile};
-use crate::io::log::{LogError, Rows, rows_of};
+use crate::formats::logs::{LogError, Rows, rows_of};
 use std::io::Read;
 
 /// Bytes a row may have on average: sixty columns of twenty-five characters, and some more. A file that is compressed a thousandfold

@@ -11,7 +11,7 @@ use super::store::{Claimed, Share, Spent};
 use super::work::{Class, Input, Kind, Outcome, Request};
 use super::worker::{Course, Ending, NEWS, in_time};
 use crate::app::{CancelFlag, Code, Error};
-use crate::io::ExcitationRequest;
+use crate::documents::ExcitationRequest;
 use serde_json::{Value, json};
 use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};

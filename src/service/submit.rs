@@ -8,7 +8,7 @@ use super::state::Service;
 use super::store::{JobRow, Key, NewJob, Role, State, Submission, Waiting, sha256};
 use super::work::{Input, Kind, Measure, StoredLog};
 use crate::app::{CancelFlag, Code, Error};
-use crate::io::Parsed;
+use crate::formats::Parsed;
 use crate::model::FieldProblem;
 use axum::http::HeaderMap;
 use serde_json::json;

@@ -5,7 +5,7 @@ use super::problem::{Failure, is_timeout, stalled};
 use super::store::{Files, hex};
 use super::work::StoredLog;
 use crate::app::{Code, Error};
-use crate::io::{Parsed, parse};
+use crate::formats::{Parsed, parse};
 use axum::extract::Multipart;
 use axum::extract::multipart::{Field, MultipartError};
 use sha2::{Digest, Sha256};

@@ -2,11 +2,11 @@
 
 use super::known::Known;
 use crate::app::{CancelFlag, Code, Error, Exchange, Excited, LogFile, Step, excite_beside, identify, validate};
-use crate::excitation::Progress;
-use crate::io::{
-    ExcitationRequest, IdentifyRequest, Parsed, ValidateRequest, parse, read_excitation_request, read_identify_request,
-    read_validate_request,
+use crate::documents::{
+    ExcitationRequest, IdentifyRequest, ValidateRequest, read_excitation_request, read_identify_request, read_validate_request,
 };
+use crate::excitation::Progress;
+use crate::formats::{Parsed, parse};
 use serde::{Deserialize, Serialize};
 use serde_bytes::ByteBuf;
 use serde_json::{Value, json};

@@ -1,8 +1,8 @@
 //! Identification over HTTP.
 
 use crate::server::{Answer, Server};
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::parameters::Layout;
 use dynident::simulate::{Experiment, HiddenEffect, Noise, simulate};
 use dynident::trajectory::{FourierSeries, Trajectory};

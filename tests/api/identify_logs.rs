@@ -2,8 +2,8 @@
 
 use crate::identify::{log, log_at, post};
 use crate::server::Server;
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::parameters::{BaseParameters, Layout};
 use dynident::trajectory::{FourierSeries, Trajectory};
 use nalgebra::DMatrix;

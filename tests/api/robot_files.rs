@@ -1,8 +1,8 @@
 //! Robot files that stopped the server once, over HTTP.
 
 use crate::server::Server;
-use dynident::io::NamedRobots;
-use dynident::io::shipped::Shipped;
+use dynident::documents::NamedRobots;
+use dynident::documents::shipped::Shipped;
 use serde_json::{Value, json};
 use std::time::Instant;
 

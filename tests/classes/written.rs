@@ -1,7 +1,7 @@
 //! Logs as text, and what of a text nobody can read.
 
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::parameters::Layout;
 use dynident::trajectory::{FourierSeries, Trajectory};
 use nalgebra::DMatrix;

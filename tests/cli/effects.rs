@@ -1,7 +1,7 @@
 //! Every effect of the list, through `simulate` and `identify`: what was hidden is named, and nothing else.
 
 use crate::{Folder, run, stderr, stdout};
-use dynident::io::IdentifyDocument;
+use dynident::documents::IdentifyDocument;
 use serde_json::{Value, json};
 
 /// Five harmonics on seven joints, within the iiwa's range.

@@ -2,9 +2,10 @@
 
 use crate::bench::*;
 use dynident::diagnosis::{Diagnosis, DiagnosisOptions, ResidualReport, diagnose};
+use dynident::documents::{Cursor, Findings, augmented_value, read_augmented};
 use dynident::dynamics::Motion;
 use dynident::effects::by_code;
-use dynident::io::{Cursor, Findings, Parsed, augmented_value, parse, read_augmented};
+use dynident::formats::{Parsed, parse};
 use dynident::regression::{AugmentedModel, Prior, Stretch, Term};
 use dynident::simulate::HiddenEffect;
 

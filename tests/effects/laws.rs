@@ -2,8 +2,9 @@
 
 use crate::bench::*;
 use dynident::diagnosis::{Diagnosis, DiagnosisOptions, Finding, Verdict, diagnose};
-use dynident::io::log::{Columns, read_log_file};
-use dynident::io::{Cursor, Findings, Parsed, augmented_value, parse, read_augmented};
+use dynident::documents::{Cursor, Findings, augmented_value, read_augmented};
+use dynident::formats::logs::{Columns, read_log_file};
+use dynident::formats::{Parsed, parse};
 use dynident::model::Robot;
 use dynident::preparation::{PreprocessOptions, prepare};
 use dynident::regression::Stretch;

@@ -1,7 +1,7 @@
 //! Logs measured on real robots, read where they are at hand.
 
 use dynident::diagnosis::{DiagnosisOptions, diagnose};
-use dynident::io::log::{Columns, read_log_file};
+use dynident::formats::logs::{Columns, read_log_file};
 use dynident::model::{Friction, Joint, JointKind, Mdh, Robot};
 use dynident::preparation::{PreprocessOptions, prepare};
 use dynident::regression::Stretch;

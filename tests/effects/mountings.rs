@@ -2,9 +2,9 @@
 
 use crate::bench::*;
 use dynident::diagnosis::{Verdict, mounting};
+use dynident::documents::NamedRobots;
+use dynident::documents::shipped::Shipped;
 use dynident::dynamics::{Motion, inverse_dynamics};
-use dynident::io::NamedRobots;
-use dynident::io::shipped::Shipped;
 use dynident::model::Robot;
 use dynident::parameters::Layout;
 use dynident::regression::Stretch;

@@ -2,9 +2,10 @@
 
 use crate::bench::*;
 use dynident::diagnosis::{Change, Diagnosis, DiagnosisOptions, diagnose};
+use dynident::documents::shipped::Shipped;
+use dynident::documents::{DesignDocument, diagnosis_value, read_excitation_request, robot_value};
 use dynident::excitation::{Control, Halt, Progress, SearchOptions, search};
-use dynident::io::shipped::Shipped;
-use dynident::io::{DesignDocument, diagnosis_value, parse, read_excitation_request, robot_value};
+use dynident::formats::parse;
 use dynident::model::{Limits, Robot};
 use dynident::simulate::{Experiment, HiddenEffect, Noise, RecordedLog, simulate};
 use dynident::trajectory::{FourierSeries, Trajectory};

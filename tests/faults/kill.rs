@@ -3,8 +3,9 @@
 use crate::postgres::Postgres;
 use crate::process::{Folder, Place, Process, wait_until};
 use dynident::app::{CancelFlag, excite};
-use dynident::io::shipped::Shipped;
-use dynident::io::{parse, read_excitation_request};
+use dynident::documents::read_excitation_request;
+use dynident::documents::shipped::Shipped;
+use dynident::formats::parse;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};

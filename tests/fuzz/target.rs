@@ -3,10 +3,9 @@
 use super::bases;
 use dynident::app::{CancelFlag, Error, LogFile, ModelFiles, inspect, motion};
 use dynident::cli::run_with;
-use dynident::io::shipped::Shipped;
-use dynident::io::{
-    ModelFormat, NoExcitations, Parsed, parse, read_identify_request, read_motion_request, read_validate_request, robot_file,
-};
+use dynident::documents::shipped::Shipped;
+use dynident::documents::{NoExcitations, read_identify_request, read_motion_request, read_validate_request};
+use dynident::formats::{ModelFormat, Parsed, parse, robot_file};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! Logs in the formats that people have: files that NumPy, SciPy, pandas, pyarrow, `rosbags` and `mcap` wrote (`tests/data/ref_log_formats.py`),
 //! columns of well-known programs, and dialects of text.
 
-use dynident::io::log::{
+use dynident::formats::logs::{
     Columns, FindingKind, JointColumns, LogColumn, LogError, LogReport, Source, TimeUnit, Transformation, log_overview, read_log,
 };
 use dynident::preparation::Log;

@@ -1,6 +1,6 @@
 //! Reading log files, good and bad.
 
-use dynident::io::log::{
+use dynident::formats::logs::{
     Columns, FindingKind, JointColumns, LogError, LogReport, Source, TimeUnit, Transformation, read_joined_log, read_log,
 };
 use dynident::preparation::Log;

@@ -2,7 +2,8 @@
 //! `DYNIDENT_REAL_DATA` names the folder that holds them, and without it these tests say that they were skipped.
 
 use dynident::app::{CancelFlag, Identified, LogFile, identify};
-use dynident::io::{NoExcitations, Parsed, read_identify_request, shipped::Shipped};
+use dynident::documents::{NoExcitations, read_identify_request, shipped::Shipped};
+use dynident::formats::Parsed;
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};

@@ -4,7 +4,8 @@
 
 use crate::real::{folder, panda, urdf};
 use dynident::app::{CancelFlag, Identified, LogFile, identify};
-use dynident::io::{NoExcitations, Parsed, RmsPerJoint, read_identify_request, shipped::Shipped};
+use dynident::documents::{NoExcitations, RmsPerJoint, read_identify_request, shipped::Shipped};
+use dynident::formats::Parsed;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::io::Read;

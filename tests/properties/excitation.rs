@@ -1,9 +1,9 @@
 //! Designs meet every constraint, whoever evaluates them, and do not depend on threads.
 
 use crate::support::{iiwa14_limited, structured_arm};
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::inverse_dynamics;
 use dynident::excitation::*;
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::model::{Capsule, Joint, Limits, Robot};
 use dynident::parameters::Layout;
 use dynident::trajectory::Trajectory;

@@ -1,7 +1,7 @@
 //! Shapes of links from meshes: STL, OBJ and COLLADA, and ZIP archives of a robot with its meshes.
 
 use crate::mesh::{binary_stl, box_of};
-use dynident::io::{is_archive, robot_archive, shapes_of_meshes};
+use dynident::formats::{is_archive, robot_archive, shapes_of_meshes};
 use serde_json::Value;
 use std::io::Write;
 use zip::ZipWriter;

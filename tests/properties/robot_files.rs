@@ -3,9 +3,10 @@
 // Quarter turns rounded as vendors publish them are what is tested.
 #![allow(clippy::approx_constant)]
 
+use dynident::documents::{RobotDocument, read_excitation_request, robot_document, robot_value};
 use dynident::dynamics::{forward_kinematics, inverse_dynamics};
 use dynident::excitation::{Criterion, Form, Knowledge, Problem, ProblemSpec, Start};
-use dynident::io::{RobotDocument, parse, read_excitation_request, robot_document, robot_file, robot_value, urdf};
+use dynident::formats::{parse, robot_file, urdf};
 use dynident::model::{ChainEnds, Friction, Rounding, from_urdf, from_urdf_rounded};
 use dynident::parameters::{BaseParameters, Layout};
 use dynident::spatial::Transform;
@@ -443,7 +444,7 @@ fn prop_unusual_robots_round_trip_through_urdf_and_json() {
 fn requests_beyond_the_limits_are_refused_at_once() {
     let refused = |text: &[u8], expected: &[&str]| {
         let start = std::time::Instant::now();
-        let errors = read_excitation_request(&parse(text).unwrap(), &dynident::io::shipped::Shipped).unwrap_err();
+        let errors = read_excitation_request(&parse(text).unwrap(), &dynident::documents::shipped::Shipped).unwrap_err();
         let all: String = errors.iter().map(|e| format!("{e}\n")).collect();
         for text in expected {
             assert!(all.contains(text), "`{text}` not in {all}");
@@ -506,7 +507,7 @@ fn prop_documents_of_mistakes_are_read_in_time_proportional_to_their_size() {
     ] {
         let start = std::time::Instant::now();
         let parsed = parse(text.as_bytes()).unwrap();
-        let errors = read_excitation_request(&parsed, &dynident::io::shipped::Shipped).unwrap_err();
+        let errors = read_excitation_request(&parsed, &dynident::documents::shipped::Shipped).unwrap_err();
         assert!(errors.len() <= 102, "{}", errors.len());
         assert!(start.elapsed().as_secs_f64() < 30.0);
     }

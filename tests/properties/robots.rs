@@ -1,9 +1,10 @@
 //! Robots from documents: the same arm given in different ways has the same torques.
 
 use crate::support::{rng, vectors};
+use dynident::documents::shipped::Shipped;
+use dynident::documents::{NamedRobots, RobotDocument, robot_document};
 use dynident::dynamics::{forward_kinematics, inverse_dynamics};
-use dynident::io::shipped::Shipped;
-use dynident::io::{NamedRobots, RobotDocument, parse, robot_document, robot_file, urdf, urdf_gravity};
+use dynident::formats::{parse, robot_file, urdf, urdf_gravity};
 use dynident::model::{ChainEnds, Robot, from_urdf};
 use dynident::parameters::Layout;
 use dynident::spatial::Transform;

@@ -1,7 +1,8 @@
 //! Shapes of links: from collision geometry, from `geometry` beside a file, and along the kinematics where there are none.
 
+use dynident::documents::{NamedRobots, RobotDocument, read_excitation_request, robot_document, shipped::Shipped};
 use dynident::dynamics::forward_kinematics;
-use dynident::io::{NamedRobots, RobotDocument, parse, read_excitation_request, robot_document, shipped::Shipped};
+use dynident::formats::parse;
 use dynident::model::{Capsule, Robot};
 use nalgebra::Vector3;
 use serde_json::{Value, json};

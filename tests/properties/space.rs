@@ -1,8 +1,8 @@
 //! Trajectories keep off the floor, the table and the arm itself, as seen by kinematics and distances of the test's own.
 
 use crate::support::FRICTION;
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::excitation::*;
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::model::{Capsule, Joint, JointKind, Limits, Mdh, Robot};
 use dynident::trajectory::{FourierSeries, Trajectory};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};

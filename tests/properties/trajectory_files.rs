@@ -1,7 +1,7 @@
 //! Trajectories in files: every format has the samples of the series.
 
-use dynident::io::log::log_overview;
-use dynident::io::{TrajectoryFile, TrajectoryFormat};
+use dynident::formats::logs::log_overview;
+use dynident::formats::{TrajectoryFile, TrajectoryFormat};
 use dynident::trajectory::{FourierSeries, Trajectory};
 use nalgebra::DMatrix;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,10 @@
 //! Model files loaded by Pinocchio and MuJoCo, compiled and run: they agree with our own torques.
 
 use crate::support::{general_arm, rng, structured_arm, uniform};
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Motion, inverse_dynamics};
 use dynident::effects::by_code;
-use dynident::io::{FinalModel, ModelFormat, NamedRobots, Patched, shipped::Shipped};
+use dynident::formats::{FinalModel, ModelFormat, Patched};
 use dynident::model::{ChainEnds, Joint, LinkPrior, Robot, Rounding, from_mjcf, from_urdf, from_urdf_rounded};
 use dynident::parameters::Layout;
 use dynident::regression::{AugmentedModel, Stretch, Term};

@@ -1,8 +1,8 @@
 //! Shipped robots against what has been published of them: forward kinematics and numbers of base parameters.
 
 use crate::support::{rng, uniform};
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{forward_kinematics, inverse_dynamics};
-use dynident::io::{NamedRobots, shipped::Shipped};
 use dynident::model::Robot;
 use dynident::parameters::{BaseParameters, Layout};
 use dynident::spatial::Transform;

@@ -2,9 +2,10 @@
 
 use crate::app::{Code, Error};
 use crate::diagnosis::Diagnosis;
+use crate::documents::{IdentifyRequest, diagnosis_value, robot_value};
 use crate::dynamics::inverse_dynamics;
+use crate::formats::{FinalModel, ModelFormat, Patched, urdf, urdf_gravity};
 use crate::identification::physical::PhysicalFit;
-use crate::io::{FinalModel, IdentifyRequest, ModelFormat, Patched, diagnosis_value, robot_value, urdf, urdf_gravity};
 use crate::model::{ChainEnds, LinkPrior, Robot, Rounding, from_mjcf, from_urdf_rounded};
 use crate::parameters::Layout;
 use crate::regression::{AugmentedModel, Fitted, Stretch, reported};
@@ -119,11 +120,11 @@ fn augmented_value(found: &Found) -> Value {
 /// The robot as JSON, URDF and MJCF, read back.
 fn reads_back(robot: &Robot) -> Result<(), Error> {
     let internal = |what: &str, e: String| Error::new(Code::Internal, format!("the {what} model does not read back: {e}"));
-    let parsed = crate::io::Parsed {
+    let parsed = crate::formats::Parsed {
         value: robot_value(robot),
         problems: Vec::new(),
     };
-    let from_json = crate::io::robot_document_rounded(&parsed, Rounding::AsWritten)
+    let from_json = crate::documents::robot_document_rounded(&parsed, Rounding::AsWritten)
         .map_err(|e| internal("JSON", format!("{e:?}")))?
         .robot;
     let whole = (ChainEnds::default(), Rounding::AsWritten);

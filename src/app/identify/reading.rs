@@ -2,7 +2,7 @@
 
 use crate::app::{CancelFlag, Code, Error};
 use crate::diagnosis::{DataFault, RawLog, leave_out, lost_rows, sample_faults};
-use crate::io::log::{Columns, LogError, LogReport, read_joined_log_until};
+use crate::formats::logs::{Columns, LogError, LogReport, read_joined_log_until};
 use crate::model::Robot;
 use crate::preparation::{Log, PreparedLog, PreprocessOptions, prepare_until};
 use crate::regression::Stretch;

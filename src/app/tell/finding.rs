@@ -4,7 +4,7 @@ use super::words::{parameters, phrase, sentence, subject};
 use super::{Teller, is_rejected};
 use crate::diagnosis::{Change, Covered, Finding, Perturbation, RmsPair};
 use crate::effects::{Kind, by_code};
-use crate::io::{listed, significant, unit};
+use crate::formats::{listed, significant, unit};
 
 /// Joints that a sentence names; an effect of the whole robot changes more of them.
 const MOST_JOINTS: usize = 3;

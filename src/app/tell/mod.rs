@@ -9,7 +9,8 @@ mod words;
 use self::words::{known, phrase, sentence, variable_in_words};
 use super::diagnose::beyond_repair;
 use crate::diagnosis::{Change, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, ResidualReport, Verdict};
-use crate::io::{Against, ResidualDocument, listed, significant, unit};
+use crate::documents::{Against, ResidualDocument};
+use crate::formats::{listed, significant, unit};
 use crate::model::Robot;
 
 /// The document of `report`, with its summary and the sentences of findings and remainder.

@@ -4,9 +4,9 @@ use super::*;
 use crate::diagnosis::{
     DataFault, Evaluated, Evidence, FaultKind, FindingHeldOut, HeldOut, JointFit, Remedy, ReportedParameter, Rival, RmsPair,
 };
+use crate::documents::shipped::Shipped;
+use crate::documents::{NamedRobots, RobotDocument};
 use crate::effects::all;
-use crate::io::shipped::Shipped;
-use crate::io::{NamedRobots, RobotDocument};
 
 fn robot() -> Robot {
     let RobotDocument { robot, .. } = Shipped.named("planar_two_link").expect("is shipped");

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::Finding;
 use crate::effects::Formula;
-use crate::io::{listed, measured, unit};
+use crate::formats::{listed, measured, unit};
 
 /// How an effect is spoken of.
 pub(super) struct Known {

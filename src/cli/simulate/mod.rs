@@ -5,7 +5,8 @@ mod check;
 use self::check::{check, not_finite};
 use super::{Ending, files};
 use crate::app::Error;
-use crate::io::{RobotDocument, shortest};
+use crate::documents::RobotDocument;
+use crate::formats::shortest;
 use crate::model::{FieldProblem, Robot};
 use crate::parameters::Layout;
 use crate::simulate::{Experiment, HiddenEffect, LogFault, Noise, RecordedLog, corrupt, simulate};
@@ -82,7 +83,7 @@ enum Path {
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let RobotDocument { robot, notes } = files::read_robot(&arguments.robot, &arguments.chain)?;
     files::print_notes(&notes);
-    let crate::io::Parsed {
+    let crate::formats::Parsed {
         value: mut document,
         mut problems,
     } = files::parse_json(&arguments.request)?;

@@ -4,10 +4,11 @@ use super::common::{Begun, WaitHeader, WorkHeaders};
 use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
-use super::schemas::{ExcitationRequestSchema, TrajectoryFormatSchema};
 use crate::app::{Code, Error, Problem, Runs};
+use crate::documents::DesignDocument;
+use crate::documents::requests;
 use crate::excitation::{Backoff, LONGEST_RUN_IN_S};
-use crate::io::{DesignDocument, Parts, TrajectoryFile, TrajectoryFormat};
+use crate::formats::{Parts, TrajectoryFile, TrajectoryFormat};
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
 use crate::service::child::{REQUEST, Series, Task};
@@ -42,7 +43,7 @@ pub struct Excitation {
 /// document is the same job.
 #[utoipa::path(
     post, path = "/excitation", tag = "excitation", operation_id = "design_excitation",
-    request_body(content = ExcitationRequestSchema, content_type = "application/json"),
+    request_body(content = requests::ExcitationRequest, content_type = "application/json"),
     params(WorkHeaders),
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = Excitation),
@@ -104,7 +105,7 @@ pub async fn get(
     get, path = "/excitation/{id}/trajectory", tag = "excitation", operation_id = "get_trajectory",
     params(
         ("id" = String, Path, description = "Id of the job"),
-        ("format" = inline(Option<TrajectoryFormatSchema>), Query, description = "`csv` (default), `json` (the same table), `joint_trajectory` \
+        ("format" = inline(Option<requests::TrajectoryFormat>), Query, description = "`csv` (default), `json` (the same table), `joint_trajectory` \
             (trajectory_msgs/msg/JointTrajectory as JSON), `yaml` (goal of control_msgs/action/FollowJointTrajectory), `urscript` (servoj, six joints), \
             `mcap` (sensor_msgs/msg/JointState) or `npz` (time, q, qd, qdd)"),
         ("rate_hz" = Option<f64>, Query, description = "Samples per second; that of the request if left out", maximum = 1000000),

@@ -3,9 +3,10 @@
 use super::common::{Begun, NoResultOfLogs, UploadRefused, WaitHeader, WorkHeaders};
 use super::query::QueryFields;
 use super::results::{Form, answer, answer_as, begin, document, find, not_multipart};
-use super::schemas::{IdentifyUpload, ModelFormat, ValidateUpload};
 use crate::app::{Code, Error, ModelFiles, Problem};
-use crate::io::{IdentifyDocument, ModelFormat as Format, ValidateDocument};
+use crate::documents::requests::{IdentifyUpload, ModelFormat, ValidateUpload};
+use crate::documents::{IdentifyDocument, ValidateDocument};
+use crate::formats::ModelFormat as Format;
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
 use crate::service::document::RobotBody;

@@ -2,9 +2,9 @@
 
 use super::common::UploadRefused;
 use super::results::{computed, not_multipart};
-use super::schemas::{IdentifyUpload, LogUpload};
-use crate::io::InspectDocument;
-use crate::io::log::LogOverview;
+use crate::documents::InspectDocument;
+use crate::documents::requests::{IdentifyUpload, LogUpload};
+use crate::formats::logs::LogOverview;
 use crate::service::access::Access;
 use crate::service::child::Task;
 use crate::service::known::Known;

@@ -3,7 +3,7 @@
 use super::query::QueryFields;
 use crate::app::Problem;
 use crate::app::{Code, Error};
-use crate::io::Parsed;
+use crate::formats::Parsed;
 use crate::model::FieldProblem;
 use crate::service::access::Access;
 use crate::service::document::JsonBody;

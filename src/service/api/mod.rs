@@ -11,4 +11,3 @@ pub mod query;
 pub mod report;
 pub mod results;
 pub mod robots;
-pub mod schemas;

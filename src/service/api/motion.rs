@@ -1,9 +1,8 @@
 //! `/motion`: what a robot looks like, and what a motion asks of it.
 
 use super::results::computed;
-use super::schemas::RobotOrName;
 use crate::app::Problem;
-use crate::io::{Coefficients, MotionDocument};
+use crate::documents::{MotionDocument, requests};
 use crate::service::access::Access;
 use crate::service::child::{REQUEST, Task};
 use crate::service::document::JsonBody;
@@ -12,28 +11,6 @@ use crate::service::problem::Failure;
 use crate::service::state::Service;
 use axum::extract::State;
 use axum::response::Response;
-use serde::Serialize;
-
-/// A robot, and a Fourier series to move it by.
-#[derive(Serialize, utoipa::ToSchema)]
-#[schema(as = MotionRequest)]
-pub struct MotionRequestSchema {
-    robot: RobotOrName,
-    trajectory: Option<SeriesSchema>,
-    /// Samples of one period, its end included.
-    #[schema(default = 1000, minimum = 2, maximum = 20000)]
-    samples: Option<u32>,
-}
-
-/// As in the answer of `POST /excitation`.
-#[derive(Serialize, utoipa::ToSchema)]
-#[schema(as = Series)]
-pub struct SeriesSchema {
-    #[schema(exclusive_minimum = 0)]
-    fundamental_hz: f64,
-    coefficients: Coefficients,
-    offset: Vec<f64>,
-}
 
 /// What a robot looks like, and what a motion asks of it.
 ///
@@ -41,7 +18,7 @@ pub struct SeriesSchema {
 /// torques to be expected where the robot has prior link parameters.
 #[utoipa::path(
     post, path = "/motion", tag = "robots", operation_id = "draw_motion",
-    request_body(content = MotionRequestSchema, content_type = "application/json"),
+    request_body(content = requests::MotionRequest, content_type = "application/json"),
     responses(
         (status = 200, body = MotionDocument),
         (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),

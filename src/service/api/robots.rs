@@ -2,9 +2,10 @@
 
 use super::query::QueryFields;
 use super::results::computed;
-use super::schemas::RobotSchema;
 use crate::app::{Code, Error, Problem};
-use crate::io::{BaseParametersDocument, Parsed, RobotArchive, RobotReport};
+use crate::documents::requests;
+use crate::documents::{BaseParametersDocument, RobotReport};
+use crate::formats::{Parsed, RobotArchive};
 use crate::model::FieldProblem;
 use crate::service::access::{Access, slug};
 use crate::service::child::{REQUEST, RobotRead, Task};
@@ -106,7 +107,7 @@ pub async fn list(State(service): State<Service>, access: Access) -> Result<Json
     get, path = "/robots/{id}", tag = "robots", operation_id = "get_robot",
     params(("id" = String, Path, description = "Name of the robot", example = "iiwa14")),
     responses(
-        (status = 200, body = RobotSchema),
+        (status = 200, body = requests::Robot),
         (status = 404, description = "Unknown robot", body = Problem, content_type = "application/problem+json"),
         (status = 500, description = "Kept, but its document cannot be read", body = Problem, content_type = "application/problem+json"),
     )
@@ -189,7 +190,7 @@ async fn read_upload(service: &Service, upload: RobotUpload, query: QueryFields)
         ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF or MJCF file that has more"),
         ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
     ),
-    request_body(content((RobotSchema = "application/json"), (String = "application/xml"), (Vec<u8> = "application/zip"))),
+    request_body(content((requests::Robot = "application/json"), (String = "application/xml"), (Vec<u8> = "application/zip"))),
     responses(
         (status = 201, description = "Kept; its address is in `Location`", body = RobotSummary,
             headers(("Location" = String, description = "Address of the robot"))),
@@ -221,7 +222,7 @@ pub async fn post(
         ("tip" = Option<String>, Query, description = "Last link of the arm in a URDF or MJCF file that has more"),
         ("base" = Option<String>, Query, description = "Link that stands still, where it is not the root of the file"),
     ),
-    request_body(content((RobotSchema = "application/json"), (String = "application/xml"), (Vec<u8> = "application/zip"))),
+    request_body(content((requests::Robot = "application/json"), (String = "application/xml"), (Vec<u8> = "application/zip"))),
     responses(
         (status = 200, description = "Replaced", body = RobotSummary),
         (status = 201, description = "Kept", body = RobotSummary),

@@ -6,11 +6,10 @@ use super::message::{
     Advance, Document, FromChild, JobTask, Latest, Named, RobotRead, Series, Spot, Task, ToChild, receive, send,
 };
 use crate::app::{CancelFlag, Code, Error, Exchange, LogFile, inspect, motion, runs};
+use crate::documents::{BaseParametersDocument, RobotDocument, read_identify_request, read_motion_request, robot_document};
 use crate::excitation::{Backoff, Found, Point, first_run};
-use crate::io::log::log_overview;
-use crate::io::{
-    BaseParametersDocument, Parsed, RobotDocument, read_identify_request, read_motion_request, robot_archive, robot_document,
-};
+use crate::formats::logs::log_overview;
+use crate::formats::{Parsed, robot_archive};
 use crate::service::blocking::ended;
 use crate::service::known::Known;
 use crate::service::problem::internal_error;

@@ -1,8 +1,9 @@
 //! What goes through the socket between a server and a child, as MessagePack: each value says where it ends, and numbers keep every bit.
 
 use crate::app::{LogFile, Runs};
+use crate::documents::{RobotDocument, RobotReport};
 use crate::excitation::Point;
-use crate::io::{Parsed, RobotDocument, RobotReport};
+use crate::formats::Parsed;
 use crate::model::FieldProblem;
 use crate::service::known::Known;
 use crate::service::work::{Input, Kind, Outcome};
@@ -102,7 +103,7 @@ pub enum Task {
         validation: Vec<Log>,
         most_rows: usize,
     },
-    /// `POST /logs/columns`. Answers with a [`crate::io::log::LogOverview`].
+    /// `POST /logs/columns`. Answers with a [`crate::formats::logs::LogOverview`].
     Columns {
         log: Log,
     },
@@ -110,7 +111,7 @@ pub enum Task {
     Robot {
         document: Document,
     },
-    /// A ZIP archive of a robot's file with its meshes. Answers with a [`crate::io::RobotArchive`].
+    /// A ZIP archive of a robot's file with its meshes. Answers with a [`crate::formats::RobotArchive`].
     RobotArchive {
         #[serde(with = "serde_bytes")]
         bytes: Vec<u8>,

@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn what_a_child_said_last_tells_why_it_died_whatever_backtrace_follows() {
-        let frames: String = (0..20).map(|i| format!("  {i:2}: dynident::io::log\n")).collect();
+        let frames: String = (0..20).map(|i| format!("  {i:2}: dynident::formats::logs\n")).collect();
         let note = "note: Some details are omitted, run with `RUST_BACKTRACE=full` for a verbose backtrace.";
         let backtrace = format!("stack backtrace:\n{frames}{note}\n");
         let refused = heard(&format!("memory allocation of 100000000000001 bytes failed\n{backtrace}"));

@@ -1,7 +1,7 @@
 //! Figures of an identification, from its document.
 
 use super::{Figure, Mark, Panel, Series, unit};
-use crate::io::{BaseValue, IdentifyDocument, LogRms, PredictionDocument};
+use crate::documents::{BaseValue, IdentifyDocument, LogRms, PredictionDocument};
 
 /// Points of every curve: as many as a printed page shows.
 const POINTS: usize = 700;

@@ -2,7 +2,7 @@
 
 use super::identification::by_joint;
 use super::{Figure, Mark, Panel, Series, unit};
-use crate::io::{EffectFinding, IdentifyDocument, ResidualDocument};
+use crate::documents::{EffectFinding, IdentifyDocument, ResidualDocument};
 
 /// Error per joint of the declared model and of the one with the effects found, beside the noise floor: on identification data, and
 /// below it on held-out data where there is some. `None` without a diagnosis.

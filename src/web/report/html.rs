@@ -1,6 +1,6 @@
 //! Writing HTML: whatever comes from documents is escaped on its way in.
 
-use crate::io::EvaluatedFigure;
+use crate::documents::EvaluatedFigure;
 use crate::web::figures::{Figure, FigureError};
 use serde_json::Value;
 

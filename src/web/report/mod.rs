@@ -7,7 +7,7 @@ mod physical;
 mod residual;
 mod terms;
 
-use crate::io::IdentifyDocument;
+use crate::documents::IdentifyDocument;
 use html::{Html, escaped};
 use serde_json::Value;
 

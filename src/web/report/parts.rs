@@ -3,7 +3,7 @@
 use super::Circumstances;
 use super::formula;
 use super::html::{Cell, Html, capital, escaped, listed, text, words};
-use crate::io::{
+use crate::documents::{
     BaseValue, ChoiceDocument, EffectParameter, EffectValue, IdentifyDocument, JointErrors, LogDocument, LogOrigin, LogRms,
     ResidualDocument,
 };

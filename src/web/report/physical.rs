@@ -1,7 +1,7 @@
 //! The part of the report on physical parameters, and their margins.
 
 use super::html::{Html, capital, text, words};
-use crate::io::{IdentifyDocument, MarginValue, PhysicalValue};
+use crate::documents::{IdentifyDocument, MarginValue, PhysicalValue};
 
 pub(super) fn physical(page: &mut Html, result: &IdentifyDocument) {
     let Some(bodies) = result.physical_parameters.as_ref().filter(|b| !b.is_empty()) else {

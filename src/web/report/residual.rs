@@ -1,7 +1,7 @@
 //! The part of the report on the residual: findings, held-out errors, noise floor and detection limits.
 
 use super::html::{Cell, Html, capital, listed, text, words};
-use crate::io::{
+use crate::documents::{
     ChangeCode, EffectFinding, EffectParameter, EvaluatedFigure, HeldOutCode, HeldOutDocument, HeldOutJoint, IdentifyDocument,
     LackOfFit, LawDocument, ResidualDocument, RivalDocument, UndetectedEffect,
 };

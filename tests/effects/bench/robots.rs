@@ -1,6 +1,6 @@
 //! Arms with plausible bodies, and the published one.
 
-use dynident::io::{NamedRobots, shipped::Shipped};
+use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::model::{Friction, Joint, JointKind, Mdh, Robot};
 use dynident::parameters::{Layout, ParameterKind};
 use dynident::spatial::PhysicalInertia;

@@ -1,0 +1,239 @@
+//! An augmented model as JSON: the effects found, the base parameters they were fitted with, and how well all of them are known, so that a
+//! later log can be asked what has changed since.
+
+use super::cursor::Cursor;
+use super::requests;
+use super::residual::LawDocument;
+use crate::diagnosis::{Diagnosis, RivalTerm};
+use crate::effects::by_code;
+use crate::model::{INPUT_LIMITS, Robot};
+use crate::regression::{AugmentedModel, Prior, Term};
+use nalgebra::{DMatrix, DVector};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+/// An augmented model with all that a design for it needs.
+#[derive(Debug, Clone)]
+pub struct ReadModel {
+    pub model: AugmentedModel,
+    pub prior: Prior,
+    /// Standard deviation of the torque noise of every joint in slow signals [N·m or N], and rows per second that it is of.
+    pub noise: Option<(Vec<f64>, f64)>,
+    /// Of every effect, the rivals that the data do not exclude.
+    pub rivals: Vec<Vec<RivalTerm>>,
+}
+
+/// `model` with its information matrix (inverse covariance of base values, then coefficients and free shapes effect by effect).
+pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Value {
+    let rows: Vec<Vec<f64>> = information.row_iter().map(|r| r.iter().copied().collect()).collect();
+    json!({
+        "effects": model.terms.iter().map(|t| effect_value(&model.robot, t)).collect::<Vec<_>>(),
+        "base_values": model.values.as_slice(),
+        "information": rows,
+    })
+}
+
+/// [`augmented_value`] with the noise, and with the rivals of every effect.
+pub fn diagnosis_value(diagnosis: &Diagnosis) -> Value {
+    let robot = &diagnosis.model.robot;
+    let rows = |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|r| r.iter().copied().collect()).collect() };
+    let mut value = augmented_value(&diagnosis.model, &diagnosis.information);
+    let noise: Vec<f64> = diagnosis.noise.iter().map(|n| n.slow_std_dev()).collect();
+    if diagnosis.rate_hz.is_finite() {
+        value["noise"] = json!({"std_dev": noise, "rate_hz": diagnosis.rate_hz});
+    }
+    for (i, rivals) in diagnosis.rival_terms.iter().enumerate() {
+        let of = |r: &RivalTerm| {
+            let mut rival = effect_value(robot, &r.term);
+            rival["evidence"] = json!(r.evidence);
+            rival["base_values"] = json!(r.base_values.as_slice());
+            rival["cross"] = json!(rows(&r.cross));
+            rival["own"] = json!(rows(&r.own));
+            rival
+        };
+        value["effects"][i]["rivals"] = rivals.iter().map(of).collect();
+    }
+    value
+}
+
+fn effect_value(robot: &Robot, term: &Term) -> Value {
+    let joints: Vec<&str> = term.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect();
+    // JSON has no infinity: null is no bound.
+    let bounds: Vec<[Option<f64>; 2]> = term.bounds.iter().map(|b| b.map(|v| v.is_finite().then_some(v))).collect();
+    let values = term.effect.reported(term.form, &term.coefficients, &term.shape);
+    let infos = term.effect.parameters(term.form, robot, &term.joints);
+    let parameters: Vec<Value> = infos
+        .into_iter()
+        .zip(values)
+        .map(|(info, value)| json!({"name": info.name, "value": value, "unit": info.unit}))
+        .collect();
+    let mut value = json!({
+        "effect": term.effect.code(), "joints": joints, "form": term.form, "coefficients": term.coefficients,
+        "shape": term.shape, "free_shapes": term.free_shapes, "bounds": bounds, "parameters": parameters,
+    });
+    // For readers: what it adds is in `form`.
+    if let Some(formula) = term.effect.formula(term.form, &term.joints) {
+        let acts_on = term.acts_on();
+        let names: Vec<String> = acts_on.iter().map(|&j| robot.joints()[j].name.clone()).collect();
+        value["law"] = json!(LawDocument::new(&formula, &names));
+    }
+    value
+}
+
+/// Reads what [`augmented_value`] writes; `None` when something is wrong with it, which is then among the findings.
+pub fn read_augmented(cursor: &Cursor, robot: &Robot) -> Option<(AugmentedModel, Prior)> {
+    read_model_with_effects(cursor, robot).map(|read| (read.model, read.prior))
+}
+
+/// Reads what [`diagnosis_value`] writes; noise and rivals may be missing.
+pub(super) fn read_model_with_effects(cursor: &Cursor, robot: &Robot) -> Option<ReadModel> {
+    let fields = cursor.fields_of::<requests::AugmentedModel>()?;
+    let mut model = AugmentedModel::declared(robot);
+    let values = fields
+        .required("base_values")
+        .and_then(|c| c.numbers(Some(model.values.len())));
+    let most = INPUT_LIMITS.model_effects;
+    let effects = fields.required("effects").and_then(|c| c.items_up_to(most, "effects"))?;
+    let terms: Vec<Option<Term>> = effects
+        .iter()
+        .map(|c| read_effect::<requests::AddedEffect>(c, robot))
+        .collect();
+    model.terms = terms.into_iter().collect::<Option<Vec<_>>>()?;
+    model.values = DVector::from_vec(values?);
+    let information = fields
+        .required("information")
+        .and_then(|c| read_square(&c, model.parameters()))?;
+    let size = [model.parameters(), model.values.len()];
+    let rivals = effects
+        .iter()
+        .map(|c| read_rivals(c, robot, size))
+        .collect::<Option<Vec<_>>>()?;
+    let noise = fields.nullable("noise").and_then(|c| read_noise(&c, robot.joint_count()));
+    let mean = model.vector();
+    Some(ReadModel {
+        model,
+        prior: Prior { mean, information },
+        noise,
+        rivals,
+    })
+}
+
+fn read_noise(cursor: &Cursor, joints: usize) -> Option<(Vec<f64>, f64)> {
+    let fields = cursor.fields_of::<requests::ModelNoise>()?;
+    let std_dev = fields.required("std_dev").and_then(|c| c.numbers(Some(joints)))?;
+    let rate = fields.required("rate_hz").and_then(|c| c.number())?;
+    if !(rate > 0.0 && std_dev.iter().all(|s| *s > 0.0)) {
+        cursor.complain("must hold positive numbers");
+        return None;
+    }
+    Some((std_dev, rate))
+}
+
+fn read_rivals(effect: &Cursor, robot: &Robot, size: [usize; 2]) -> Option<Vec<RivalTerm>> {
+    let fields = effect.fields_of::<requests::AddedEffect>()?;
+    let Some(list) = fields.nullable("rivals") else {
+        return Some(Vec::new());
+    };
+    let items = list.items_up_to(INPUT_LIMITS.model_effects, "rivals")?;
+    items.iter().map(|c| read_rival(c, robot, size)).collect()
+}
+
+fn read_rival(cursor: &Cursor, robot: &Robot, [parameters, base]: [usize; 2]) -> Option<RivalTerm> {
+    let term = read_effect::<requests::RivalEffect>(cursor, robot)?;
+    let fields = cursor.fields_of::<requests::RivalEffect>()?;
+    let k = term.parameters();
+    let evidence = fields.required("evidence").and_then(|c| c.number())?;
+    let base_values = fields.required("base_values").and_then(|c| c.numbers(Some(base)))?;
+    let cross = fields.required("cross").and_then(|c| read_matrix(&c, parameters, k))?;
+    let own = fields.required("own").and_then(|c| read_matrix(&c, k, k))?;
+    Some(RivalTerm {
+        term,
+        base_values: DVector::from_vec(base_values),
+        evidence,
+        cross,
+        own,
+    })
+}
+
+fn read_square(cursor: &Cursor, size: usize) -> Option<DMatrix<f64>> {
+    read_matrix(cursor, size, size)
+}
+
+fn read_matrix(cursor: &Cursor, height: usize, width: usize) -> Option<DMatrix<f64>> {
+    let rows = cursor.items()?;
+    if rows.len() != height {
+        cursor.complain_with(
+            format!("has {} rows, expected {height}", rows.len()),
+            "one for every base value, coefficient and free shape, in this order",
+        );
+        return None;
+    }
+    let read: Vec<Option<Vec<f64>>> = rows.iter().map(|row| row.numbers(Some(width))).collect();
+    let rows = read.into_iter().collect::<Option<Vec<_>>>()?;
+    Some(DMatrix::from_fn(height, width, |r, c| rows[r][c]))
+}
+
+/// `T`: the object that the effect stands in, with further fields.
+fn read_effect<T: for<'de> Deserialize<'de>>(cursor: &Cursor, robot: &Robot) -> Option<Term> {
+    let fields = cursor.fields_of::<T>()?;
+    let code = fields.required("effect")?;
+    let effect = by_code(code.string()?);
+    if effect.is_none() {
+        code.complain_with("is no effect known here", "see the table of effects in the documentation");
+    }
+    let joints = fields.required("joints").and_then(|c| read_joints(&c, robot));
+    let form = fields
+        .required("form")
+        .and_then(|c| c.whole(0, effect.map_or(u64::MAX, |e| e.forms() as u64 - 1)));
+    let coefficients = fields.required("coefficients").and_then(|c| c.numbers(None));
+    let shape = fields.required("shape").and_then(|c| c.numbers(None));
+    let bounds = fields.required("bounds").and_then(|c| read_bounds(&c));
+    let free = fields
+        .required("free_shapes")
+        .and_then(|c| c.whole(0, shape.as_ref().map_or(u64::MAX, |s| s.len() as u64)));
+    let term = Term {
+        effect: effect?,
+        form: form? as usize,
+        joints: joints?,
+        coefficients: coefficients?,
+        shape: shape?,
+        free_shapes: free? as usize,
+        bounds: bounds?,
+    };
+    if !term.is_complete(robot) {
+        cursor.complain_with(
+            "does not have the joints, coefficients and shapes of this effect",
+            "take the model as the identification wrote it",
+        );
+        return None;
+    }
+    Some(term)
+}
+
+fn read_joints(cursor: &Cursor, robot: &Robot) -> Option<Vec<usize>> {
+    let one = |c: &Cursor| {
+        let name = c.string()?;
+        let at = robot.joints().iter().position(|j| j.name == name);
+        if at.is_none() {
+            c.complain(format!("the robot has no joint `{name}`"));
+        }
+        at
+    };
+    let items = cursor.items_up_to(INPUT_LIMITS.joints, "joints")?;
+    let read: Vec<Option<usize>> = items.iter().map(one).collect();
+    read.into_iter().collect()
+}
+
+fn read_bounds(cursor: &Cursor) -> Option<Vec<[f64; 2]>> {
+    let end = |c: &Cursor, none: f64| if c.value().is_null() { Some(none) } else { c.number() };
+    let pair = |c: &Cursor| {
+        let items = c.items()?;
+        let [low, high] = &items[..] else {
+            c.complain(format!("has {} values, expected 2", items.len()));
+            return None;
+        };
+        Some([end(low, f64::NEG_INFINITY)?, end(high, f64::INFINITY)?])
+    };
+    let read: Vec<Option<[f64; 2]>> = cursor.items()?.iter().map(pair).collect();
+    read.into_iter().collect()
+}

@@ -1,0 +1,116 @@
+//! An identified model, with what tracing has added to it.
+
+use super::robot::RobotOrName;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// The JSON model of an identification; a robot with parameters for every link does as well.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    pub robot: RobotOrName,
+    /// Constant torque of every joint (N·m or N).
+    pub offsets: Option<Vec<f64>>,
+    #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
+    pub base_parameters: Option<Vec<Value>>,
+    /// What tracing has added; needed to tell what has changed since.
+    pub augmented: Option<AugmentedModel>,
+    /// In words, what a URDF of this model does not hold.
+    pub not_in_urdf: Option<Vec<String>>,
+    /// By format, what it does not hold, in torque along the identification logs (N·m or N).
+    #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
+    pub formats: Option<Vec<Value>>,
+    /// Cut-off of the filter that the rows went through that it was identified from [Hz]; logs that it is held against go through none that is higher.
+    pub band_hz: Option<f64>,
+}
+
+/// Effects with the base parameters they were fitted with, and how well all are known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct AugmentedModel {
+    pub effects: Vec<AddedEffect>,
+    pub base_values: Vec<f64>,
+    /// Inverse covariance of the base values, then of coefficients and free shapes effect by effect.
+    pub information: Vec<Vec<f64>>,
+    pub noise: Option<ModelNoise>,
+}
+
+/// Torque noise of the data, as white noise that hides slow signals as much.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ModelNoise {
+    /// Of every joint [N·m or N].
+    pub std_dev: Vec<f64>,
+    /// Rows per second that it is of.
+    pub rate_hz: f64,
+}
+
+/// An effect with its values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct AddedEffect {
+    #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// Variant of the effect, from 0.
+    pub form: u32,
+    pub coefficients: Vec<f64>,
+    pub shape: Vec<f64>,
+    /// How many of the shape parameters were estimated, from the first.
+    pub free_shapes: u32,
+    /// Least and largest value of every shape parameter; null is none.
+    pub bounds: Vec<Vec<Option<f64>>>,
+    /// The same values by name, with units.
+    #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
+    pub parameters: Option<Vec<Value>>,
+    /// Formula of a law, for people: what a reader takes is `form`.
+    pub law: Option<crate::documents::LawDocument>,
+    /// Effects that the data do not exclude in its place.
+    pub rivals: Option<Vec<RivalEffect>>,
+}
+
+/// A rival of an effect, as it was fitted in its place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct RivalEffect {
+    #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// Variant of the effect, from 0.
+    pub form: u32,
+    pub coefficients: Vec<f64>,
+    pub shape: Vec<f64>,
+    /// How many of the shape parameters were estimated, from the first.
+    pub free_shapes: u32,
+    /// Least and largest value of every shape parameter; null is none.
+    pub bounds: Vec<Vec<Option<f64>>>,
+    /// The same values by name, with units.
+    #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
+    pub parameters: Option<Vec<Value>>,
+    /// Formula of a law, for people: what a reader takes is `form`.
+    pub law: Option<crate::documents::LawDocument>,
+    /// Twice the log of the evidence ratio in favour of the finding.
+    pub evidence: f64,
+    /// Base parameters of that fit.
+    pub base_values: Vec<f64>,
+    /// Information that its columns have in common with those of the model.
+    pub cross: Vec<Vec<f64>>,
+    /// Information of its own columns.
+    pub own: Vec<Vec<f64>>,
+}
+
+/// How an identified model is handed out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum ModelFormat {
+    Json,
+    Urdf,
+    Mjcf,
+    Sdf,
+    Csv,
+    C,
+    Python,
+}

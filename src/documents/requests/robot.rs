@@ -1,0 +1,306 @@
+//! Robots, by their joints or as URDF.
+
+use serde::{Deserialize, Serialize};
+
+/// The name of a known robot, or a robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(untagged)]
+pub enum RobotOrName {
+    Name(String),
+    Robot(Robot),
+}
+
+/// A robot by its joints, or as a URDF or MJCF file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(untagged)]
+pub enum Robot {
+    Joints(JointRobot),
+    Urdf(UrdfRobot),
+    Mjcf(MjcfRobot),
+}
+
+/// A serial arm. Every object in it may carry a `source`: where its numbers come from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct JointRobot {
+    pub name: String,
+    /// Acceleration of gravity in the base frame [m/s²]; `[0, 0, -9.81]` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = [f64; 3], required = false))]
+    pub gravity: Option<[f64; 3]>,
+    pub joints: Vec<Joint>,
+    /// Declared friction of every joint; both if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Vec<Friction>, required = false))]
+    pub friction: Option<Vec<Friction>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// A serial arm as a URDF document.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct UrdfRobot {
+    /// The XML document.
+    pub urdf: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = [f64; 3], required = false))]
+    pub gravity: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Vec<Friction>, required = false))]
+    pub friction: Option<Vec<Friction>>,
+    /// Link that stands still; the root of the file if left out.
+    pub base: Option<String>,
+    /// Last link of the chain, where the file has several. Joints off the chain are locked at zero.
+    pub tip: Option<String>,
+    /// Capsules by the names of links, in the frames of the file, in the place of its `<collision>` shapes.
+    pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// A serial arm as an MJCF document (MuJoCo).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct MjcfRobot {
+    /// The XML document, with everything that it includes written out.
+    pub mjcf: String,
+    /// That of the file if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = [f64; 3], required = false))]
+    pub gravity: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Vec<Friction>, required = false))]
+    pub friction: Option<Vec<Friction>>,
+    /// Body that stands still; the world if left out.
+    pub base: Option<String>,
+    /// Last body of the chain, where the file has several. Joints off the chain are locked at zero.
+    pub tip: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Friction {
+    Viscous,
+    Coulomb,
+}
+
+/// A joint and the link it carries; placed by `mdh`, `dh` or `placement`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    pub name: String,
+    pub kind: JointKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Mdh, required = false))]
+    pub mdh: Option<Mdh>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Dh, required = false))]
+    pub dh: Option<Dh>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Placement, required = false))]
+    pub placement: Option<Placement>,
+    pub limits: Option<Limits>,
+    pub prior: Option<LinkPrior>,
+    /// Capsules that together contain the link.
+    pub geometry: Option<Vec<Capsule>>,
+    pub bounds: Option<JointBounds>,
+    /// Axis of the link frame along which the link is long.
+    pub slender_axis: Option<Axis>,
+    /// Name of the link behind the joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub link: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// All points within `radius` of a segment fixed to the link (m, link frame).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct Capsule {
+    pub from: [f64; 3],
+    pub to: [f64; 3],
+    pub radius: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    Revolute,
+    Prismatic,
+}
+
+/// Modified DH parameters of Khalil: `Rot_x(alpha) Trans_x(d) Rot_z(theta) Trans_z(r)` [rad, m].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Mdh {
+    pub alpha: f64,
+    pub d: f64,
+    pub theta: f64,
+    pub r: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// A row of a DH table in the convention that it is published in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Dh {
+    pub convention: DhConvention,
+    /// (m)
+    pub a: f64,
+    /// (rad)
+    pub alpha: f64,
+    /// (m)
+    pub d: f64,
+    /// (rad)
+    pub theta: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// `standard`: `Rot_z(theta) Trans_z(d) Trans_x(a) Rot_x(alpha)`, link parameters in the frame at its end. `craig` and `khalil`:
+/// `Rot_x(alpha) Trans_x(a) Rot_z(theta) Trans_z(d)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum DhConvention {
+    Standard,
+    Craig,
+    Khalil,
+}
+
+/// A joint frame in the link frame before it, as in URDF.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Placement {
+    /// (m)
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = [f64; 3], required = false))]
+    pub xyz: Option<[f64; 3]>,
+    /// Roll, pitch, yaw about fixed axes (rad).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = [f64; 3], required = false))]
+    pub rpy: Option<[f64; 3]>,
+    /// Axis of the joint in its own frame; z if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = [f64; 3], required = false))]
+    pub axis: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// Limits of a joint (rad, m and per second; N·m, N); what is left out or null is not limited.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub position: Option<[f64; 2]>,
+    pub velocity: Option<f64>,
+    pub acceleration: Option<f64>,
+    pub jerk: Option<f64>,
+    pub effort: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// What is known of a link beforehand, in its own frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct LinkPrior {
+    /// (kg)
+    pub mass: f64,
+    /// (m)
+    pub center_of_mass: [f64; 3],
+    pub inertia: Inertia,
+    /// [N·m·s/rad or N·s/m]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = f64, required = false))]
+    pub viscous: Option<f64>,
+    /// [N·m or N]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = f64, required = false))]
+    pub coulomb: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// Inertia tensor about the centre of mass [kg m²].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Inertia {
+    pub xx: f64,
+    pub xy: f64,
+    pub xz: f64,
+    pub yy: f64,
+    pub yz: f64,
+    pub zz: f64,
+}
+
+/// What identification keeps the parameters of a link between, `[lower, upper]`, in its frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct JointBounds {
+    /// (kg)
+    pub mass: Option<[f64; 2]>,
+    /// x, y, z in the link frame (m).
+    pub center_of_mass: Option<Vec<Vec<f64>>>,
+    /// About the centre of mass.
+    pub inertia: Option<InertiaBounds>,
+    /// N·m·s/rad or N·s/m
+    pub viscous: Option<[f64; 2]>,
+    /// N·m or N
+    pub coulomb: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub source: Option<String>,
+}
+
+/// kg·m²
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct InertiaBounds {
+    pub xx: Option<[f64; 2]>,
+    pub xy: Option<[f64; 2]>,
+    pub xz: Option<[f64; 2]>,
+    pub yy: Option<[f64; 2]>,
+    pub yz: Option<[f64; 2]>,
+    pub zz: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}

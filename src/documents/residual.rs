@@ -1,0 +1,469 @@
+//! The `residual` part of an answer: what the declared model leaves, and the effects that explain it.
+
+use crate::diagnosis::Covered;
+use crate::effects::Formula;
+use crate::formats::mathml;
+use serde::{Deserialize, Serialize};
+
+/// The residual diagnosis of a log.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Residual))]
+#[serde(default)]
+pub struct ResidualDocument {
+    /// The verdict and its scope in sentences.
+    pub summary: String,
+    pub verdict: VerdictCode,
+    /// Per joint: standard deviation of one measurement [N m or N]; null for a joint without rows.
+    pub noise_floor: Vec<Option<f64>>,
+    /// How the floor was found.
+    pub noise_source: String,
+    /// Of the declared model.
+    pub lack_of_fit: Vec<LackOfFit>,
+    /// Of the model with the effects.
+    pub lack_of_fit_after: Vec<LackOfFit>,
+    pub held_out: HeldOutDocument,
+    pub data_faults: Vec<DataFaultDocument>,
+    /// Those in the model first.
+    pub findings: Vec<EffectFinding>,
+    pub remainder: Option<RemainderDocument>,
+    /// Offsets and rotor inertias that were looked for and not found, with the sizes that the data leave them.
+    pub undetected: Vec<UndetectedEffect>,
+    /// Whether the model explains no more of the torques than a constant per joint; no effect is looked for then.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub explains_nothing: bool,
+    /// Joints that no effect was looked for on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_tested: Vec<UntestedJoint>,
+    /// Errors of the declared model.
+    pub rms_before: RmsPerJoint,
+    /// Errors of the model with the effects.
+    pub rms_after: RmsPerJoint,
+    /// Errors where joints rest, if any does: those rows take no part in fits and other errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_rest: Option<RestErrors>,
+}
+
+/// What the diagnosis concludes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = ResidualVerdict))]
+#[serde(rename_all = "snake_case")]
+pub enum VerdictCode {
+    /// The declared model leaves nothing above the noise.
+    NothingMissing,
+    /// The findings explain what it leaves, down to the noise.
+    Explained,
+    /// The findings explain a part.
+    PartlyExplained,
+    /// Something is left that no effect explains.
+    #[default]
+    Unexplained,
+}
+
+impl VerdictCode {
+    /// As documents have it.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::NothingMissing => "nothing_missing",
+            Self::Explained => "explained",
+            Self::PartlyExplained => "partly_explained",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// A figure, or `not_evaluated` where it was not computed. Null where it is no finite number.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = EvaluatedFigure))]
+#[serde(untagged)]
+pub enum EvaluatedFigure {
+    Value(Option<f64>),
+    NotEvaluated(NotEvaluated),
+}
+
+/// In the place of a figure that was not computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum NotEvaluated {
+    NotEvaluated,
+}
+
+impl EvaluatedFigure {
+    /// The number, where there is one.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Value(value) => value,
+            Self::NotEvaluated(_) => None,
+        }
+    }
+}
+
+impl Default for EvaluatedFigure {
+    fn default() -> Self {
+        Self::NotEvaluated(NotEvaluated::NotEvaluated)
+    }
+}
+
+/// Lack of fit of one joint.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct LackOfFit {
+    pub joint: String,
+    /// Mean square of the whitened residual over its expectation under noise alone; F distributed with `degrees_of_freedom` where only noise is left.
+    pub statistic: Option<f64>,
+    pub p_value: Option<f64>,
+    pub degrees_of_freedom: [Option<f64>; 2],
+    /// RMS of the residual of the mean over the periods [N m or N].
+    pub residual_rms: Option<f64>,
+    /// What noise alone would leave there [N m or N].
+    pub expected_rms: Option<f64>,
+}
+
+/// RMS of single measurements per joint [N m or N]; null for a joint without rows.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct RmsPerJoint {
+    pub identification: Vec<Option<f64>>,
+    /// Over all held-out logs together; empty where there is none.
+    pub held_out: Vec<Option<f64>>,
+}
+
+/// Errors where a joint stands still for half a second and more.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct RestErrors {
+    /// Time at rest in the identification logs, per joint (s).
+    pub seconds: Vec<Option<f64>>,
+    pub rms_before: RmsPerJoint,
+    pub rms_after: RmsPerJoint,
+}
+
+/// Whether an error on data that fitted nothing changed beyond chance.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum ChangeCode {
+    Better,
+    Same,
+    Worse,
+    #[default]
+    NotTested,
+}
+
+impl ChangeCode {
+    /// As documents have it.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::Better => "better",
+            Self::Same => "same",
+            Self::Worse => "worse",
+            Self::NotTested => "not_tested",
+        }
+    }
+}
+
+/// What held-out data say of all effects in the model together.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum HeldOutCode {
+    /// The error fell beyond chance.
+    Confirmed,
+    NotConfirmed,
+    /// No effect is in the model.
+    #[default]
+    NotTested,
+}
+
+impl HeldOutCode {
+    /// As documents have it.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::Confirmed => "confirmed",
+            Self::NotConfirmed => "not_confirmed",
+            Self::NotTested => "not_tested",
+        }
+    }
+}
+
+/// The declared model and the final one on held-out data.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = HeldOut))]
+#[serde(default)]
+pub struct HeldOutDocument {
+    pub verdict: HeldOutCode,
+    /// Which data were held out, and how far that can be trusted.
+    pub source: String,
+    /// Chance of a change as large of the error over all joints.
+    pub p_value: EvaluatedFigure,
+    pub joints: Vec<HeldOutJoint>,
+}
+
+/// One joint on held-out data: RMS of single measurements [N m or N].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct HeldOutJoint {
+    pub joint: String,
+    /// Of the declared model.
+    pub before: Option<f64>,
+    /// Of the final model.
+    pub after: Option<f64>,
+    /// Of the noise alone.
+    pub floor: Option<f64>,
+    pub change: ChangeCode,
+    pub p_value: Option<f64>,
+}
+
+/// A fault of the data, by name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = DataFault))]
+#[serde(default)]
+pub struct DataFaultDocument {
+    /// `gravity_direction`, `torque_sign`, `joint_order`, `unit_mismatch`, `bad_samples`, `gravity_compensated_torque` or `unit_unknown`.
+    pub code: String,
+    /// Joints whose columns are concerned.
+    pub joints: Vec<String>,
+    /// What was seen, and what to do.
+    pub detail: String,
+    /// What was done about it.
+    pub remedy: String,
+    /// Numbers that put it right, where there are any.
+    pub parameters: Vec<EffectParameter>,
+}
+
+/// A parameter with one standard deviation, null where the data do not determine it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct EffectParameter {
+    #[cfg_attr(feature = "service", schema(example = "amplitude"))]
+    pub name: String,
+    pub value: Option<f64>,
+    pub unit: String,
+    pub std_dev: Option<f64>,
+}
+
+/// An effect found.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct EffectFinding {
+    #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// The formula of a `law`, whose constants are in `parameters`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawDocument>,
+    pub parameters: Vec<EffectParameter>,
+    /// What was found, with its figures.
+    pub sentence: String,
+    /// What to draw the residual against.
+    pub against: Against,
+    /// Errors without the effect, with those accepted before it.
+    pub rms_before: RmsPerJoint,
+    pub rms_after: RmsPerJoint,
+    pub evidence: FindingEvidence,
+    pub held_out: FindingHeldOut,
+    /// Whether the effect is a part of the model that is handed out.
+    pub in_model: bool,
+    /// Effects that the data do not exclude in its place.
+    pub rivals: Vec<RivalDocument>,
+    /// Under which changes of the data the effect is still there; those that the data allow.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub survivals: Vec<SurvivalDocument>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// The joint and variable that a finding is a function of.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct Against {
+    pub joint: Option<String>,
+    /// `q`, `qd`, `qdd`, `tau` or `time`.
+    pub variable: String,
+}
+
+/// Why an effect is believed.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct FindingEvidence {
+    /// Decrease of the weighted sum of squares when the effect is added, divided by what is left per degree of freedom.
+    pub gain: Option<f64>,
+    /// BIC difference against leaving it out, parameters and shapes tried paid for.
+    pub log_evidence_ratio: Option<f64>,
+    /// Chance of such a gain without the effect, times the number of hypotheses tried.
+    pub p_value: Option<f64>,
+    /// Gain on blocks of time that were left out of the fit.
+    pub held_out_blocks: EvaluatedFigure,
+    /// Gain on one half of the periods when fitted to the other.
+    pub held_out_periods: EvaluatedFigure,
+}
+
+/// The model without an effect and with it on held-out data: RMS over its joints [N m or N].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct FindingHeldOut {
+    pub before: EvaluatedFigure,
+    pub after: EvaluatedFigure,
+    pub change: ChangeCode,
+    pub p_value: EvaluatedFigure,
+}
+
+/// Another effect that the data do not exclude in a finding's place.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Rival))]
+#[serde(default)]
+pub struct RivalDocument {
+    pub effect: String,
+    pub joints: Vec<String>,
+    /// BIC difference in favour of the finding; below zero the rival fits better.
+    pub evidence: Option<f64>,
+    /// Of a law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawDocument>,
+}
+
+/// A law in symbols: `q4` and `qd4` are position and speed of the fourth joint, in SI units.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Law))]
+#[serde(default)]
+pub struct LawDocument {
+    /// What is added to the torque of the first of the finding's joints.
+    #[cfg_attr(feature = "service", schema(example = "k*(q1 + r*q3)"))]
+    pub expression: String,
+    /// The same of every joint that it acts on.
+    pub torques: Vec<LawTorque>,
+    /// The energy that the torques are the gradient of (J); null for friction and where no energy is known.
+    pub energy: Option<String>,
+    /// Positions and speeds in it.
+    pub variables: Vec<String>,
+    /// Where the log has them: the law holds there, and nothing is known of it elsewhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub covered: Vec<CoveredRange>,
+    /// The torque of every joint, then the energy, as MathML.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mathml: Vec<String>,
+}
+
+/// The least and largest value of a variable over the identification logs.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct CoveredRange {
+    pub variable: String,
+    pub low: f64,
+    pub high: f64,
+    pub unit: String,
+}
+
+/// What a law adds to the torque of one joint [N m or N].
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct LawTorque {
+    pub joint: String,
+    pub expression: String,
+}
+
+impl LawDocument {
+    /// `joints` are the names of the joints that the formula acts on, in its order.
+    pub(super) fn new(formula: &Formula, joints: &[String]) -> Self {
+        let torque = |((_, expression), joint): (&(usize, String), &String)| LawTorque {
+            joint: joint.clone(),
+            expression: expression.clone(),
+        };
+        let torques: Vec<LawTorque> = formula.torques.iter().zip(joints).map(torque).collect();
+        Self {
+            expression: torques.first().map(|t| t.expression.clone()).unwrap_or_default(),
+            torques,
+            energy: formula.energy.clone(),
+            variables: formula.variables.clone(),
+            covered: Vec::new(),
+            mathml: formula
+                .torques
+                .iter()
+                .map(|t| &t.1)
+                .chain(&formula.energy)
+                .filter_map(|text| mathml(text))
+                .collect(),
+        }
+    }
+
+    pub(super) fn with_covered(mut self, covered: &[Covered]) -> Self {
+        let range = |c: &Covered| CoveredRange {
+            variable: c.variable.clone(),
+            low: c.low,
+            high: c.high,
+            unit: c.unit.clone(),
+        };
+        self.covered = covered.iter().map(range).collect();
+        self
+    }
+}
+
+/// Whether a finding survives a change of the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Survival))]
+pub struct SurvivalDocument {
+    pub perturbation: PerturbationCode,
+    pub survives: bool,
+}
+
+/// A change of the data that should not matter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Perturbation))]
+#[serde(rename_all = "snake_case")]
+pub enum PerturbationCode {
+    SixDigits,
+    EverySecondRow,
+    FirstHalf,
+    SecondHalf,
+    LowerCutoff,
+    HigherCutoff,
+}
+
+/// What no effect explains.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Remainder))]
+#[serde(default)]
+pub struct RemainderDocument {
+    pub joints: Vec<String>,
+    /// `q2`, `qd4`, `load3`, `time` for a drift over the log, `period` for another level in every period; strongest first.
+    pub depends_on: Vec<String>,
+    /// Share of it that smooth functions of these variables predict.
+    pub predicted_share: Option<f64>,
+    /// RMS above the noise, per joint of `joints` [N m or N].
+    pub rms: Vec<Option<f64>>,
+    pub note: String,
+    pub sentence: String,
+}
+
+/// An effect that every robot may have and that was not found: what the data say of its size.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct UndetectedEffect {
+    pub effect: String,
+    pub joint: String,
+    pub parameter: EffectParameter,
+    /// Whether the model has it all the same, as a nuisance offset.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub in_model: bool,
+}
+
+/// A joint that takes no part in the diagnosis.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(default)]
+pub struct UntestedJoint {
+    pub joint: String,
+    pub reason: String,
+}
