@@ -2,7 +2,8 @@
 
 use super::dataset::Stretch;
 use super::model::AugmentedModel;
-use crate::dynamics::Motion;
+use super::rows::clear_of_reversals;
+use crate::dynamics::{Coulomb, Motion};
 use crate::regression::settings::SETTINGS;
 
 /// Variance of white noise on the torque of every joint, for one measurement, that weighs as much as what errors in the positions do to it [(N·m)² or N²]; the
@@ -22,7 +23,8 @@ pub(crate) fn motion_error_variance(model: &AugmentedModel, stretches: &[Stretch
 }
 
 fn of_stretch(model: &AugmentedModel, stretch: &Stretch) -> Vec<f64> {
-    let motion = sampled(&stretch.motion);
+    let at = sampled(stretch.motion.samples());
+    let motion = Motion::from_fn(stretch.joints(), at.len(), |j, s| stretch.motion.get(j, at[s]));
     let predicted = |motion: &Motion| model.torques(motion, &model.robot, None).declared;
     let undisturbed = predicted(&motion);
     let samples_per_row = match stretch.samples.as_slice() {
@@ -31,12 +33,14 @@ fn of_stretch(model: &AugmentedModel, stretch: &Stretch) -> Vec<f64> {
     };
     let mut variance = vec![0.0; stretch.joints()];
     for (joint, error) in stretch.motion_error.iter().enumerate() {
+        // At a reversal the sign of friction is not known; such rows are left out of every fit.
+        let clear = clear_of_reversals(stretch.motion.velocities(joint), stretch.periodic);
         for (order, size) in error.std_dev.iter().enumerate().filter(|(_, size)| **size > 0.0) {
             let off = disturbed(&motion, joint, order, *size);
             let weight = stretch.repetitions() as f64 * (error.density(order) / samples_per_row).max(1.0);
-            // At a reversal the sign of friction is not known; such rows are left out of every fit.
-            let rows: Vec<usize> = (0..motion.samples())
-                .filter(|&s| motion.velocities(joint)[s].signum() == off.velocities(joint)[s].signum())
+            let sign = |m: &Motion, s: usize| Coulomb::Sign.value(m.velocities(joint)[s]);
+            let rows: Vec<usize> = (0..at.len())
+                .filter(|&s| clear[at[s]] && sign(&motion, s) == sign(&off, s))
                 .collect();
             for (own, (after, before)) in variance.iter_mut().zip(predicted(&off).iter().zip(&undisturbed)) {
                 let square: f64 = rows.iter().map(|&s| (after[s] - before[s]).powi(2)).sum();
@@ -47,17 +51,10 @@ fn of_stretch(model: &AugmentedModel, stretch: &Stretch) -> Vec<f64> {
     variance
 }
 
-/// Samples of a motion, evenly spread, enough for a mean square.
-fn sampled(motion: &Motion) -> Motion {
-    let count = motion.samples().min(SETTINGS.motion_error_samples);
-    let at = |i: usize| i * motion.samples() / count;
-    Motion::from_fn(motion.joints(), count, |j, i| {
-        [
-            motion.positions(j)[at(i)],
-            motion.velocities(j)[at(i)],
-            motion.accelerations(j)[at(i)],
-        ]
-    })
+/// Samples of a motion of `count`, evenly spread, enough for a mean square.
+fn sampled(count: usize) -> Vec<usize> {
+    let used = count.min(SETTINGS.motion_error_samples);
+    (0..used).map(|i| i * count / used).collect()
 }
 
 /// The same with derivative `order` of one joint off by `size`.
@@ -73,4 +70,44 @@ fn disturbed(motion: &Motion, joint: usize, order: usize, size: f64) -> Motion {
         off.set(joint, s, state);
     }
     off
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preparation::MotionError;
+
+    /// A joint that turns back at samples where its velocity is exactly zero, or a rounding error on either side of it.
+    #[test]
+    fn prop_reversals_add_no_error_of_friction() {
+        for velocity in [0.0, -0.0, 1e-17, -1e-17] {
+            let wave = |s: usize| std::f64::consts::TAU * s as f64 / 128.0;
+            let motion = Motion::from_fn(2, 128, |j, s| match j {
+                1 if s % 64 == 0 => [wave(s).cos(), velocity, 0.0],
+                _ => [wave(s).cos(), -wave(s).sin(), -wave(s).cos()],
+            });
+            let error = MotionError {
+                std_dev: [1e-15; 3],
+                band: 0.01,
+            };
+            let stretch = Stretch {
+                motion_error: vec![error; 2],
+                ..Stretch::of_motion(motion, 0.01, true)
+            };
+            let robot = crate::documents::NamedRobots::named(&crate::documents::shipped::Shipped, "planar_two_link")
+                .unwrap()
+                .robot;
+            let mut model = AugmentedModel::declared(&robot);
+            model.values.fill(1.0);
+            let variance = motion_error_variance(
+                &model,
+                &[Stretch {
+                    periods: vec![stretch.torque.clone(); 2],
+                    ..stretch
+                }],
+            );
+            // Coulomb friction of 1 N·m at one row would be 1e-2; the rest is in proportion to the error.
+            assert!(variance.iter().all(|v| (0.0..1e-25).contains(v)), "{variance:?}");
+        }
+    }
 }
