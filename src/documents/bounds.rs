@@ -2,7 +2,7 @@
 
 use super::cursor::{Cursor, Fields};
 use super::requests;
-use crate::model::{Axis, INERTIA_ENTRIES, LinkBounds};
+use crate::model::{Axis, LinkBounds};
 use serde_json::{Map, Value, json};
 
 pub fn read_bounds(fields: &Fields) -> LinkBounds {
@@ -18,11 +18,11 @@ pub fn read_bounds(fields: &Fields) -> LinkBounds {
     let inertia = fields
         .nullable("inertia")
         .and_then(|c| c.fields_of::<requests::InertiaBounds>());
-    let entry = |i: usize| inertia.as_ref()?.nullable(INERTIA_ENTRIES[i].0).and_then(|c| range(&c));
+    let entry = |name: &str| inertia.as_ref()?.nullable(name).and_then(|c| range(&c));
     LinkBounds {
         mass: one("mass"),
         center_of_mass: center,
-        inertia: std::array::from_fn(entry),
+        inertia: ["xx", "xy", "xz", "yy", "yz", "zz"].map(entry),
         viscous: one("viscous"),
         coulomb: one("coulomb"),
     }
@@ -46,10 +46,8 @@ pub(super) fn bounds_value(bounds: &LinkBounds) -> Option<Value> {
     let mut put = |name: &str, v: Option<Value>| v.map(|v| value.insert(name.into(), v));
     put("mass", bounds.mass.map(|b| json!(b)));
     put("center_of_mass", bounds.center_of_mass.map(|b| json!(b)));
-    let entries = INERTIA_ENTRIES.iter().zip(bounds.inertia);
-    let inertia: Map<String, Value> = entries
-        .filter_map(|((name, ..), b)| Some((name.to_string(), json!(b?))))
-        .collect();
+    let entries = ["xx", "xy", "xz", "yy", "yz", "zz"].iter().zip(bounds.inertia);
+    let inertia: Map<String, Value> = entries.filter_map(|(name, b)| Some((name.to_string(), json!(b?)))).collect();
     put("inertia", (!inertia.is_empty()).then_some(Value::Object(inertia)));
     put("viscous", bounds.viscous.map(|b| json!(b)));
     put("coulomb", bounds.coulomb.map(|b| json!(b)));

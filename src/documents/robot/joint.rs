@@ -4,9 +4,7 @@ use super::read_source;
 use crate::documents::bounds::read_bounds;
 use crate::documents::cursor::Cursor;
 use crate::documents::requests;
-use crate::model::{
-    Capsule, INERTIA_ENTRIES, INPUT_LIMITS, Joint, JointKind, Limits, LinkPrior, Mdh, Notes, Rounding, body_complaint,
-};
+use crate::model::{Capsule, INPUT_LIMITS, Joint, JointKind, Limits, LinkPrior, Mdh, Notes, Rounding, body_complaint};
 use crate::spatial::{PhysicalInertia, Transform};
 use nalgebra::Matrix3;
 
@@ -318,7 +316,7 @@ fn read_prior(cursor: &Cursor, link: &Transform) -> Option<LinkPrior> {
 
 fn read_inertia(cursor: &Cursor) -> Option<Matrix3<f64>> {
     let fields = cursor.fields_of::<requests::Inertia>()?;
-    let read = INERTIA_ENTRIES.map(|(name, ..)| fields.required(name).and_then(|c| c.number()));
+    let read = ["xx", "xy", "xz", "yy", "yz", "zz"].map(|name| fields.required(name).and_then(|c| c.number()));
     let all: Option<Vec<f64>> = read.into_iter().collect();
     let [xx, xy, xz, yy, yz, zz] = all?.try_into().ok()?;
     Some(Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
