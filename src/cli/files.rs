@@ -3,7 +3,7 @@
 use crate::app::{Code, Error, LogFile};
 use crate::documents::shipped::Shipped;
 use crate::documents::{NamedRobots, RobotDocument, robot_document};
-use crate::formats::{Parsed, is_archive, parse, robot_archive, robot_file, shapes_of_meshes};
+use crate::formats::{Parsed, add_shapes, is_archive, parse, robot_archive, robot_file};
 use serde::Serialize;
 use serde_json::Value;
 use std::fs::File;
@@ -116,28 +116,17 @@ fn named_robot(name_or_file: &str) -> Result<Parsed, Error> {
         });
     }
     let mut parsed = robot_file(&bytes).map_err(|e| in_file(path, e.into()))?;
-    add_meshes(path, &mut parsed.value);
+    let notes = add_shapes(&mut parsed.value, |name| mesh_beside(path, name));
+    print_notes(&notes);
     Ok(parsed)
-}
-
-/// Shapes of links from the meshes that a URDF file names, where they lie beside it.
-fn add_meshes(path: &Path, robot: &mut Value) {
-    let Some(urdf) = robot.get("urdf").and_then(Value::as_str) else {
-        return;
-    };
-    let (shapes, notes) = shapes_of_meshes(urdf, |name| mesh_beside(path, name));
-    notes.iter().for_each(|note| eprintln!("note: {note}"));
-    if let Some(fields) = robot.as_object_mut().filter(|_| !shapes.is_empty()) {
-        fields.insert("geometry".into(), shapes.into());
-    }
 }
 
 /// Largest mesh that is read (bytes): a million triangles.
 const LARGEST_MESH: u64 = 64 << 20;
 
-/// A mesh by its name in a URDF file: relative to the file, or of a package that one of the folders around the file is or holds.
-fn mesh_beside(urdf: &Path, name: &str) -> Option<Vec<u8>> {
-    let folder = urdf.parent()?;
+/// A mesh by its name in a robot's file: relative to the file, or of a package that one of the folders around the file is or holds.
+fn mesh_beside(robot: &Path, name: &str) -> Option<Vec<u8>> {
+    let folder = robot.parent()?;
     let in_package = name.strip_prefix("package://");
     let plain = in_package.unwrap_or_else(|| name.strip_prefix("file://").unwrap_or(name));
     let within = in_package.and_then(|rest| rest.split_once('/')).map(|(_, rest)| rest);

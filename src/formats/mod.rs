@@ -14,7 +14,7 @@ pub use crate::model::shortest;
 pub use json::{Malformed, Parsed, parse};
 pub(crate) use mathml::mathml;
 pub use models::{FinalModel, Missing, MissingEffect, ModelFormat, Patched, urdf, urdf_gravity};
-pub use robots::{RobotArchive, is_archive, robot_archive, robot_file, shapes_of_meshes};
+pub use robots::{RobotArchive, add_shapes, is_archive, meshes_of, robot_archive, robot_file, shapes_of_meshes};
 pub use trajectories::{
     MOST_ROWS, Parts, TrajectoryFile, TrajectoryFormat, trajectory_csv, trajectory_csv_parts, trajectory_json_parts,
 };

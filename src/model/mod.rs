@@ -10,6 +10,7 @@ mod error;
 mod input_limits;
 mod joint;
 mod limits;
+mod link_mesh;
 mod link_tree;
 mod mjcf;
 mod notes;
@@ -25,13 +26,14 @@ pub use error::{FieldProblem, ModelError};
 pub use input_limits::{INPUT_LIMITS, InputLimits};
 pub use joint::{Axis, Joint, JointKind, LinkBounds, LinkPrior, Mdh};
 pub use limits::Limits;
+pub use link_mesh::LinkMesh;
 pub use link_tree::{CarriedLinks, ChainEnds};
-pub use mjcf::from_mjcf;
+pub use mjcf::{from_mjcf, from_mjcf_shaped, mjcf_meshes};
 pub use notes::Notes;
 pub use robot::{Friction, Robot};
 pub(crate) use urdf::INERTIA_ENTRIES;
 pub use urdf::{
-    LinkMesh, NewBody, UrdfRobot, body_complaint, from_urdf, from_urdf_rounded, from_urdf_shaped, urdf_carried, urdf_meshes,
+    NewBody, UrdfRobot, body_complaint, from_urdf, from_urdf_rounded, from_urdf_shaped, urdf_carried, urdf_meshes,
     urdf_with_bodies,
 };
 pub use words::{decimals, readable, scientific, shortest};

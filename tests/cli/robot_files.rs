@@ -2,7 +2,7 @@
 
 use super::{Folder, ROOT, run, stderr, stdout};
 use crate::mesh::{binary_stl, box_of};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::Write;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -154,4 +154,28 @@ fn meshes_beside_a_urdf_file_give_its_links_a_shape() {
     let packed: Value = serde_json::from_str(&stdout(&output)).unwrap_or_else(|_| panic!("{}", stderr(&output)));
     assert_eq!(packed["joints"], report["joints"]);
     assert!(stderr(&output).contains("not in the archive"), "{}", stderr(&output));
+}
+
+/// The same for MJCF: the compiler names the folder, a default class the scale, and `geometry` of a document of one's own goes before.
+#[test]
+fn meshes_beside_an_mjcf_file_give_its_bodies_a_shape() {
+    let folder = Folder::new("mjcf-meshes");
+    std::fs::create_dir_all(folder.file("arm/assets")).unwrap();
+    std::fs::write(folder.file("arm/assets/link.stl"), stl()).unwrap();
+    let text = r#"<mujoco model="m"><compiler meshdir="assets"/><default><mesh scale="0.5 0.5 0.5"/></default>
+        <asset><mesh file="link.stl"/><mesh file="missing.stl"/></asset><worldbody>
+        <body name="l1"><joint name="j1"/><geom type="mesh" mesh="link"/>
+        <body name="l2" pos="0 0 0.3"><joint name="j2" axis="0 1 0"/><geom type="mesh" mesh="link" contype="0" conaffinity="0"/>
+        <body name="l3" pos="0 0 0.3"><joint name="j3" axis="0 1 0"/><geom type="mesh" mesh="missing"/></body></body></body></worldbody></mujoco>"#;
+    let robot = folder.write("arm/arm.xml", text);
+    let counts = |file: &str| -> Vec<u64> {
+        let output = run(&["--json", "robot", file]);
+        let report: Value = serde_json::from_str(&stdout(&output)).unwrap_or_else(|_| panic!("{}", stderr(&output)));
+        let joints = report["joints"].as_array().unwrap().iter();
+        joints.map(|j| j["capsules"].as_u64().unwrap()).collect()
+    };
+    assert_eq!(counts(&robot), [1, 1, 0]);
+    let capsule = json!({"from": [0, 0, 0], "to": [0, 0, 0.2], "radius": 0.05});
+    let document = json!({"mjcf": text, "geometry": {"l3": [capsule, capsule]}});
+    assert_eq!(counts(&folder.write("own.json", &document.to_string())), [0, 0, 2]);
 }

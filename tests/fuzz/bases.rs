@@ -102,6 +102,14 @@ const GRIPPER: &str = r#"<robot name="g"><link name="b"/><link name="l1"><inerti
 <joint name="g1" type="prismatic"><parent link="l1"/><child link="f1"/><axis xyz="0 1 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/></joint>
 <joint name="g2" type="prismatic"><parent link="l1"/><child link="f2"/><axis xyz="0 -1 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/></joint></robot>"#;
 
+/// Geoms of default classes and in frames, with what a mesh's place depends on.
+const MJCF: &str = r#"<mujoco model="m"><compiler angle="radian" eulerseq="zyx" meshdir="." strippath="true"/>
+<default><geom euler="0.1 0.2 0.3"/><mesh scale="0.9 1 1.1"/><default class="seen"><geom type="mesh" mesh="part" contype="0" conaffinity="0" pos="0 0 0.1"/></default></default>
+<asset><mesh name="part" file="far/away/mesh.stl" refpos="0.01 0 0" refquat="1 0.1 0 0"/><mesh file="mesh.stl" scale="1 -1 1"/></asset>
+<worldbody><body name="a" childclass="seen"><frame pos="0 0 0.2" axisangle="0 0 1 0.5"><joint name="j1" range="-2 2"/><inertial pos="0 0 0.1" mass="2" diaginertia="0.02 0.02 0.01"/><geom/></frame>
+<body name="b" pos="0.4 0 0" childclass="main"><joint name="j2" axis="0 1 0"/><inertial pos="0.1 0 0" mass="1" diaginertia="0.01 0.01 0.01"/><geom type="mesh" mesh="mesh" xyaxes="1 0 0 0 1 0.1"/><geom class="seen" zaxis="0 1 1"/>
+<body name="c"><geom type="box" size="0.1 0.2 0.1"/><geom type="capsule" fromto="0 0 0 0 0 0.2" size="0.05"/><inertial pos="0 0 0" mass="0.1" diaginertia="0.001 0.001 0.001"/></body></body></body></worldbody></mujoco>"#;
+
 /// A box as triangles of one corner each: enough for a shape.
 fn mesh(binary: bool) -> Document {
     let corners = (0..8).map(|k: u32| {
@@ -162,6 +170,7 @@ fn robots() -> Vec<Vec<(&'static str, Document)>> {
     let mut all: Vec<Vec<(&'static str, Document)>> = arms().into_iter().map(|robot| vec![(ROBOT, robot)]).collect();
     all.extend([
         vec![(ROBOT, Document::Xml(Element::parse(&mjcf)))],
+        vec![(ROBOT, Document::Xml(Element::parse(MJCF))), (MESH, mesh(true))],
         with_mesh(true),
         with_mesh(false),
         vec![

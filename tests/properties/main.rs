@@ -8,6 +8,7 @@ mod support;
 mod dynamics;
 mod excitation;
 mod meshes;
+mod mjcf_meshes;
 mod requests;
 mod robot_files;
 mod robots;

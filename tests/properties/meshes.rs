@@ -2,7 +2,8 @@
 
 use crate::mesh::{binary_stl, box_of};
 use dynident::formats::{is_archive, robot_archive, shapes_of_meshes};
-use serde_json::Value;
+use dynident::model::urdf_meshes;
+use serde_json::{Map, Value};
 use std::io::Write;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
@@ -60,6 +61,10 @@ fn text() -> Vec<u8> {
     format!("solid box\n{facets}endsolid box\n").into_bytes()
 }
 
+fn shapes_of(urdf: &str, load: impl Fn(&str) -> Option<Vec<u8>>) -> (Map<String, Value>, Vec<String>) {
+    shapes_of_meshes(&urdf_meshes(urdf).unwrap(), load)
+}
+
 #[test]
 fn meshes_become_capsules_in_the_frame_of_their_link() {
     let urdf = r#"<robot name="r"><link name="a"/><link name="b">
@@ -73,7 +78,7 @@ fn meshes_become_capsules_in_the_frame_of_their_link() {
                 b"<COLLADA/>".to_vec()
             })
         };
-        let (shapes, notes) = shapes_of_meshes(urdf, load);
+        let (shapes, notes) = shapes_of(urdf, load);
         assert_eq!(notes.len(), 1, "{notes:?}");
         let capsule = &shapes["b"][0];
         // Corners are sqrt(0.1² + 0.2²) from the long axis.
@@ -83,7 +88,7 @@ fn meshes_become_capsules_in_the_frame_of_their_link() {
         assert!((x - 0.6).abs() < 1e-6, "{capsule}");
         assert!((capsule["from"][2].as_f64().unwrap() - 1.0).abs() < 1e-6, "{capsule}");
     }
-    let (shapes, notes) = shapes_of_meshes(urdf, |_| Some(vec![0; 200]));
+    let (shapes, notes) = shapes_of(urdf, |_| Some(vec![0; 200]));
     assert!(shapes.is_empty() && notes.len() == 2, "what is no mesh is said to be none");
 }
 
@@ -106,7 +111,7 @@ fn damaged_meshes_are_read_or_refused() {
                     _ => bytes[at] ^= 1 << (state >> 59 & 7),
                 }
             }
-            let (shapes, notes) = shapes_of_meshes(urdf, |_| Some(bytes.clone()));
+            let (shapes, notes) = shapes_of(urdf, |_| Some(bytes.clone()));
             assert_eq!(shapes.len() + notes.len(), 1);
             let numbers = shapes
                 .values()
@@ -144,14 +149,15 @@ fn scenes_without_end_are_refused_at_once() {
         "<COLLADA>".repeat(100_000),
     ] {
         let start = std::time::Instant::now();
-        let (shapes, notes) = shapes_of_meshes(urdf, |_| Some(bad.clone().into_bytes()));
+        let (shapes, notes) = shapes_of(urdf, |_| Some(bad.clone().into_bytes()));
         assert!(shapes.is_empty() && notes.len() == 1, "{shapes:?} {notes:?}");
         // Milliseconds; a doubling of every level would take longer than anybody waits.
         assert!(start.elapsed().as_secs_f64() < 10.0);
     }
 }
 
-fn zipped(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+/// A ZIP archive of these files.
+pub fn zipped(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
     for (name, content) in files {
         writer.start_file(*name, SimpleFileOptions::default()).unwrap();
@@ -214,7 +220,7 @@ fn archives_without_one_robot_are_refused_with_what_they_have() {
         (
             zipped(&[("package.xml", urdf()), ("a.stl", binary())]),
             "has no robot",
-            "URDF file",
+            "URDF or MJCF file",
         ),
         (zipped(&[("arm.urdf.xacro", urdf())]), "xacro files alone", "expand"),
         (zipped(&[("a.urdf", vec![b' '; 65 << 20])]), "more than 64 MiB", "one robot"),

@@ -1,8 +1,16 @@
-//! A box as a mesh, for the tests of shapes.
+//! Boxes as meshes, for the tests of shapes.
+
+pub type Triangle = [[f64; 3]; 3];
 
 /// Twelve triangles of a box around its centre, with these half widths (m).
-pub fn box_of(half: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
-    let corner = |k: usize| -> [f64; 3] { std::array::from_fn(|i| if k >> i & 1 == 1 { half[i] } else { -half[i] }) };
+pub fn box_of(half: [f64; 3]) -> Vec<Triangle> {
+    hexahedron(&std::array::from_fn(|k| {
+        std::array::from_fn(|i| if k >> i & 1 == 1 { half[i] } else { -half[i] })
+    }))
+}
+
+/// Twelve triangles between eight corners, which are numbered as those of a box: bits for x, y and z.
+pub fn hexahedron(corners: &[[f64; 3]; 8]) -> Vec<Triangle> {
     let faces = [
         [0, 1, 3, 2],
         [4, 5, 7, 6],
@@ -14,12 +22,12 @@ pub fn box_of(half: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
     faces
         .iter()
         .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
-        .map(|t| t.map(corner))
+        .map(|t| t.map(|k| corners[k]))
         .collect()
 }
 
 /// A binary STL file.
-pub fn binary_stl(triangles: &[[[f64; 3]; 3]]) -> Vec<u8> {
+pub fn binary_stl(triangles: &[Triangle]) -> Vec<u8> {
     let mut bytes = vec![b's'; 80];
     bytes.extend((triangles.len() as u32).to_le_bytes());
     for triangle in triangles {

@@ -83,6 +83,8 @@ pub struct MjcfRobot {
     pub base: Option<String>,
     /// Last body of the chain, where the file has several. Joints off the chain are locked at zero.
     pub tip: Option<String>,
+    /// Capsules by the names of bodies, in the frames of the file, in the place of its geoms.
+    pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
     pub source: Option<String>,

@@ -11,7 +11,9 @@ use self::joint::{Reading, read_capsule, read_joint};
 use crate::documents::cursor::{Cursor, Fields, Findings};
 use crate::documents::requests;
 use crate::formats::json::Parsed;
-use crate::model::{Capsule, ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Robot, Rounding, from_mjcf, from_urdf_shaped};
+use crate::model::{
+    Capsule, ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Robot, Rounding, from_mjcf_shaped, from_urdf_shaped,
+};
 use crate::spatial::Transform;
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -67,14 +69,12 @@ fn read_xml<T: for<'de> Deserialize<'de>>(cursor: &Cursor, kind: &str, rounding:
         tip: end("tip"),
     };
     let xml = fields.required(kind)?.string()?;
+    let shapes = fields.nullable("geometry").map(|c| read_shapes(&c)).unwrap_or_default();
     let read = match kind {
-        "urdf" => {
-            let shapes = fields.nullable("geometry").map(|c| read_shapes(&c)).unwrap_or_default();
-            from_urdf_shaped(xml, read_gravity(&fields), friction, ends, rounding, &shapes)
-        }
+        "urdf" => from_urdf_shaped(xml, read_gravity(&fields), friction, ends, rounding, &shapes),
         _ => {
             let gravity = fields.has("gravity").then(|| read_gravity(&fields));
-            from_mjcf(xml, gravity, friction, ends, rounding)
+            from_mjcf_shaped(xml, gravity, friction, ends, rounding, &shapes)
         }
     };
     match read {

@@ -2,9 +2,8 @@
 
 use super::RobotArchive;
 use super::file::robot_file;
-use super::meshes::shapes_of_meshes;
+use super::meshes::add_shapes;
 use crate::formats::json::Malformed;
-use serde_json::Value;
 use std::cell::RefCell;
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
@@ -20,7 +19,7 @@ const MOST_NAMES: usize = 8;
 
 type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
 
-/// The one URDF (or else MJCF) file of an archive; the meshes that a URDF file names become capsules of its links.
+/// The one URDF (or else MJCF) file of an archive; the meshes that it names become capsules of its links.
 ///
 /// Meshes are found by `package://` names and by paths relative to the file, whether the archive begins at the package, above or within it.
 ///
@@ -52,15 +51,9 @@ pub fn robot_archive(bytes: &[u8]) -> Result<RobotArchive, Malformed> {
     };
     let text = unpacked(&mut archive, robot, &mut left).ok_or_else(too_large)?;
     let mut document = robot_file(&text)?.value;
-    let Some(urdf) = document.get("urdf").and_then(Value::as_str) else {
-        return Ok(RobotArchive {
-            document,
-            notes: Vec::new(),
-        });
-    };
     let source = RefCell::new((archive, left));
     let missing = RefCell::new(Vec::new());
-    let (shapes, mut notes) = shapes_of_meshes(urdf, |mesh| {
+    let mut notes = add_shapes(&mut document, |mesh| {
         let (archive, left) = &mut *source.borrow_mut();
         let found = entry_of(&names, robot, mesh).and_then(|entry| unpacked(archive, entry, left));
         if found.is_none() {
@@ -69,9 +62,6 @@ pub fn robot_archive(bytes: &[u8]) -> Result<RobotArchive, Malformed> {
         found
     });
     notes.extend(left_out(missing.into_inner()));
-    if let Some(fields) = document.as_object_mut().filter(|_| !shapes.is_empty()) {
-        fields.insert("geometry".into(), shapes.into());
-    }
     Ok(RobotArchive { document, notes })
 }
 
@@ -104,7 +94,7 @@ fn robot_of(names: &[String]) -> Result<&str, Malformed> {
         )),
         [] => Err(refuse(
             "the archive has no robot: no file ends in .urdf, .mjcf or .xml".into(),
-            "pack the URDF file with the folder of its meshes",
+            "pack the URDF or MJCF file with the folder of its meshes",
         )),
         _ => {
             let named = listed(found.iter().map(ToString::to_string).collect());
@@ -122,7 +112,7 @@ fn is_at_end(path: &str, end: &str) -> bool {
         .is_some_and(|before| before.is_empty() || before.ends_with('/'))
 }
 
-/// The entry that a URDF file means by the name of a mesh; of several the one in the fewest folders.
+/// The entry that a robot's file means by the name of a mesh; of several the one in the fewest folders.
 fn entry_of<'a>(names: &'a [String], robot: &str, mesh: &str) -> Option<&'a str> {
     let at_end = |end: &str| {
         let ends = names.iter().filter(|n| is_at_end(n, end));
@@ -170,8 +160,7 @@ fn left_out(mut missing: Vec<String>) -> Option<String> {
     missing.dedup();
     (!missing.is_empty()).then(|| {
         format!(
-            "{} meshes are not in the archive, or larger than {} MiB, and are left out: {}",
-            missing.len(),
+            "meshes that are not in the archive, or larger than {} MiB, are left out: {}",
             LARGEST_FILE >> 20,
             listed(missing)
         )

@@ -1,33 +1,68 @@
-//! Shapes of links from the meshes that a URDF file names.
+//! Shapes of links from the meshes that a robot's file names.
 
 use super::mesh_points::mesh_points;
-use crate::model::{Ball, Capsule, urdf_meshes};
-use nalgebra::Vector3;
+use crate::model::{Ball, Capsule, INPUT_LIMITS, LinkMesh, mjcf_meshes, urdf_meshes};
 use serde_json::{Map, Value, json};
 
-/// `geometry` for a robot document with this URDF text: a capsule around each mesh of links that are described by meshes alone. `load` finds the bytes
-/// of a mesh by the name that the file has for it. Second, what to know about it.
+/// Meshes of the links of a robot document that are described by meshes alone; none of a document without `urdf` and `mjcf`.
+pub fn meshes_of(robot: &Value) -> Vec<LinkMesh> {
+    let text = |kind: &str| robot.get(kind).and_then(Value::as_str);
+    let read = match (text("urdf"), text("mjcf")) {
+        (Some(urdf), _) => urdf_meshes(urdf),
+        (None, Some(mjcf)) => mjcf_meshes(mjcf),
+        (None, None) => return Vec::new(),
+    };
+    // What is wrong with the file is said when the robot is read.
+    read.unwrap_or_default()
+}
+
+/// Puts `geometry` with a capsule around each of the meshes ([`meshes_of`]) into a robot document; answers what to know about them.
 ///
-/// STL (binary and text), Wavefront OBJ and COLLADA are read.
-pub fn shapes_of_meshes(urdf: &str, load: impl Fn(&str) -> Option<Vec<u8>>) -> (Map<String, Value>, Vec<String>) {
-    let (mut shapes, mut notes) = (Map::new(), Vec::new());
-    for mesh in urdf_meshes(urdf).unwrap_or_default() {
+/// `load` finds the bytes of a mesh by the name that the file has for it.
+pub fn add_shapes(robot: &mut Value, load: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
+    let (shapes, notes) = shapes_of_meshes(&meshes_of(robot), load);
+    if let Some(fields) = robot.as_object_mut().filter(|_| !shapes.is_empty()) {
+        fields.insert("geometry".into(), shapes.into());
+    }
+    notes
+}
+
+/// Capsules around meshes by the names of links, as `geometry` of a robot document has them; second, what to know about it.
+///
+/// STL (binary and text), Wavefront OBJ and COLLADA are read. A link with more meshes than a document takes gets one capsule around them all.
+pub fn shapes_of_meshes(meshes: &[LinkMesh], load: impl Fn(&str) -> Option<Vec<u8>>) -> (Map<String, Value>, Vec<String>) {
+    let (mut links, mut notes) = (Vec::<(&str, Vec<(Capsule, &str)>)>::new(), Vec::new());
+    for mesh in meshes {
         let Some(bytes) = load(&mesh.file) else { continue };
-        let placed = |p: Vector3<f64>| (mesh.pose.rotation * mesh.scale.component_mul(&p) + mesh.pose.translation, 0.0);
-        let balls: Option<Vec<Ball>> = mesh_points(&bytes).map(|points| points.into_iter().map(placed).collect());
-        let Some(capsule) = balls.as_deref().and_then(Capsule::around) else {
+        let Some(capsule) = around(mesh, &bytes) else {
             notes.push(format!(
                 "the mesh `{}` of the link `{}` is no STL, OBJ or COLLADA file of the size of a link: it is left out",
                 mesh.file, mesh.link
             ));
             continue;
         };
-        let [from, to] = capsule.ends;
-        let value = json!({"from": from.as_slice(), "to": to.as_slice(), "radius": capsule.radius, "source": format!("around {}", mesh.file)});
-        let list = shapes.entry(mesh.link).or_insert_with(|| json!([]));
-        if let Some(list) = list.as_array_mut() {
-            list.push(value);
+        // Meshes of a link follow each other.
+        match links.last_mut().filter(|(link, _)| *link == mesh.link) {
+            Some((_, capsules)) => capsules.push((capsule, &mesh.file)),
+            None => links.push((&mesh.link, vec![(capsule, &mesh.file)])),
         }
     }
-    (shapes, notes)
+    let shapes = links.iter().map(|(link, capsules)| (link.to_string(), values(capsules)));
+    (shapes.collect(), notes)
+}
+
+fn around(mesh: &LinkMesh, bytes: &[u8]) -> Option<Capsule> {
+    let balls: Vec<Ball> = mesh_points(bytes)?.iter().map(|p| (mesh.placed(p), 0.0)).collect();
+    Capsule::around(&balls)
+}
+
+fn values(capsules: &[(Capsule, &str)]) -> Value {
+    let one = |c: &Capsule, of: String| json!({"from": c.ends[0].as_slice(), "to": c.ends[1].as_slice(), "radius": c.radius, "source": format!("around {of}")});
+    if capsules.len() > INPUT_LIMITS.capsules_per_link {
+        let balls: Vec<Ball> = capsules.iter().flat_map(|(c, _)| c.balls()).collect();
+        if let Some(whole) = Capsule::around(&balls) {
+            return json!([one(&whole, format!("{} meshes", capsules.len()))]);
+        }
+    }
+    capsules.iter().map(|(c, file)| one(c, file.to_string())).collect()
 }

@@ -8,14 +8,16 @@ mod meshes;
 
 pub use archive::robot_archive;
 pub use file::robot_file;
-pub use meshes::shapes_of_meshes;
+pub use meshes::{add_shapes, meshes_of, shapes_of_meshes};
 
 use serde_json::Value;
 
 /// A robot document from an archive.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct RobotArchive {
-    /// As [`robot_file`] reads it, with `geometry` from the meshes.
+    /// A robot document with the file's text as `urdf` or `mjcf`, and `geometry` from its meshes.
+    #[cfg_attr(feature = "service", schema(value_type = Object))]
     pub document: Value,
     /// What to know about the meshes.
     pub notes: Vec<String>,

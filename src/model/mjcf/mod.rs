@@ -4,25 +4,32 @@
 //! `<compiler angle="radian">` says otherwise; attributes of joints may stand in default classes. What a compiled model has beside its bodies
 //! (tendons, sites, contacts, sensors) says nothing of the chain.
 
+mod assets;
 mod bodies;
 mod defaults;
+mod geoms;
+mod joints;
 mod orientation;
+mod values;
 
+use self::assets::MeshFolder;
 use self::bodies::read_bodies;
-use super::link_tree::{ChainEnds, arm};
+use super::link_tree::{ChainEnds, LinkTree, arm};
 use super::notes::Notes;
 use super::urdf::{Element, UrdfRobot};
 use super::xml::{XmlText, single};
-use super::{Friction, ModelError, Rounding};
+use super::{Capsule, Friction, LinkMesh, ModelError, Rounding};
 use nalgebra::Vector3;
 use roxmltree::{Document, Node};
+use std::collections::BTreeMap;
 
 /// How the numbers of a file are meant.
-pub(super) struct Compiler {
+struct Compiler {
     /// Factor from an angle of the file to radians.
     pub angle: f64,
     /// Three letters: axes of Euler angles, small where they turn with the body.
     pub euler: [char; 3],
+    pub meshes: MeshFolder,
     pub rounding: Rounding,
 }
 
@@ -37,18 +44,48 @@ pub fn from_mjcf(
     ends: ChainEnds,
     rounding: Rounding,
 ) -> Result<UrdfRobot, ModelError> {
+    from_mjcf_shaped(xml, gravity, friction, ends, rounding, &BTreeMap::new())
+}
+
+/// [`from_mjcf`] with shapes of bodies, in the frames of the file: they take the place of those in it.
+///
+/// # Errors
+/// As [`from_mjcf`]; shapes of bodies that the file does not have.
+pub fn from_mjcf_shaped(
+    xml: &str,
+    gravity: Option<Vector3<f64>>,
+    friction: Friction,
+    ends: ChainEnds,
+    rounding: Rounding,
+    shapes: &BTreeMap<String, Vec<Capsule>>,
+) -> Result<UrdfRobot, ModelError> {
     let mut notes = Notes::default();
     let text = XmlText::new(xml, "/mjcf", &mut notes)?;
     let document = text.parse()?;
-    whole(&text, &document)?;
-    let compiler = compiler(&text, &document, rounding)?;
-    let tree = read_bodies(&text, &document, &compiler)?;
+    let (mut tree, _) = tree(&text, &document, rounding)?;
+    tree.shape(shapes)?;
     let of_file = stated_gravity(&text, &document)?;
     let robot = arm(&tree, gravity.unwrap_or(of_file), friction, ends, &mut notes)?;
     Ok(UrdfRobot {
         robot,
         notes: notes.into_list(),
     })
+}
+
+/// Meshes of the bodies that are described by them alone: those of geoms that collide or, where a body has none, of geoms that are only seen.
+///
+/// # Errors
+/// As [`from_mjcf`], of what is not the chain.
+pub fn mjcf_meshes(xml: &str) -> Result<Vec<LinkMesh>, ModelError> {
+    let text = XmlText::new(xml, "/mjcf", &mut Notes::default())?;
+    let document = text.parse()?;
+    Ok(tree(&text, &document, Rounding::Meant)?.1)
+}
+
+fn tree(text: &XmlText, document: &Document, rounding: Rounding) -> Result<(LinkTree, Vec<LinkMesh>), ModelError> {
+    whole(text, document)?;
+    let compiler = compiler(text, document, rounding)?;
+    read_bodies(text, document, &compiler)
 }
 
 /// MuJoCo's parts that stand for others are written out by MuJoCo itself.
@@ -80,9 +117,11 @@ fn compiler(text: &XmlText, document: &Document, rounding: Rounding) -> Result<C
     let mut compiler = Compiler {
         angle: std::f64::consts::PI / 180.0,
         euler: ['x', 'y', 'z'],
+        meshes: MeshFolder::default(),
         rounding,
     };
     for node in document.root_element().children().filter(|c| c.has_tag_name("compiler")) {
+        compiler.meshes.read(node);
         match node.attribute("angle") {
             Some("radian") => compiler.angle = 1.0,
             Some("degree") => compiler.angle = std::f64::consts::PI / 180.0,

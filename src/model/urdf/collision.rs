@@ -3,23 +3,10 @@
 //! Shapes of links never change the mechanics: one that cannot be read is left out with a note.
 
 use crate::model::xml::XmlText;
-use crate::model::{Ball, Capsule, INPUT_LIMITS, ModelError, Notes};
+use crate::model::{Ball, Capsule, INPUT_LIMITS, LinkMesh, ModelError, Notes};
 use crate::spatial::Transform;
 use nalgebra::Vector3;
 use roxmltree::Node;
-
-/// A mesh that describes the shape of a link.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinkMesh {
-    /// Name of the link.
-    pub link: String,
-    /// As the file has it: `package://…`, `file://…` or a path.
-    pub file: String,
-    /// Factors of the mesh's own axes.
-    pub scale: Vector3<f64>,
-    /// Of the mesh in the link's frame.
-    pub pose: Transform,
-}
 
 /// Meshes of the shapes for collision, of links that have those alone. Where a link has none, those that it is drawn with.
 ///
@@ -54,6 +41,7 @@ fn mesh(link: &str, shape: Node) -> Option<LinkMesh> {
     Some(LinkMesh {
         link: link.to_string(),
         file: node.attribute("filename")?.to_string(),
+        reference: Transform::identity(),
         scale: match node.attribute("scale") {
             Some(_) => three(node, "scale")?,
             None => Vector3::repeat(1.0),

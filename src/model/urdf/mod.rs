@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
-pub use self::collision::{LinkMesh, urdf_meshes};
+pub use self::collision::urdf_meshes;
 pub(crate) use self::inertial::INERTIA_ENTRIES;
 pub use self::inertial::body_complaint;
 pub(super) use self::numbers::Element;
