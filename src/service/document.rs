@@ -18,11 +18,14 @@ pub struct JsonBody {
 /// A robot: JSON or a URDF file.
 pub struct RobotBody(pub Parsed);
 
-/// A robot that is to be kept: as [`RobotBody`], or a ZIP archive of a URDF file with its meshes, which is still to be unpacked.
+/// A robot that is to be kept: as [`RobotBody`], or a ZIP archive of a robot's file with its meshes, which is still to be unpacked.
 pub enum RobotUpload {
     Document(Parsed),
     Archive(Bytes),
 }
+
+/// A ZIP archive of a robot's file with its meshes, which is still to be unpacked.
+pub struct ArchiveBody(pub Bytes);
 
 /// Bytes of an archive of a robot: meshes of an arm have tens of megabytes. Other documents are held to less, being held in memory several times.
 const LARGEST_ARCHIVE: usize = 64 << 20;
@@ -74,17 +77,31 @@ fn is_zip(media_type: &str) -> bool {
     matches!(media_type, "application/zip" | "application/x-zip-compressed")
 }
 
-impl FromRequest<Service> for RobotUpload {
+impl FromRequest<Service> for ArchiveBody {
     type Rejection = Failure;
 
     async fn from_request(mut request: Request, service: &Service) -> Result<Self, Failure> {
         let found = media_type(request.headers());
+        if !is_zip(&found) {
+            return Err(unsupported(&found, "application/zip"));
+        }
+        DefaultBodyLimit::max(LARGEST_ARCHIVE).apply(&mut request);
+        Ok(Self(Bytes::from_request(request, service).await?))
+    }
+}
+
+impl FromRequest<Service> for RobotUpload {
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, service: &Service) -> Result<Self, Failure> {
+        let found = media_type(request.headers());
         if is_zip(&found) {
-            DefaultBodyLimit::max(LARGEST_ARCHIVE).apply(&mut request);
-            return Ok(Self::Archive(Bytes::from_request(request, service).await?));
+            let ArchiveBody(bytes) = ArchiveBody::from_request(request, service).await?;
+            return Ok(Self::Archive(bytes));
         }
         if !is_json(&found) && !is_xml(&found) {
-            let expected = "application/json, application/xml for URDF, or application/zip for a URDF file with its meshes";
+            let expected =
+                "application/json, application/xml for URDF or MJCF, or application/zip for a robot's file with its meshes";
             return Err(unsupported(&found, expected));
         }
         let RobotBody(parsed) = RobotBody::from_request(request, service).await?;

@@ -72,6 +72,7 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
         .routes(routes!(api::robots::list, api::robots::post))
         .routes(routes!(api::robots::get, api::robots::put, api::robots::delete))
         .routes(routes!(api::robots::base_parameters))
+        .routes(routes!(api::archive::post))
         .routes(routes!(api::motion::post))
         .routes(routes!(api::health::metrics))
         .split_for_parts();

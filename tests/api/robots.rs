@@ -235,6 +235,15 @@ fn a_robot_may_come_with_its_meshes_in_an_archive() {
     assert!(capsule["radius"].as_f64().unwrap() > 0.05, "{capsule}");
     // What is kept is used like any other.
     assert_eq!(server.get("/robots/packed/base-parameters").status, 200);
+    // The same document without keeping it.
+    let read = post("/robot-archive", &package("packed/urdf/arm.urdf"));
+    assert_eq!(read.status, 200, "{}", read.text);
+    assert_eq!(read.json()["document"]["geometry"], document["geometry"]);
+    assert!(read.json()["notes"][0].as_str().unwrap().contains("l2.dae"), "{}", read.text);
+    assert_eq!(post("/robot-archive", b"PK\x03\x04 and no more").status, 400);
+    let plain = server.post_raw("/robot-archive", "application/xml", b"<robot/>", None);
+    assert_eq!(plain.status, 415, "{}", plain.text);
+    assert_eq!(post("/robot-archive", &vec![0; (64 << 20) + 1]).status, 413);
     let none = post("/robots", &package("packed/readme.txt"));
     assert_eq!(
         (none.status, none.problem()["code"].as_str()),

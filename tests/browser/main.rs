@@ -74,6 +74,16 @@ fn a_robot_and_a_log_of_ones_own_lead_to_a_validated_model_on_a_phone() {
 }
 
 #[test]
+fn a_robot_comes_with_its_meshes_in_an_archive_on_a_laptop() {
+    run("packed_robot.py", &["--width", "1440", "--height", "900"]);
+}
+
+#[test]
+fn a_robot_comes_with_its_meshes_in_an_archive_on_a_phone() {
+    run("packed_robot.py", &["--width", "390", "--height", "844"]);
+}
+
+#[test]
 fn one_click_leads_from_an_empty_server_to_a_closed_loop_on_a_laptop() {
     run("tour.py", &["--width", "1440", "--height", "900"]);
 }

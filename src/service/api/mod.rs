@@ -1,5 +1,6 @@
 //! One file per resource: handlers with their documentation; `common` is what they share of that.
 
+pub mod archive;
 pub mod common;
 pub mod excitation;
 pub mod health;

@@ -1,5 +1,5 @@
 // Where a robot comes from: a file, pasted text, or a table of Denavit-Hartenberg parameters.
-import { explain, postJson } from './api.js';
+import { explain, postJson, send } from './api.js';
 import { fill, find, h } from './dom.js';
 import { CONVENTIONS, robotOf } from './robot-dh.js';
 
@@ -18,9 +18,12 @@ export function sourceForm(take) {
 }
 
 function filePanel(place, take) {
-  const input = h('input', { id: 'source-file', type: 'file', accept: '.urdf,.xml,.json' });
-  const zone = h('div', { class: 'drop' }, h('label', { for: 'source-file' }, 'URDF, MJCF or JSON file'), input, h('p', { class: 'help' }, 'Choose a file, or drop it here. A URDF needs no meshes; xacro files have to be expanded first.'));
-  const read = async (file) => file && text(place, await file.text(), take);
+  const input = h('input', { id: 'source-file', type: 'file', accept: '.urdf,.xml,.mjcf,.json,.zip' });
+  const zone = h('div', { class: 'drop' }, h('label', { for: 'source-file' }, 'URDF, MJCF, JSON or ZIP file'), input,
+    h('p', { class: 'help' }, 'Choose a file, or drop it here. A ZIP archive of the robot’s file with its meshes gives the links their shapes; without meshes the file alone will do. xacro files have to be expanded first.'));
+  const read = async (file) => file && (await isZip(file) ? archive(place, file, take) : text(place, await file.text(), take));
+  // The same file again is read again: it may have been changed meanwhile.
+  input.addEventListener('click', () => { input.value = ''; });
   input.addEventListener('change', () => read(input.files[0]));
   zone.addEventListener('dragover', (e) => { e.preventDefault(); zone.classList.add('over'); });
   zone.addEventListener('dragleave', () => zone.classList.remove('over'));
@@ -33,25 +36,45 @@ function pastePanel(place, take) {
   return h('div', {}, h('div', { class: 'field' }, h('label', { for: 'source-text' }, 'URDF, MJCF or JSON'), area), h('button', { type: 'button', class: 'primary', onclick: () => text(place, area.value, take) }, 'Read it'));
 }
 
-/** Reads a document; a URDF file with several ends asks for the last link of the chain. */
-async function text(place, content, take, tip) {
-  fill(place, h('p', { class: 'soft', role: 'status' }, 'Reading …'));
+const isZip = async (file) => String.fromCharCode(...new Uint8Array(await file.slice(0, 4).arrayBuffer())) === 'PK\x03\x04';
+
+/** A robot's file with its meshes: the server makes shapes of them. */
+async function archive(place, file, take) {
+  fill(place, h('p', { class: 'soft', role: 'status' }, 'Reading the archive …'));
+  try {
+    const answer = await send('/robot-archive', { method: 'POST', headers: { 'content-type': 'application/zip' }, body: file });
+    const { document, notes } = await answer.json();
+    await show(place, document, notes, take);
+  } catch (error) {
+    explain(place, error);
+  }
+}
+
+/** Reads a document. */
+async function text(place, content, take) {
   const xml = content.trimStart().startsWith('<');
   let robot;
   try {
-    robot = xml ? { [/<mujoco[\s>]/.test(content) ? 'mjcf' : 'urdf']: content, ...(tip ? { tip } : {}) } : JSON.parse(content);
+    robot = xml ? { [/<mujoco[\s>]/.test(content) ? 'mjcf' : 'urdf']: content } : JSON.parse(content);
   } catch (error) {
     fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, 'This is neither XML (URDF, MJCF) nor JSON.'), h('p', {}, error.message)));
     return;
   }
-  const ends = xml ? lastLinks(content) : [];
+  await show(place, robot, [], take);
+}
+
+/** Hands a robot on as it is understood; a URDF file with several ends asks for the last link of the chain. */
+async function show(place, robot, remarks, take, tip) {
+  fill(place, h('p', { class: 'soft', role: 'status' }, 'Reading …'));
+  const ends = robot.urdf ? lastLinks(robot.urdf) : [];
+  const again = (other) => show(place, robot, remarks, take, other);
   try {
-    const { description, notes } = await postJson('/motion', { robot });
+    const { description, notes } = await postJson('/motion', { robot: tip ? { ...robot, tip } : robot });
     fill(place);
-    take({ description: robot.joints ? robot : description, notes, urdf: xml ? content : null, ends, tip, again: (other) => text(place, content, take, other) });
+    take({ description: robot.joints ? robot : description, notes: [...remarks, ...notes], ends, tip, again });
   } catch (error) {
     explain(place, error);
-    if (ends.length > 1) place.append(tipChoice(ends, tip, (other) => text(place, content, take, other)));
+    if (ends.length > 1) place.append(tipChoice(ends, tip, again));
   }
 }
 
