@@ -2,7 +2,7 @@
 
 use super::identify::cancelled;
 use super::{CancelFlag, Code, Error, LogFile};
-use crate::documents::{IdentifyRequest, LogOrigin, Provenance, robot_value};
+use crate::documents::{IdentifyRequest, LogOrigin, Provenance, written_robot};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::Read;
@@ -25,7 +25,7 @@ pub(super) fn provenance(
     Ok(Provenance {
         version: env!("CARGO_PKG_VERSION").into(),
         request: request.document.clone(),
-        robot: robot_value(&request.robot),
+        robot: Some(written_robot(&request.robot)),
         logs: origins.collect::<Result<_, _>>()?,
     })
 }

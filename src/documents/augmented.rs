@@ -5,12 +5,12 @@ use super::cursor::Cursor;
 use super::requests;
 use super::residual::LawDocument;
 use crate::diagnosis::{Diagnosis, RivalTerm};
-use crate::effects::by_code;
+use crate::effects::{ParameterInfo, by_code};
 use crate::model::{INPUT_LIMITS, Robot};
 use crate::regression::{AugmentedModel, Prior, Term};
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// An augmented model with all that a design for it needs.
 #[derive(Debug, Clone)]
@@ -23,61 +23,86 @@ pub struct ReadModel {
     pub rivals: Vec<Vec<RivalTerm>>,
 }
 
-/// `model` with its information matrix (inverse covariance of base values, then coefficients and free shapes effect by effect).
+/// [`written_model`] as JSON.
 pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Value {
-    let rows: Vec<Vec<f64>> = information.row_iter().map(|r| r.iter().copied().collect()).collect();
-    json!({
-        "effects": model.terms.iter().map(|t| effect_value(&model.robot, t)).collect::<Vec<_>>(),
-        "base_values": model.values.as_slice(),
-        "information": rows,
-    })
+    serde_json::to_value(written_model(model, information)).expect("plain numbers and words")
 }
 
-/// [`augmented_value`] with the noise, and with the rivals of every effect.
-pub fn diagnosis_value(diagnosis: &Diagnosis) -> Value {
+/// `model` with its information matrix (inverse covariance of base values, then coefficients and free shapes effect by effect).
+fn written_model(model: &AugmentedModel, information: &DMatrix<f64>) -> requests::AugmentedModel {
+    requests::AugmentedModel {
+        effects: model.terms.iter().map(|t| written_effect(&model.robot, t)).collect(),
+        base_values: model.values.as_slice().to_vec(),
+        information: rows(information),
+        noise: None,
+    }
+}
+
+/// The model of a diagnosis with its noise, and with the rivals of every effect.
+pub fn written_diagnosis(diagnosis: &Diagnosis) -> requests::AugmentedModel {
     let robot = &diagnosis.model.robot;
-    let rows = |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.row_iter().map(|r| r.iter().copied().collect()).collect() };
-    let mut value = augmented_value(&diagnosis.model, &diagnosis.information);
-    let noise: Vec<f64> = diagnosis.noise.iter().map(|n| n.slow_std_dev()).collect();
-    if diagnosis.rate_hz.is_finite() {
-        value["noise"] = json!({"std_dev": noise, "rate_hz": diagnosis.rate_hz});
+    let mut written = written_model(&diagnosis.model, &diagnosis.information);
+    written.noise = diagnosis.rate_hz.is_finite().then(|| requests::ModelNoise {
+        std_dev: diagnosis.noise.iter().map(|n| n.slow_std_dev()).collect(),
+        rate_hz: diagnosis.rate_hz,
+    });
+    for (effect, rivals) in written.effects.iter_mut().zip(&diagnosis.rival_terms) {
+        effect.rivals = Some(rivals.iter().map(|r| written_rival(robot, r)).collect());
     }
-    for (i, rivals) in diagnosis.rival_terms.iter().enumerate() {
-        let of = |r: &RivalTerm| {
-            let mut rival = effect_value(robot, &r.term);
-            rival["evidence"] = json!(r.evidence);
-            rival["base_values"] = json!(r.base_values.as_slice());
-            rival["cross"] = json!(rows(&r.cross));
-            rival["own"] = json!(rows(&r.own));
-            rival
-        };
-        value["effects"][i]["rivals"] = rivals.iter().map(of).collect();
-    }
-    value
+    written
 }
 
-fn effect_value(robot: &Robot, term: &Term) -> Value {
-    let joints: Vec<&str> = term.joints.iter().map(|&j| robot.joints()[j].name.as_str()).collect();
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|r| r.iter().copied().collect()).collect()
+}
+
+fn written_rival(robot: &Robot, rival: &RivalTerm) -> requests::RivalEffect {
+    let effect = written_effect(robot, &rival.term);
+    requests::RivalEffect {
+        effect: effect.effect,
+        joints: effect.joints,
+        form: effect.form,
+        coefficients: effect.coefficients,
+        shape: effect.shape,
+        free_shapes: effect.free_shapes,
+        bounds: effect.bounds,
+        parameters: effect.parameters,
+        law: effect.law,
+        evidence: rival.evidence,
+        base_values: rival.base_values.as_slice().to_vec(),
+        cross: rows(&rival.cross),
+        own: rows(&rival.own),
+    }
+}
+
+fn written_effect(robot: &Robot, term: &Term) -> requests::AddedEffect {
+    let names = |joints: &[usize]| joints.iter().map(|&j| robot.joints()[j].name.clone()).collect::<Vec<_>>();
     // JSON has no infinity: null is no bound.
-    let bounds: Vec<[Option<f64>; 2]> = term.bounds.iter().map(|b| b.map(|v| v.is_finite().then_some(v))).collect();
+    let bound = |b: &[f64; 2]| b.iter().map(|v| v.is_finite().then_some(*v)).collect();
     let values = term.effect.reported(term.form, &term.coefficients, &term.shape);
     let infos = term.effect.parameters(term.form, robot, &term.joints);
-    let parameters: Vec<Value> = infos
-        .into_iter()
-        .zip(values)
-        .map(|(info, value)| json!({"name": info.name, "value": value, "unit": info.unit}))
-        .collect();
-    let mut value = json!({
-        "effect": term.effect.code(), "joints": joints, "form": term.form, "coefficients": term.coefficients,
-        "shape": term.shape, "free_shapes": term.free_shapes, "bounds": bounds, "parameters": parameters,
-    });
-    // For readers: what it adds is in `form`.
-    if let Some(formula) = term.effect.formula(term.form, &term.joints) {
-        let acts_on = term.acts_on();
-        let names: Vec<String> = acts_on.iter().map(|&j| robot.joints()[j].name.clone()).collect();
-        value["law"] = json!(LawDocument::new(&formula, &names));
+    let parameter = |(info, value): (ParameterInfo, f64)| requests::ModelParameter {
+        name: info.name.into(),
+        value,
+        unit: info.unit.into(),
+        std_dev: None,
+    };
+    requests::AddedEffect {
+        effect: term.effect.code().into(),
+        joints: names(&term.joints),
+        form: term.form as u32,
+        coefficients: term.coefficients.clone(),
+        shape: term.shape.clone(),
+        free_shapes: term.free_shapes as u32,
+        bounds: term.bounds.iter().map(bound).collect(),
+        parameters: Some(infos.into_iter().zip(values).map(parameter).collect()),
+        // For readers: what it adds is in `form`.
+        law: term
+            .effect
+            .formula(term.form, &term.joints)
+            .map(|formula| LawDocument::new(&formula, &names(&term.acts_on()))),
+        rivals: None,
     }
-    value
 }
 
 /// Reads what [`augmented_value`] writes; `None` when something is wrong with it, which is then among the findings.
@@ -85,7 +110,7 @@ pub fn read_augmented(cursor: &Cursor, robot: &Robot) -> Option<(AugmentedModel,
     read_model_with_effects(cursor, robot).map(|read| (read.model, read.prior))
 }
 
-/// Reads what [`diagnosis_value`] writes; noise and rivals may be missing.
+/// Reads what [`written_diagnosis`] writes; noise and rivals may be missing.
 pub(super) fn read_model_with_effects(cursor: &Cursor, robot: &Robot) -> Option<ReadModel> {
     let fields = cursor.fields_of::<requests::AugmentedModel>()?;
     let mut model = AugmentedModel::declared(robot);

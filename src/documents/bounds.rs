@@ -3,7 +3,6 @@
 use super::cursor::{Cursor, Fields};
 use super::requests;
 use crate::model::{Axis, LinkBounds};
-use serde_json::{Map, Value, json};
 
 pub fn read_bounds(fields: &Fields) -> LinkBounds {
     let one = |name: &str| fields.nullable(name).and_then(|c| range(&c));
@@ -41,23 +40,24 @@ fn range(cursor: &Cursor) -> Option<[f64; 2]> {
 }
 
 /// The bounds as a robot document has them; `None` for none.
-pub(super) fn bounds_value(bounds: &LinkBounds) -> Option<Value> {
-    let mut value = Map::new();
-    let mut put = |name: &str, v: Option<Value>| v.map(|v| value.insert(name.into(), v));
-    put("mass", bounds.mass.map(|b| json!(b)));
-    put("center_of_mass", bounds.center_of_mass.map(|b| json!(b)));
-    let entries = ["xx", "xy", "xz", "yy", "yz", "zz"].iter().zip(bounds.inertia);
-    let inertia: Map<String, Value> = entries.filter_map(|(name, b)| Some((name.to_string(), json!(b?)))).collect();
-    put("inertia", (!inertia.is_empty()).then_some(Value::Object(inertia)));
-    put("viscous", bounds.viscous.map(|b| json!(b)));
-    put("coulomb", bounds.coulomb.map(|b| json!(b)));
-    (!value.is_empty()).then_some(Value::Object(value))
+pub(super) fn written_bounds(bounds: &LinkBounds) -> Option<requests::JointBounds> {
+    let [xx, xy, xz, yy, yz, zz] = bounds.inertia;
+    let inertia = requests::InertiaBounds { xx, xy, xz, yy, yz, zz };
+    let written = requests::JointBounds {
+        mass: bounds.mass,
+        center_of_mass: bounds.center_of_mass.map(|axes| axes.iter().map(|b| b.to_vec()).collect()),
+        inertia: (inertia != requests::InertiaBounds::default()).then_some(inertia),
+        viscous: bounds.viscous,
+        coulomb: bounds.coulomb,
+        source: None,
+    };
+    (written != requests::JointBounds::default()).then_some(written)
 }
 
-pub(super) fn axis_name(axis: Axis) -> &'static str {
+pub(super) fn written_axis(axis: Axis) -> requests::Axis {
     match axis {
-        Axis::X => "x",
-        Axis::Y => "y",
-        Axis::Z => "z",
+        Axis::X => requests::Axis::X,
+        Axis::Y => requests::Axis::Y,
+        Axis::Z => requests::Axis::Z,
     }
 }

@@ -1,5 +1,6 @@
 //! The answer of an identification.
 
+use super::requests;
 use super::residual::{EffectParameter, ResidualDocument};
 use crate::formats::logs::LogReport;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -45,7 +46,8 @@ impl IdentifyDocument {
     /// Whether joint `at` is prismatic, as the provenance says.
     pub fn is_sliding(&self, at: usize) -> bool {
         let origin = self.provenance.as_ref();
-        origin.is_some_and(|o| o.robot["joints"][at]["kind"] == "prismatic")
+        let joint = origin.and_then(|o| o.robot.as_ref()?.joints.get(at));
+        joint.is_some_and(|j| j.kind == requests::JointKind::Prismatic)
     }
 }
 
@@ -361,8 +363,7 @@ pub struct Provenance {
     #[cfg_attr(feature = "service", schema(value_type = Object))]
     pub request: Value,
     /// The robot in full, whatever the request called it.
-    #[cfg_attr(feature = "service", schema(value_type = Object))]
-    pub robot: Value,
+    pub robot: Option<requests::JointRobot>,
     pub logs: Vec<LogOrigin>,
 }
 

@@ -27,7 +27,7 @@ pub mod shipped;
 mod validation;
 mod warm_start;
 
-pub use augmented::{ReadModel, augmented_value, diagnosis_value, read_augmented};
+pub use augmented::{ReadModel, augmented_value, read_augmented, written_diagnosis};
 pub use base_parameters::{BaseParameterDocument, BaseParametersDocument};
 pub use cursor::{Cursor, Fields, Findings};
 pub use design::{
@@ -42,6 +42,6 @@ pub use inspection::{InspectDocument, InspectedJoint, InspectedLog};
 pub use knowledge::{DesignModel, DesignTerms, MOST_GIVEN};
 pub use motion::{DrawnCapsule, DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
 pub use residual::*;
-pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_value};
+pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_value, written_robot};
 pub use robot_report::{ReportedJoint, RobotReport};
 pub use validation::{ModelEffect, ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};

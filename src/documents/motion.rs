@@ -35,8 +35,7 @@ pub struct MotionDocument {
     /// Whether nobody described the shape, and it was made from the kinematics.
     pub shape_guessed: bool,
     /// The robot by its joints, as `POST /robots` takes it: of a URDF file, all that was read.
-    #[cfg_attr(feature = "service", schema(value_type = Object))]
-    pub description: serde_json::Value,
+    pub description: requests::JointRobot,
     /// What to know about how the robot was read.
     pub notes: Vec<String>,
 }

@@ -3,7 +3,7 @@
 use crate::bench::*;
 use dynident::diagnosis::{Change, Diagnosis, DiagnosisOptions, diagnose};
 use dynident::documents::shipped::Shipped;
-use dynident::documents::{DesignDocument, diagnosis_value, read_excitation_request, robot_value};
+use dynident::documents::{DesignDocument, read_excitation_request, robot_value, written_diagnosis};
 use dynident::excitation::{Control, Halt, Progress, SearchOptions, search};
 use dynident::formats::parse;
 use dynident::model::{Limits, Robot};
@@ -75,7 +75,7 @@ fn identified(arm: &Arm, logs: &[&RecordedLog], validation: &dyn Trajectory, see
 
 fn request(robot: &Robot, traced: &Diagnosis, rival: &dynident::diagnosis::Rival) -> Value {
     let finding = &traced.report.findings[0];
-    let model = json!({"robot": robot_value(robot), "augmented": diagnosis_value(traced)});
+    let model = json!({"robot": robot_value(robot), "augmented": written_diagnosis(traced)});
     json!({
         "fourier": {"order": 5, "fundamental_hz": 0.1}, "sample_rate_hz": 50, "periods": 6,
         "constraints": {"form": "exact", "start": "free"}, "criterion": "rival_evidence",

@@ -2,15 +2,16 @@
 
 use crate::app::{Code, Error};
 use crate::diagnosis::Diagnosis;
-use crate::documents::{IdentifyRequest, diagnosis_value, robot_value};
+use crate::documents::{IdentifyRequest, requests, robot_value, written_diagnosis, written_robot};
 use crate::dynamics::inverse_dynamics;
+use crate::formats::models::BaseRow;
 use crate::formats::{FinalModel, ModelFormat, Patched, urdf, urdf_gravity};
 use crate::identification::physical::PhysicalFit;
 use crate::model::{ChainEnds, LinkPrior, Robot, Rounding, from_mjcf, from_urdf_rounded};
 use crate::parameters::Layout;
 use crate::regression::{AugmentedModel, Fitted, Stretch, reported};
 use nalgebra::DVector;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// The identified robot, the form that others are made of read back and compared with what was identified.
 #[derive(Debug, Clone)]
@@ -93,28 +94,31 @@ pub(super) fn model_files(found: &Found) -> Result<Option<ModelFiles>, Error> {
     reads_back(&robot)?;
     let mut model = FinalModel::new(robot.clone(), found.fitted.model.terms.clone());
     model.measure(found.bodies, found.logs);
-    let mut json = model_value(found.request, &robot_value(&robot), found.fitted);
-    json["augmented"] = augmented_value(found);
-    json["not_in_urdf"] = model.remarks(ModelFormat::Urdf.name()).into();
-    if let Some(band) = found.band_hz {
-        json["band_hz"] = band.into();
-    }
-    json["formats"] = serde_json::to_value(&model.missing).expect("plain numbers and words");
+    let written = requests::Model {
+        robot: requests::RobotOrName::Robot(requests::Robot::Joints(written_robot(&robot))),
+        offsets: offsets(found.request, found.fitted),
+        base_parameters: Some(base_rows(found.fitted)),
+        augmented: Some(augmented(found)),
+        not_in_urdf: Some(model.remarks(ModelFormat::Urdf.name())),
+        formats: Some(model.missing.clone()),
+        band_hz: found.band_hz,
+    };
+    let json = serde_json::to_value(written).expect("plain numbers and words");
     let files = ModelFiles::of_json(json);
     let internal = |e: Error| Error::new(Code::Internal, format!("the JSON model does not read back: {}", e.detail));
     files.map(Some).map_err(internal)
 }
 
 /// The effects, with deviations of what they report.
-fn augmented_value(found: &Found) -> Value {
-    let mut value = diagnosis_value(found.diagnosis);
-    for (at, term) in found.fitted.model.terms.iter().enumerate() {
+fn augmented(found: &Found) -> requests::AugmentedModel {
+    let mut written = written_diagnosis(found.diagnosis);
+    for (at, (effect, term)) in written.effects.iter_mut().zip(&found.fitted.model.terms).enumerate() {
         let known = reported(term, &found.fitted.term_covariance(at));
-        for (i, (_, std_dev)) in known.into_iter().enumerate() {
-            value["effects"][at]["parameters"][i]["std_dev"] = if std_dev.is_finite() { json!(std_dev) } else { Value::Null };
+        for (parameter, (_, std_dev)) in effect.parameters.iter_mut().flatten().zip(known) {
+            parameter.std_dev = Some(std_dev.is_finite().then_some(std_dev));
         }
     }
-    value
+    written
 }
 
 /// The robot as JSON, URDF and MJCF, read back.
@@ -144,21 +148,25 @@ fn reads_back(robot: &Robot) -> Result<(), Error> {
     Ok(())
 }
 
-/// The JSON model: the robot with its parameters, the offsets, and the base parameters as estimated.
-fn model_value(request: &IdentifyRequest, robot: &Value, found: &Fitted) -> Value {
+/// Constant torque of every joint, where it was asked for [N·m or N].
+fn offsets(request: &IdentifyRequest, found: &Fitted) -> Option<Vec<f64>> {
+    let joints = 0..request.robot.joint_count();
+    let first = |j: usize| found.estimate.values[found.term_range(j).start];
+    request.offset.then(|| joints.map(first).collect())
+}
+
+/// The base parameters as estimated.
+fn base_rows(found: &Fitted) -> Vec<BaseRow> {
     let (base, estimate) = (&found.base, &found.estimate);
-    let offsets = request.offset.then(|| {
-        (0..request.robot.joint_count())
-            .map(|j| estimate.values[found.term_range(j).start])
-            .collect::<Vec<f64>>()
-    });
-    let value = |c: usize| estimate.is_determined(c).then_some(estimate.values[c]);
-    let std_dev = |c: usize| Some(estimate.std_dev(c)).filter(|s| s.is_finite() && estimate.is_determined(c));
-    let one = |c: usize| {
-        let expression = base.expressions[c].to_string();
-        json!({"name": base.names[c], "expression": expression, "value": value(c), "std_dev": std_dev(c), "unit": base.units[c]})
+    let known = |c: usize, v: f64| (v.is_finite() && estimate.is_determined(c)).then_some(v);
+    let row = |c: usize| BaseRow {
+        name: base.names[c].clone(),
+        expression: base.expressions[c].to_string(),
+        value: known(c, estimate.values[c]),
+        std_dev: known(c, estimate.std_dev(c)),
+        unit: base.units[c].to_string(),
     };
-    json!({"robot": robot, "offsets": offsets, "base_parameters": (0..base.len()).map(one).collect::<Vec<_>>()})
+    (0..base.len()).map(row).collect()
 }
 
 /// Largest difference of torques between two robots at a few states, relative to the largest torque. Both are the same numbers in

@@ -1,8 +1,9 @@
 //! An identified model, with what tracing has added to it.
 
 use super::robot::RobotOrName;
+use crate::formats::Missing;
+use crate::formats::models::BaseRow;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 /// The JSON model of an identification; a robot with parameters for every link does as well.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,15 +14,19 @@ pub struct Model {
     /// Constant torque of every joint (N·m or N).
     pub offsets: Option<Vec<f64>>,
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
-    pub base_parameters: Option<Vec<Value>>,
+    pub base_parameters: Option<Vec<BaseRow>>,
     /// What tracing has added; needed to tell what has changed since.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub augmented: Option<AugmentedModel>,
     /// In words, what a URDF of this model does not hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub not_in_urdf: Option<Vec<String>>,
     /// By format, what it does not hold, in torque along the identification logs (N·m or N).
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
-    pub formats: Option<Vec<Value>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub formats: Option<Vec<Missing>>,
     /// Cut-off of the filter that the rows went through that it was identified from [Hz]; logs that it is held against go through none that is higher.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub band_hz: Option<f64>,
 }
 
@@ -33,6 +38,7 @@ pub struct AugmentedModel {
     pub base_values: Vec<f64>,
     /// Inverse covariance of the base values, then of coefficients and free shapes effect by effect.
     pub information: Vec<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<ModelNoise>,
 }
 
@@ -45,6 +51,19 @@ pub struct ModelNoise {
     pub std_dev: Vec<f64>,
     /// Rows per second that it is of.
     pub rate_hz: f64,
+}
+
+/// A value of an effect as it is reported.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelParameter {
+    pub name: String,
+    /// In `unit`.
+    pub value: f64,
+    /// SI; `1` for pure numbers.
+    pub unit: String,
+    /// In `unit`; null where the data do not determine it, absent of rivals.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_dev: Option<Option<f64>>,
 }
 
 /// An effect with its values.
@@ -64,10 +83,12 @@ pub struct AddedEffect {
     pub bounds: Vec<Vec<Option<f64>>>,
     /// The same values by name, with units.
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
-    pub parameters: Option<Vec<Value>>,
+    pub parameters: Option<Vec<ModelParameter>>,
     /// Formula of a law, for people: what a reader takes is `form`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<crate::documents::LawDocument>,
     /// Effects that the data do not exclude in its place.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub rivals: Option<Vec<RivalEffect>>,
 }
 
@@ -88,8 +109,9 @@ pub struct RivalEffect {
     pub bounds: Vec<Vec<Option<f64>>>,
     /// The same values by name, with units.
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
-    pub parameters: Option<Vec<Value>>,
+    pub parameters: Option<Vec<ModelParameter>>,
     /// Formula of a law, for people: what a reader takes is `form`.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<crate::documents::LawDocument>,
     /// Twice the log of the evidence ratio in favour of the finding.
     pub evidence: f64,

@@ -55,10 +55,13 @@ pub struct UrdfRobot {
     #[cfg_attr(feature = "service", schema(value_type = Vec<Friction>, required = false))]
     pub friction: Option<Vec<Friction>>,
     /// Link that stands still; the root of the file if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
     /// Last link of the chain, where the file has several. Joints off the chain are locked at zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
     /// Capsules by the names of links, in the frames of the file, in the place of its `<collision>` shapes.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
@@ -80,8 +83,10 @@ pub struct MjcfRobot {
     #[cfg_attr(feature = "service", schema(value_type = Vec<Friction>, required = false))]
     pub friction: Option<Vec<Friction>>,
     /// Body that stands still; the world if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub base: Option<String>,
     /// Last body of the chain, where the file has several. Joints off the chain are locked at zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tip: Option<String>,
     /// Capsules by the names of bodies, in the frames of the file, in the place of its geoms.
     pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
@@ -115,11 +120,15 @@ pub struct Joint {
     #[cfg_attr(feature = "service", schema(value_type = Placement, required = false))]
     pub placement: Option<Placement>,
     pub limits: Option<Limits>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub prior: Option<LinkPrior>,
     /// Capsules that together contain the link.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<Vec<Capsule>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<JointBounds>,
     /// Axis of the link frame along which the link is long.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub slender_axis: Option<Axis>,
     /// Name of the link behind the joint.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -268,18 +277,23 @@ pub struct Inertia {
 }
 
 /// What identification keeps the parameters of a link between, `[lower, upper]`, in its frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct JointBounds {
     /// (kg)
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub mass: Option<[f64; 2]>,
     /// x, y, z in the link frame (m).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub center_of_mass: Option<Vec<Vec<f64>>>,
     /// About the centre of mass.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia: Option<InertiaBounds>,
     /// N·m·s/rad or N·s/m
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub viscous: Option<[f64; 2]>,
     /// N·m or N
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
@@ -287,14 +301,20 @@ pub struct JointBounds {
 }
 
 /// kg·m²
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct InertiaBounds {
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub xx: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub xy: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub xz: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub yy: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub yz: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub zz: Option<[f64; 2]>,
 }
 

@@ -5,7 +5,7 @@
 mod joint;
 mod written;
 
-pub use written::robot_value;
+pub use written::{robot_value, written_robot};
 
 use self::joint::{Reading, read_capsule, read_joint};
 use crate::documents::cursor::{Cursor, Fields, Findings};

@@ -91,8 +91,8 @@ impl ModelFormat {
 }
 
 /// A base parameter as the JSON model states it.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct BaseRow {
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BaseRow {
     pub name: String,
     pub expression: String,
     pub value: Option<f64>,

@@ -266,7 +266,7 @@ pub(super) fn reproduction(page: &mut Html, result: &IdentifyDocument, circumsta
     page.heading(3, "request.json");
     page.document(&origin.request);
     page.heading(3, "robot.json");
-    page.document(&origin.robot);
+    page.document(&serde_json::to_value(&origin.robot).expect("plain numbers and words"));
     if let Some(design) = &circumstances.design {
         page.heading(3, "The executed design");
         page.paragraph("soft", "Its request with the seed of the search, and the trajectory.");
