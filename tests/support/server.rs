@@ -141,8 +141,9 @@ impl Server {
         stream.write_all(head.as_bytes()).unwrap();
         stream.write_all(body).unwrap();
         // A client that closes its side is gone, as far as the server is concerned.
+        // Where the server has answered and hung up before, there is no side left to close.
         if declared.is_some() {
-            stream.shutdown(std::net::Shutdown::Write).unwrap();
+            let _ = stream.shutdown(std::net::Shutdown::Write);
         }
         let mut text = Vec::new();
         // A server may close the connection of a client that hung up.
