@@ -213,9 +213,9 @@ def main():
     y_b = regressor(robot, *states(design, times)).reshape(-1, len(all_names))[:, kept]
     values = np.linalg.svd(y_b, compute_uv=False)
     cond = values[0] / values[-1]
-    told = design["condition_number"]
+    stated = design["condition_number"]
     # Singular values are known to 1e-16 of the largest, hence their ratio to cond times that, and the same again for Y itself.
-    report.check("condition number", abs(cond - told) <= 1e-9 * cond, f"{cond:.9f} here, {told:.9f} in the design")
+    report.check("condition number", abs(cond - stated) <= 1e-9 * cond, f"{cond:.9f} here, {stated:.9f} in the design")
     print("all agree" if report.good else "DISAGREEMENT")
     sys.exit(0 if report.good else 1)
 

@@ -145,7 +145,7 @@ fn fit(bench: &Bench, log: &Log, paper: bool) -> Fitted {
         consistent: ConsistentOptions::default(),
         paper: PaperOptions {
             triangle: if paper { Triangle::Diagonal } else { Triangle::Principal },
-            ..FeasibleOptions::of(&bench.robot).paper
+            ..FeasibleOptions::for_robot(&bench.robot).paper
         },
     };
     let found = fit_feasible(&bench.robot, &objective, &options, &|| false);
@@ -167,7 +167,7 @@ fn costs(bench: &Bench, found: &Fitted, triangle: Triangle) {
     let printed = PaperOptions {
         triangle,
         starts: 16,
-        ..FeasibleOptions::of(&bench.robot).paper
+        ..FeasibleOptions::for_robot(&bench.robot).paper
     };
     let without = |change: &dyn Fn(&mut PaperOptions)| {
         let mut options = printed.clone();

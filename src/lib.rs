@@ -69,40 +69,29 @@
 //! # Ok::<(), dynident::model::ModelError>(())
 //! ```
 
+#![warn(missing_docs)]
+
 pub mod app;
-#[warn(missing_docs)]
 pub mod cancel;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnosis;
 pub mod docs;
 pub mod documents;
-#[warn(missing_docs)]
 pub mod dynamics;
-#[warn(missing_docs)]
 pub mod effects;
-#[warn(missing_docs)]
 pub mod excitation;
 pub mod formats;
-#[warn(missing_docs)]
 pub mod identification;
-#[warn(missing_docs)]
 pub mod model;
-#[warn(missing_docs)]
 pub mod parameters;
-#[warn(missing_docs)]
 pub mod preparation;
-#[warn(missing_docs)]
 pub mod regression;
 #[cfg(feature = "service")]
 pub mod service;
-#[warn(missing_docs)]
 pub mod simulate;
-#[warn(missing_docs)]
 pub mod solver;
-#[warn(missing_docs)]
 pub mod spatial;
-#[warn(missing_docs)]
 pub mod trajectory;
 #[cfg(feature = "figures")]
 pub mod web;

@@ -67,7 +67,7 @@ struct Trial {
     columns: Columns,
     /// Held out of the identification logs where there is no other.
     last_share: f64,
-    /// Factor on the torque once its sign has been told.
+    /// Factor on the torque once its sign is known.
     sign: f64,
 }
 

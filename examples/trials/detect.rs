@@ -2,7 +2,7 @@
 
 use crate::bench::*;
 use crate::family::traced_case;
-use crate::judge::{Truth, told, truth};
+use crate::judge::{Truth, outcome_text, truth};
 use crate::visible::Sight;
 use dynident::diagnosis::Diagnosis;
 use dynident::model::Robot;
@@ -43,7 +43,7 @@ struct Limit {
 /// Between these an effect begins to be found ([`Sight::at`]); seven halvings of the ratio leave 4 %.
 const RANGE: [f64; 2] = [3.0, 300.0];
 const HALVINGS: usize = 7;
-/// Times the least: what is not found there is told with what was named in its place.
+/// Times the least: what is not found there is printed with what was named in its place.
 const CLEAR: f64 = 5.0;
 
 /// Per effect, bisection on `repeats` random joints and motions, the noise the same at every size.
@@ -110,12 +110,16 @@ fn limit(code: &'static str, repeat: u64, robot: &Robot, phi: &[f64]) -> Option<
     let is_found = |seen: f64| {
         let (found, outcome) = traced(seen);
         if !found && seen > RANGE[0] * CLEAR {
-            println!("{code} {repeat} not found at {seen:.0}: {}", told(&outcome));
+            println!("{code} {repeat} not found at {seen:.0}: {}", outcome_text(&outcome));
         }
         found
     };
     if let (false, outcome) = traced(range[1]) {
-        println!("{code} {repeat} {hidden:?}: not found at {}, {}", range[1], told(&outcome));
+        println!(
+            "{code} {repeat} {hidden:?}: not found at {}, {}",
+            range[1],
+            outcome_text(&outcome)
+        );
         return None;
     }
     let [mut low, mut high] = range;
@@ -134,7 +138,7 @@ fn limit(code: &'static str, repeat: u64, robot: &Robot, phi: &[f64]) -> Option<
     })
 }
 
-/// Sizes at which the confusion is told: visible, clear, large.
+/// Sizes at which the confusion is printed: visible, clear, large.
 const SEEN: [f64; 3] = [30.0, 100.0, 300.0];
 
 /// Single effects on random joints, and what is named first; `+` where more is named than was hidden.
@@ -197,6 +201,6 @@ fn name(code: &'static str, repeat: u64, seen: f64, robot: &Robot, phi: &[f64]) 
         };
         format!("{}{more}", first.unwrap_or(otherwise.into()))
     };
-    println!("{code} {repeat} seen {seen} {effect:?}: {named} | {}", told(&outcome));
+    println!("{code} {repeat} seen {seen} {effect:?}: {named} | {}", outcome_text(&outcome));
     named
 }

@@ -2,7 +2,7 @@
 //! joints, of sizes from just visible to large.
 
 use crate::bench::*;
-use crate::judge::{Mark, judge, told};
+use crate::judge::{Mark, judge, outcome_text};
 use crate::visible::Sight;
 use dynident::diagnosis::{Diagnosis, DiagnosisOptions, diagnose};
 use dynident::model::Robot;
@@ -105,7 +105,7 @@ fn case(number: u64, only: &[String], robot: &Robot, phi: &[f64]) -> Case {
     println!(
         "{number} {word} {} | {}{}",
         what.join(" & "),
-        told(&outcome),
+        outcome_text(&outcome),
         if reasons.is_empty() {
             String::new()
         } else {

@@ -247,7 +247,7 @@ fn held_out(outcome: &Diagnosis, hidden: &[HiddenEffect]) -> Option<String> {
 }
 
 /// Findings in a few words.
-pub fn told(outcome: &Diagnosis) -> String {
+pub fn outcome_text(outcome: &Diagnosis) -> String {
     let value = |p: &dynident::diagnosis::ReportedParameter| format!("{} {:.4} ± {:.4}", p.name, p.value, p.std_dev);
     let finding = |f: &Finding| {
         let values: Vec<String> = f.parameters.iter().take(4).map(value).collect();

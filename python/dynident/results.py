@@ -89,7 +89,7 @@ class DetectableEffect:
 
 @dataclass(frozen=True)
 class InseparableEffects:
-    """An effect that is found, and one that it is not told apart from at that size."""
+    """An effect that is found, and one that cannot be distinguished from it at that size."""
 
     effect: str
     joints: list[str]

@@ -6,54 +6,95 @@ use crate::model::{FieldProblem, readable};
 /// A stable name for one kind of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Code {
+    /// The document cannot be read (HTTP 400).
     MalformedDocument,
+    /// The document says something that cannot be (HTTP 422).
     InvalidDocument,
+    /// The query string is wrong (HTTP 400).
     InvalidQuery,
+    /// The address cannot be read (HTTP 400).
     MalformedAddress,
+    /// There is nothing at this address (HTTP 404).
     NotFound,
+    /// There is no such robot (HTTP 404).
     UnknownRobot,
+    /// There is no such job (HTTP 404).
     UnknownJob,
+    /// There is no such excitation (HTTP 404).
     UnknownExcitation,
+    /// This address does not take this method (HTTP 405).
     MethodNotAllowed,
+    /// A robot of this name exists (HTTP 409).
     RobotExists,
+    /// Robots that come with the program cannot be changed (HTTP 409).
     RobotReadOnly,
+    /// A stored robot cannot be read (HTTP 500).
     RobotUnreadable,
+    /// There is no such identification (HTTP 404).
     UnknownIdentification,
+    /// A log cannot be used (HTTP 422).
     InvalidLog,
+    /// There is no model that is a physical robot (HTTP 409).
     NoModel,
+    /// The job ended without a result (HTTP 409).
     NoResult,
+    /// There is no trajectory (HTTP 409).
     NoTrajectory,
+    /// This idempotency key belongs to another request (HTTP 422).
     IdempotencyKeyReused,
+    /// The document is too large (HTTP 413).
     PayloadTooLarge,
+    /// The document is of the wrong type (HTTP 415).
     UnsupportedMediaType,
+    /// Too many jobs are waiting (HTTP 503).
     TooManyJobs,
+    /// Too many jobs of this robot or token are waiting (HTTP 429).
     LimitReached,
+    /// Too many requests (HTTP 429).
     RateLimited,
+    /// The server is shutting down (HTTP 503).
     ShuttingDown,
+    /// Database or data folder cannot be used (HTTP 503).
     StorageUnavailable,
+    /// A token is needed (HTTP 401).
     Unauthorized,
+    /// The token is no longer valid (HTTP 401).
     TokenExpired,
+    /// The token does not allow this (HTTP 403).
     Forbidden,
+    /// The request comes from a page of another site (HTTP 403).
     CrossSite,
+    /// The request is for another server (HTTP 421).
     WrongHost,
+    /// The request stopped coming in (HTTP 408).
     RequestTimeout,
+    /// A file cannot be read (HTTP 500).
     FileUnreadable,
+    /// A file cannot be written (HTTP 500).
     FileUnwritable,
+    /// The server cannot listen at this address (HTTP 500).
     AddressUnavailable,
+    /// A picture, a report or its series cannot be made (HTTP 500).
     DrawingFailed,
+    /// The process that did the work ended before it was done (HTTP 500).
     JobCrashed,
+    /// The work needs more memory than it may take (HTTP 422).
     MemoryLimit,
+    /// The work takes longer than it may (HTTP 422).
     TimeLimit,
+    /// Something went wrong inside (HTTP 500).
     Internal,
 }
 
 /// Exit status of the command line by kind of error; outcomes of a search have their own: 3 infeasible, 4 cancelled with the best found.
 pub const EXIT_INTERNAL: u8 = 1;
+/// The input or the request cannot be used.
 pub const EXIT_BAD_INPUT: u8 = 2;
 /// Cancelled without a result.
 pub const EXIT_CANCELLED: u8 = 4;
 
 impl Code {
+    /// Every code, for the table of errors in the documentation.
     pub const ALL: [Code; 39] = {
         use Code::*;
         [
@@ -214,14 +255,17 @@ impl Code {
         self.entry().0
     }
 
+    /// HTTP status of an answer with this error.
     pub fn http_status(self) -> u16 {
         self.entry().1
     }
 
+    /// Exit status of the command line, 1 to 4.
     pub fn exit_status(self) -> u8 {
         self.entry().2
     }
 
+    /// One sentence for people, the same for every error of this code.
     pub fn title(self) -> &'static str {
         self.entry().3
     }
@@ -231,6 +275,7 @@ impl Code {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{}: {detail}", code.name())]
 pub struct Error {
+    /// Stable code; HTTP and exit status follow from it.
     pub code: Code,
     /// What happened, for people.
     pub detail: String,
@@ -241,6 +286,7 @@ pub struct Error {
 }
 
 impl Error {
+    /// An error with a detail of its own and no remedy.
     pub fn new(code: Code, detail: impl Into<String>) -> Self {
         Self {
             code,
@@ -250,6 +296,7 @@ impl Error {
         }
     }
 
+    /// The same error with a remedy.
     pub fn with_hint(self, hint: impl Into<String>) -> Self {
         Self {
             hint: Some(readable(hint)),

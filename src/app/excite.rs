@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 /// A finished design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excited {
+    /// The answer that clients get.
     pub document: DesignDocument,
     /// `None` where the problem is infeasible.
     pub series: Option<FourierSeries>,
@@ -109,14 +110,16 @@ fn no_run(problem: &Problem, name: &str, spec: &RunSpec, why: NoRun) -> Error {
 
 /// What connects a search with its earlier life and with those beside it; see [`Control::found`] and [`Control::others`].
 pub trait Exchange: Sync {
+    /// Takes what the search has found so far, after every round.
     fn found(&self, found: &Found);
+    /// The best points of the searches beside this one; empty if there are none.
     fn others(&self) -> Vec<Point>;
 }
 
 /// Searches until the search itself ends, its time limit is over, or `cancel` is set; the last two are honoured within a second and
 /// keep the best trajectory found.
 ///
-/// `observe` is told after every local solve, from many threads.
+/// `observe` is called after every local solve, from many threads.
 pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn Fn(&Progress) + Sync)) -> Excited {
     excite_beside(request, None, cancel, observe)
 }

@@ -11,7 +11,9 @@ pub struct Problem {
     /// `urn:dynident:error:` and the code.
     #[serde(rename = "type")]
     pub kind: String,
+    /// Title of the error code, the same for every error of the code.
     pub title: &'static str,
+    /// HTTP status.
     pub status: u16,
     /// Stable name of the error, the same as on the command line.
     #[cfg_attr(feature = "service", schema(example = "invalid_document"))]
@@ -33,7 +35,9 @@ pub struct FieldError {
     /// JSON pointer into the document that was sent; `/query/…` for the query string.
     #[cfg_attr(feature = "service", schema(example = "/robot/joints/0/limits/position"))]
     pub pointer: String,
+    /// What is wrong.
     pub detail: String,
+    /// What to do about it, where it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hint: Option<String>,
 }

@@ -59,7 +59,7 @@ mod tests {
 
     /// FIPS 180-2, appendix B.1.
     #[test]
-    fn val_logs_are_told_apart_by_sha_256() {
+    fn val_logs_are_distinguished_by_sha_256() {
         let path = std::env::temp_dir().join(format!("dynident-hash-{}", std::process::id()));
         std::fs::write(&path, "abc").unwrap();
         let found = origin(&LogFile::at(&path), "validation", &CancelFlag::default()).unwrap();

@@ -16,6 +16,7 @@ use crate::regression::{AugmentedModel, Prior};
 /// A finished validation.
 #[derive(Debug, Clone)]
 pub struct Validated {
+    /// The answer that clients get.
     pub document: ValidateDocument,
     /// The bodies of the model, and its effects.
     bodies: AugmentedModel,

@@ -16,7 +16,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let RobotDocument { robot, notes } = files::read_robot(&arguments.robot, &arguments.chain)?;
     files::print_notes(&notes);
-    let document = BaseParametersDocument::of(&robot);
+    let document = BaseParametersDocument::for_robot(&robot);
     if json {
         files::print(&files::pretty(&document))?;
         return Ok(Ending::Done);

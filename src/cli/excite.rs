@@ -108,7 +108,11 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let excited = excite(&request, &cancel, &|p| show(&bar, p));
     bar.finish_and_clear();
     if let (Some(path), Some(series)) = (&arguments.plot, &excited.series) {
-        write_picture(path, PictureKind::of(path), &design_figure(request.problem.robot(), series))?;
+        write_picture(
+            path,
+            PictureKind::from_path(path),
+            &design_figure(request.problem.robot(), series),
+        )?;
     }
     write_results(arguments, json, &excited, &request.problem)?;
     Ok(match excited.document.status {

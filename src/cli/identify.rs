@@ -143,7 +143,7 @@ fn write_model(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
         .try_for_each(|(path, format)| model::write(path, format, files, &own))
 }
 
-/// The report and the pictures that were asked for. One that fails does not keep the others from being made; the first error is told.
+/// The report and the pictures that were asked for. One that fails does not keep the others from being made; the first error is reported.
 fn draw(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
     let report = match &arguments.report {
         Some(path) => write_report(path, &found.document),

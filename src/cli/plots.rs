@@ -14,7 +14,7 @@ pub enum PictureKind {
 
 impl PictureKind {
     /// By the ending of a file's name: PNG if it says so, else SVG.
-    pub fn of(path: &Path) -> Self {
+    pub fn from_path(path: &Path) -> Self {
         match path.extension().and_then(|e| e.to_str()) {
             Some(ending) if ending.eq_ignore_ascii_case("png") => Self::Png,
             _ => Self::Svg,

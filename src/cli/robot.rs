@@ -16,7 +16,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let read = files::read_robot(&arguments.robot, &arguments.chain)?;
-    let report = RobotReport::of(&read);
+    let report = RobotReport::from_document(&read);
     files::print(&if json { files::pretty(&report) } else { table(&report) })?;
     Ok(Ending::Done)
 }

@@ -8,10 +8,13 @@ use nalgebra::DMatrix;
 /// Report, augmented model and estimates.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
+    /// Verdict, findings and errors, as documents report them.
     pub report: ResidualReport,
+    /// The declared model with the effects that were found.
     pub model: AugmentedModel,
     /// Share of the torques that the declared model explains on held-out data.
     pub explained: Explained,
+    /// Noise of every joint.
     pub noise: Vec<NoiseModel>,
     /// Rows of the fit per second of the motion.
     pub rate_hz: f64,

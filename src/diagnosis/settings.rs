@@ -103,7 +103,7 @@ pub struct MountingTest {
     pub chance_in_blocks: f64,
     /// Degrees of freedom of a misfit: functions of few positions and speeds, they reach all first moments together.
     pub independent_misfits: f64,
-    /// Standard deviations above its expected value up to which what a direction leaves over the free model is noise.
+    /// Standard deviations above its expected value up to which the excess of a direction over the free model is noise.
     pub noise_deviations: f64,
     /// Share of a block's own information that its prediction from the others keeps at least.
     pub least_outside: f64,

@@ -18,15 +18,18 @@ pub enum Perturbation {
     EverySecondRow,
     /// The first half of the rows, or of the periods, alone.
     FirstHalf,
+    /// The second half of the rows, or of the periods, alone.
     SecondHalf,
     /// The cut-off of the row filter a quarter lower, or higher.
     LowerCutoff,
+    /// The cut-off of the row filter a quarter higher.
     HigherCutoff,
 }
 
 /// What became of an effect under one change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survival {
+    /// The change of the data.
     pub perturbation: Perturbation,
     /// Whether the effect is still beyond doubt, physical and of the same sign.
     pub survives: bool,

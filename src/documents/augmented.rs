@@ -15,7 +15,9 @@ use serde_json::Value;
 /// An augmented model with all that a design for it needs.
 #[derive(Debug, Clone)]
 pub struct ReadModel {
+    /// The declared model with the effects that were found, as regressions and predictions use it.
     pub model: AugmentedModel,
+    /// Base parameters with their covariance: what a further log is combined with.
     pub prior: Prior,
     /// Standard deviation of the torque noise of every joint in slow signals [N·m or N], and rows per second that it is of.
     pub noise: Option<(Vec<f64>, f64)>,

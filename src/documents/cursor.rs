@@ -18,6 +18,7 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// Starts a list with the problems that are known before the document is walked.
     pub fn new(known: Vec<FieldProblem>) -> Self {
         let findings = Self::default();
         known.into_iter().for_each(|p| findings.push(p));
@@ -37,6 +38,7 @@ impl Findings {
         self.list.borrow().len() >= MOST_FINDINGS
     }
 
+    /// Whether no problem has been found so far.
     pub fn is_empty(&self) -> bool {
         self.list.borrow().is_empty()
     }
@@ -96,6 +98,7 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Cursor<'a> {
+    /// A cursor at the top of a document; its pointer is the empty string.
     pub fn root(value: &'a Value, findings: &'a Findings) -> Self {
         Self {
             value,
@@ -104,22 +107,27 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// The JSON value under the cursor.
     pub fn value(&self) -> &'a Value {
         self.value
     }
 
+    /// JSON pointer (RFC 6901) from the top of the document to this value.
     pub fn pointer(&self) -> &str {
         &self.pointer
     }
 
+    /// The list that every cursor of this document adds its problems to.
     pub fn findings(&self) -> &'a Findings {
         self.findings
     }
 
+    /// Adds a problem at this pointer, without a remedy.
     pub fn complain(&self, detail: impl Into<String>) {
         self.findings.push(FieldProblem::new(&self.pointer, detail));
     }
 
+    /// Adds a problem at this pointer, with the remedy in `hint`.
     pub fn complain_with(&self, detail: impl Into<String>, hint: impl Into<String>) {
         self.findings.push(FieldProblem::new(&self.pointer, detail).with_hint(hint));
     }
@@ -163,6 +171,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
+    /// A cursor for each item of an array; a problem and nothing for any other type.
     pub fn items(&self) -> Option<Vec<Cursor<'a>>> {
         let Value::Array(items) = self.value else {
             self.expected("an array");
@@ -187,6 +196,7 @@ impl<'a> Cursor<'a> {
         self.items()
     }
 
+    /// The text of a string; a problem and nothing for any other type.
     pub fn string(&self) -> Option<&'a str> {
         let text = self.value.as_str();
         if text.is_none() {
@@ -195,6 +205,7 @@ impl<'a> Cursor<'a> {
         text
     }
 
+    /// A finite number; a problem and nothing for any other type.
     pub fn number(&self) -> Option<f64> {
         let number = self.value.as_f64();
         if number.is_none() {
@@ -266,6 +277,7 @@ impl<'a> Cursor<'a> {
 }
 
 impl<'a> Fields<'a> {
+    /// JSON pointer to the field `name` of this object, whether it is there or not.
     pub fn pointer_to(&self, name: &str) -> String {
         format!("{}/{}", self.pointer, escaped(name))
     }
@@ -275,6 +287,7 @@ impl<'a> Fields<'a> {
         self.findings.push(FieldProblem::new(pointer, detail));
     }
 
+    /// Whether the object has a field `name`; null counts.
     pub fn has(&self, name: &str) -> bool {
         self.map.contains_key(name)
     }

@@ -11,9 +11,13 @@ use serde_json::Value;
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Identification))]
 #[serde(default)]
 pub struct IdentifyDocument {
+    /// Name of the robot.
     pub robot: String,
+    /// Names of the joints; every array per joint has this order.
     pub joints: Vec<String>,
+    /// Estimator that was used: `ols`, `wls` or `robust`.
     pub estimator: String,
+    /// Whether the log is good enough for the model.
     pub quality: QualityDocument,
     /// Of the model that was found: declared model and effects estimated together.
     pub base_parameters: Vec<BaseValue>,
@@ -25,18 +29,24 @@ pub struct IdentifyDocument {
     pub undetermined: Vec<Direction>,
     /// Constant torque of every joint, where it was asked for.
     pub offsets: Option<Vec<BaseValue>>,
+    /// Physical parameters of every link; null where `feasible.method` is `none`, or no consistent bodies were found.
     pub physical_parameters: Option<Vec<PhysicalValue>>,
+    /// How the physical parameters were found; null together with them.
     pub feasibility: Option<Feasibility>,
+    /// Root mean square errors per log and joint.
     pub rms: RmsDocument,
     /// Per joint, of the noise that the scatter of the periods shows.
     pub noise: Vec<NoiseDocument>,
+    /// What was found in every log file, and how it was prepared.
     pub log_report: Vec<LogDocument>,
     /// The residual diagnosis; null where it was not asked for.
     pub residual: Option<ResidualDocument>,
+    /// Measured and predicted torques, thinned to the number of points asked for; empty if none were.
     pub predictions: Vec<PredictionDocument>,
     /// Why there are no predictions although they were asked for; all else is complete without them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predictions_error: Option<String>,
+    /// Remarks on choices and limits of the answer; empty without any.
     pub notes: Vec<String>,
     /// Request, robot, version and logs: what is needed to do it again.
     pub provenance: Option<Provenance>,
@@ -63,7 +73,9 @@ pub struct QualityDocument {
     pub reason: String,
     /// Ratio of the extreme singular values of the observation matrix, columns scaled to equal length; null if infinite.
     pub condition_number: Option<f64>,
+    /// Rank of the observation matrix: the number of parameter combinations that the log determines.
     pub rank: usize,
+    /// Columns of the observation matrix: base parameters, offsets and effects together.
     pub columns: usize,
     /// Per joint: standard deviation of predicted torques at random states [N m or N]; null if infinite.
     pub prediction_std: Vec<Option<f64>>,
@@ -79,15 +91,22 @@ pub struct QualityDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = EstimatedParameter))]
 #[serde(default)]
 pub struct BaseValue {
+    /// Name of the base parameter.
     #[cfg_attr(feature = "service", schema(example = "MYR2"))]
     pub name: String,
+    /// Linear combination of standard parameters that it stands for; lengths in m.
     pub expression: String,
+    /// Estimate, in `unit`.
     pub value: Option<f64>,
+    /// Standard deviation of the estimate, in `unit`, with the correlation of the noise allowed for.
     pub std_dev: Option<f64>,
+    /// `100 · std_dev / |value|` [%].
     pub relative_std_dev_percent: Option<f64>,
     /// By the paper's (15), which counts every row as independent.
     pub textbook_relative_std_dev_percent: Option<f64>,
+    /// Unit of the value, such as `kg m`.
     pub unit: String,
+    /// Whether the log determines the parameter.
     pub identifiable: bool,
 }
 
@@ -96,9 +115,12 @@ pub struct BaseValue {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = FoundEffect))]
 #[serde(default)]
 pub struct EffectValue {
+    /// Code of the effect.
     #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
+    /// Estimated parameters with units and standard deviations.
     pub parameters: Vec<EffectParameter>,
     /// Whether it is a part of the model that is handed out; otherwise held-out data speak against it, or it is nothing that lasts.
     pub in_model: bool,
@@ -112,7 +134,9 @@ pub struct EffectValue {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = DeclaredModel))]
 #[serde(default)]
 pub struct DeclaredDocument {
+    /// Base parameters estimated without any effect.
     pub base_parameters: Vec<BaseValue>,
+    /// Root mean square errors of that model.
     pub rms: RmsDocument,
 }
 
@@ -121,8 +145,10 @@ pub struct DeclaredDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct Direction {
+    /// The combination as text, scaled to a largest part of 1.
     #[cfg_attr(feature = "service", schema(example = "1 FV7 + 0.2 FS7"))]
     pub text: String,
+    /// Names of the parameters in it, strongest part first.
     pub parameters: Vec<String>,
 }
 
@@ -133,6 +159,7 @@ pub struct Direction {
 pub struct PhysicalValue {
     /// From 1.
     pub link: usize,
+    /// Name of the link.
     pub name: String,
     /// (kg)
     #[serde(deserialize_with = "number")]
@@ -141,26 +168,35 @@ pub struct PhysicalValue {
     pub center_of_mass: [f64; 3],
     /// About the centre of mass [kg m²].
     pub inertia: InertiaDocument,
+    /// Viscous friction of the joint before the link [N·m·s/rad or N·s/m].
     #[serde(deserialize_with = "number")]
     pub viscous: f64,
+    /// Coulomb friction of the joint before the link [N·m or N].
     #[serde(deserialize_with = "number")]
     pub coulomb: f64,
 }
 
+/// Inertia tensor about the centre of mass, in axes parallel to the link frame [kg m²].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = IdentifiedInertia))]
 #[serde(default)]
 pub struct InertiaDocument {
+    /// `∫ (y² + z²) dm` [kg m²].
     #[serde(deserialize_with = "number")]
     pub xx: f64,
+    /// `−∫ x y dm` [kg m²].
     #[serde(deserialize_with = "number")]
     pub xy: f64,
+    /// `−∫ x z dm` [kg m²].
     #[serde(deserialize_with = "number")]
     pub xz: f64,
+    /// `∫ (x² + z²) dm` [kg m²].
     #[serde(deserialize_with = "number")]
     pub yy: f64,
+    /// `−∫ y z dm` [kg m²].
     #[serde(deserialize_with = "number")]
     pub yz: f64,
+    /// `∫ (x² + y²) dm` [kg m²].
     #[serde(deserialize_with = "number")]
     pub zz: f64,
 }
@@ -170,12 +206,14 @@ pub struct InertiaDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct Feasibility {
+    /// Method of the bodies: `consistent` (semidefinite) or `paper` (nonlinear problem).
     pub method: String,
     /// `Converged`, `Stalled`, `BudgetExhausted`, `Infeasible` or `Cancelled`.
     pub status: String,
     /// Fit over that of the base parameters; 1.02 is 2 % worse.
     #[serde(deserialize_with = "number")]
     pub rms_ratio: f64,
+    /// Distance of the solution to every constraint.
     pub margins: Vec<MarginValue>,
     /// The paper's nonlinear problem (10a-d), where it was asked for.
     pub paper: Option<PaperProblem>,
@@ -198,9 +236,13 @@ pub struct PaperProblem {
     /// Fit over that of the base parameters.
     #[serde(deserialize_with = "number")]
     pub rms_ratio: f64,
+    /// Evaluations of the objective over all starts.
     pub evaluations: u32,
+    /// Every local solve.
     pub starts: Vec<FitStart>,
+    /// Distance of the best solution to every constraint.
     pub margins: Vec<MarginValue>,
+    /// Physical parameters of the best solution.
     pub physical_parameters: Vec<PhysicalValue>,
 }
 
@@ -212,18 +254,24 @@ pub struct FitStart {
     /// `rods`, `robot`, `consistent` or `random`.
     #[cfg_attr(feature = "service", schema(example = "rods"))]
     pub from: String,
+    /// How the local solve ended, such as `Converged`.
     pub status: String,
+    /// Whether its end point meets every constraint.
     pub feasible: bool,
+    /// Weighted residual sum of squares at its end; null if it is not finite.
     pub objective: Option<f64>,
+    /// Evaluations of the objective by this solve.
     pub evaluations: u32,
 }
 
+/// Distance of the bodies to one constraint of one link.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = FeasibilityMargin))]
 #[serde(default)]
 pub struct MarginValue {
     /// From 1.
     pub link: usize,
+    /// Code of the constraint.
     #[cfg_attr(feature = "service", schema(example = "pseudo_inertia_positive_definite"))]
     pub constraint: String,
     /// Above zero where the constraint holds.
@@ -240,19 +288,26 @@ pub struct MarginValue {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct RmsDocument {
+    /// One entry per log that was fitted.
     pub identification: Vec<LogRms>,
+    /// One entry per log that was held out; empty without any.
     pub validation: Vec<LogRms>,
 }
 
+/// Errors of the two models on one log.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct LogRms {
+    /// Name of the log file.
     pub name: String,
+    /// Errors of the base parameters with the effects found.
     pub base: JointErrors,
+    /// Errors of the physical parameters; null without them.
     pub physical: Option<JointErrors>,
 }
 
+/// Root mean square torque errors, one entry per joint.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
@@ -271,13 +326,16 @@ pub struct JointErrors {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = JointNoise))]
 #[serde(default)]
 pub struct NoiseDocument {
+    /// Name of the joint.
     pub joint: String,
+    /// Root mean square of the residual over the fitted rows [N m or N].
     #[serde(deserialize_with = "number")]
     pub residual_rms: f64,
     /// Of the rows that were fitted, from the scatter of the periods; null without periods.
     pub noise_std: Option<f64>,
     /// Residual mean square over what noise alone would leave; well above 1 the model lacks something.
     pub misfit: Option<f64>,
+    /// Number of rows that were fitted.
     pub rows: usize,
     /// Independent values that the rows are worth.
     #[serde(deserialize_with = "number")]
@@ -289,29 +347,41 @@ pub struct NoiseDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct LogDocument {
+    /// Name of the file.
     pub file: String,
     /// `identification` or `validation`.
     pub role: String,
+    /// Rows in the file.
     pub rows: usize,
+    /// Rows left after faulty ones were dropped.
     pub rows_used: usize,
+    /// Sample rate of the prepared log [Hz].
     #[serde(deserialize_with = "number")]
     pub sample_rate_hz: f64,
+    /// Duration of the log (s).
     #[serde(deserialize_with = "number")]
     pub duration_s: f64,
+    /// Whether the log was resampled onto a uniform grid.
     pub resampled: bool,
+    /// Faults that were found in the file; empty for a clean one.
     pub findings: Vec<FindingDocument>,
+    /// Decisions of preprocessing, with their reasons.
     pub choices: Vec<ChoiceDocument>,
 }
 
+/// One kind of fault in a log file.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct FindingDocument {
+    /// Code of the fault.
     #[cfg_attr(feature = "service", schema(example = "garbage_row"))]
     pub code: String,
+    /// How many rows or places have it.
     pub count: usize,
     /// The first of them; the header is line 1.
     pub lines: Vec<u64>,
+    /// What was found and what was done about it.
     pub detail: String,
 }
 
@@ -320,9 +390,12 @@ pub struct FindingDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct ChoiceDocument {
+    /// What was decided, by code.
     #[cfg_attr(feature = "service", schema(example = "derivatives"))]
     pub what: String,
+    /// The value that was chosen.
     pub value: String,
+    /// The reason for it.
     pub why: String,
 }
 
@@ -331,7 +404,9 @@ pub struct ChoiceDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct PredictionDocument {
+    /// Name of the log file.
     pub log: String,
+    /// Name of the joint.
     pub joint: String,
     /// (s), on the log's own clock.
     #[serde(deserialize_with = "numbers")]
@@ -339,14 +414,19 @@ pub struct PredictionDocument {
     /// Position, velocity and acceleration of the joint at those times [rad or m, and per second].
     #[serde(deserialize_with = "numbers")]
     pub q: Vec<f64>,
+    /// Velocity [rad/s or m/s].
     #[serde(deserialize_with = "numbers")]
     pub qd: Vec<f64>,
+    /// Acceleration [rad/s² or m/s²].
     #[serde(deserialize_with = "numbers")]
     pub qdd: Vec<f64>,
+    /// Measured torque [N m or N].
     #[serde(deserialize_with = "numbers")]
     pub measured: Vec<f64>,
+    /// Torque by the base parameters with the effects found [N m or N].
     #[serde(deserialize_with = "numbers")]
     pub base: Vec<f64>,
+    /// Torque by the physical parameters [N m or N]; null without them.
     pub physical: Option<Vec<f64>>,
     /// By the declared model, without the effects found; null where tracing was not asked for.
     pub declared: Option<Vec<f64>>,
@@ -364,6 +444,7 @@ pub struct Provenance {
     pub request: Value,
     /// The robot in full, whatever the request called it.
     pub robot: Option<requests::JointRobot>,
+    /// Every log file, by its content.
     pub logs: Vec<LogOrigin>,
 }
 
@@ -372,15 +453,18 @@ pub struct Provenance {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct LogOrigin {
+    /// Name of the file.
     pub file: String,
     /// `identification` or `validation`.
     pub role: String,
+    /// Size of the file [bytes].
     pub bytes: u64,
     /// SHA-256 of the file as it was sent, in hexadecimal.
     pub sha256: String,
 }
 
 impl LogDocument {
+    /// Converts the core's report on a log; `role` is `identification` or `validation`.
     pub fn new(report: &LogReport, role: &str, choices: &[crate::preparation::Choice]) -> Self {
         let finding = |f: &crate::formats::logs::Finding| FindingDocument {
             code: f.kind.code().into(),

@@ -16,11 +16,15 @@ use serde_json::Value;
 /// A checked request.
 #[derive(Debug, Clone)]
 pub struct IdentifyRequest {
+    /// The robot whose parameters are estimated.
     pub robot: Robot,
     /// What a user should know about how the robot was read.
     pub notes: Vec<String>,
+    /// Columns of the log and their conversion to SI units.
     pub columns: Columns,
+    /// Averaging, derivatives and filters.
     pub preprocess: PreprocessOptions,
+    /// Ordinary, weighted or robust least squares.
     pub estimator: Estimator,
     /// One constant torque per joint, estimated with the rest.
     pub offset: bool,
@@ -28,7 +32,7 @@ pub struct IdentifyRequest {
     pub feasible: Option<FeasibleOptions>,
     /// Points of every prediction series in the answer; 0 for none.
     pub prediction_points: usize,
-    /// Whether what is left over is to be traced.
+    /// Whether the residual is diagnosed.
     pub trace: bool,
     /// The request as it was made.
     pub document: Value,
@@ -200,7 +204,7 @@ fn read_filter(cursor: &Cursor) -> Option<FilterSpec> {
 }
 
 fn read_feasible(fields: &Fields, robot: Option<&Robot>) -> Option<FeasibleOptions> {
-    let mut options = robot.map(FeasibleOptions::of).unwrap_or_default();
+    let mut options = robot.map(FeasibleOptions::for_robot).unwrap_or_default();
     let Some(part) = fields.nullable("feasible").and_then(|c| c.fields_of::<requests::Feasible>()) else {
         return Some(options);
     };

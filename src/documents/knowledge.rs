@@ -21,7 +21,9 @@ pub const MOST_GIVEN: usize = 100;
 /// An identified model with its robot.
 #[derive(Debug, Clone)]
 pub struct DesignModel {
+    /// The robot of the model.
     pub robot: Robot,
+    /// The model with its effects, and the covariance of its base parameters.
     pub read: ReadModel,
 }
 

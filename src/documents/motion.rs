@@ -16,8 +16,11 @@ const USUAL_SAMPLES: u64 = 1_000;
 /// A checked request.
 #[derive(Debug, Clone)]
 pub struct MotionRequest {
+    /// The robot that is drawn.
     pub robot: RobotDocument,
+    /// The trajectory; nothing to draw the robot at rest only.
     pub series: Option<FourierSeries>,
+    /// Number of samples over one period.
     pub samples: usize,
 }
 
@@ -25,10 +28,13 @@ pub struct MotionRequest {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Motion))]
 pub struct MotionDocument {
+    /// Name of the robot.
     pub robot: String,
     /// In the base frame [m/s²].
     pub gravity: [f64; 3],
+    /// The joints from the base on.
     pub joints: Vec<DrawnJoint>,
+    /// The sampled motion; null without a trajectory.
     pub motion: Option<SampledMotion>,
     /// Capsules that self-collision and obstacles are checked with, in the frames of the joints.
     pub shape: Vec<DrawnCapsule>,
@@ -44,6 +50,7 @@ pub struct MotionDocument {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct DrawnJoint {
+    /// Name of the joint.
     pub name: String,
     /// `revolute` or `prismatic`.
     pub kind: &'static str,
@@ -53,13 +60,20 @@ pub struct DrawnJoint {
     pub translation: [f64; 3],
     /// Rotation from this frame to the link frame of the robot's description, in which link parameters are given.
     pub description_frame: [[f64; 3]; 3],
+    /// Least and largest position, in `position_unit`; null without a limit.
     pub position_limits: Option<[f64; 2]>,
+    /// Largest speed [rad/s or m/s]; null without a limit.
     pub velocity_limit: Option<f64>,
+    /// Largest acceleration [rad/s² or m/s²]; null without a limit.
     pub acceleration_limit: Option<f64>,
+    /// Largest jerk [rad/s³ or m/s³]; null without a limit.
     pub jerk_limit: Option<f64>,
+    /// Largest torque or force, in `effort_unit`; null without a limit.
     pub effort_limit: Option<f64>,
+    /// `rad` for a revolute joint, `m` for a prismatic one.
     #[cfg_attr(feature = "service", schema(example = "rad"))]
     pub position_unit: &'static str,
+    /// `N m` for a revolute joint, `N` for a prismatic one.
     #[cfg_attr(feature = "service", schema(example = "N m"))]
     pub effort_unit: &'static str,
     /// What was known of the link beforehand, in this frame.
@@ -98,10 +112,13 @@ pub struct DrawnLink {
 pub struct SampledMotion {
     /// (s)
     pub time: Vec<f64>,
+    /// Positions `q[i][k]` of joint i at sample k [rad or m].
     pub q: Vec<Vec<f64>>,
+    /// Velocities `qd[i][k]` [rad/s or m/s].
     pub qd: Vec<Vec<f64>>,
+    /// Accelerations `qdd[i][k]` [rad/s² or m/s²].
     pub qdd: Vec<Vec<f64>>,
-    /// Expected torque from the robot's prior parameters; null where a link has none.
+    /// Expected torque `torque[i][k]` from the robot's prior parameters [N m or N]; null where a link has none.
     pub torque: Option<Vec<Vec<f64>>>,
     /// Origin of the last frame in the base frame (m), per sample.
     pub end: Vec<[f64; 3]>,

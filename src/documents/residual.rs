@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct ResidualDocument {
     /// The verdict and its scope in sentences.
     pub summary: String,
+    /// The conclusion as a code.
     pub verdict: VerdictCode,
     /// Per joint: standard deviation of one measurement [N m or N]; null for a joint without rows.
     pub noise_floor: Vec<Option<f64>>,
@@ -21,12 +22,15 @@ pub struct ResidualDocument {
     pub lack_of_fit: Vec<LackOfFit>,
     /// Of the model with the effects.
     pub lack_of_fit_after: Vec<LackOfFit>,
+    /// The declared model and the final one on data that fitted neither.
     pub held_out: HeldOutDocument,
+    /// Faults of the recording, such as a wrong sign of a torque; empty without any.
     pub data_faults: Vec<DataFaultDocument>,
     /// Those in the model first.
     pub findings: Vec<EffectFinding>,
+    /// What no effect explains; null if nothing is left above the noise.
     pub remainder: Option<RemainderDocument>,
-    /// Offsets and rotor inertias that were looked for and not found, with the sizes that the data leave them.
+    /// Offsets and rotor inertias that were tested and not found, with estimate and standard deviation.
     pub undetected: Vec<UndetectedEffect>,
     /// Whether the model explains no more of the torques than a constant per joint; no effect is looked for then.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -76,7 +80,9 @@ impl VerdictCode {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = EvaluatedFigure))]
 #[serde(untagged)]
 pub enum EvaluatedFigure {
+    /// The figure; null if it is not finite.
     Value(Option<f64>),
+    /// The figure was not computed.
     NotEvaluated(NotEvaluated),
 }
 
@@ -85,6 +91,7 @@ pub enum EvaluatedFigure {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum NotEvaluated {
+    /// The text `not_evaluated`.
     NotEvaluated,
 }
 
@@ -109,10 +116,13 @@ impl Default for EvaluatedFigure {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct LackOfFit {
+    /// Name of the joint.
     pub joint: String,
     /// Mean square of the whitened residual over its expectation under noise alone; F distributed with `degrees_of_freedom` where only noise is left.
     pub statistic: Option<f64>,
+    /// Probability of a statistic at least as large if only noise is left, from 0 to 1.
     pub p_value: Option<f64>,
+    /// Degrees of freedom of numerator and denominator; null if infinite.
     pub degrees_of_freedom: [Option<f64>; 2],
     /// RMS of the residual of the mean over the periods [N m or N].
     pub residual_rms: Option<f64>,
@@ -125,6 +135,7 @@ pub struct LackOfFit {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct RmsPerJoint {
+    /// Over all identification logs together, one entry per joint.
     pub identification: Vec<Option<f64>>,
     /// Over all held-out logs together; empty where there is none.
     pub held_out: Vec<Option<f64>>,
@@ -137,7 +148,9 @@ pub struct RmsPerJoint {
 pub struct RestErrors {
     /// Time at rest in the identification logs, per joint (s).
     pub seconds: Vec<Option<f64>>,
+    /// Errors of the declared model.
     pub rms_before: RmsPerJoint,
+    /// Errors of the model with the effects.
     pub rms_after: RmsPerJoint,
 }
 
@@ -146,9 +159,13 @@ pub struct RestErrors {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ChangeCode {
+    /// The error fell beyond chance.
     Better,
+    /// No change beyond chance.
     Same,
+    /// The error rose beyond chance.
     Worse,
+    /// There are no held-out data for a test.
     #[default]
     NotTested,
 }
@@ -172,6 +189,7 @@ impl ChangeCode {
 pub enum HeldOutCode {
     /// The error fell beyond chance.
     Confirmed,
+    /// The error did not fall beyond chance.
     NotConfirmed,
     /// No effect is in the model.
     #[default]
@@ -194,11 +212,13 @@ impl HeldOutCode {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = HeldOut))]
 #[serde(default)]
 pub struct HeldOutDocument {
+    /// The conclusion over all joints.
     pub verdict: HeldOutCode,
     /// Which data were held out, and how far that can be trusted.
     pub source: String,
     /// Chance of a change as large of the error over all joints.
     pub p_value: EvaluatedFigure,
+    /// One entry per joint.
     pub joints: Vec<HeldOutJoint>,
 }
 
@@ -207,6 +227,7 @@ pub struct HeldOutDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct HeldOutJoint {
+    /// Name of the joint.
     pub joint: String,
     /// Of the declared model.
     pub before: Option<f64>,
@@ -214,7 +235,9 @@ pub struct HeldOutJoint {
     pub after: Option<f64>,
     /// Of the noise alone.
     pub floor: Option<f64>,
+    /// Whether the error changed beyond chance.
     pub change: ChangeCode,
+    /// Probability of a change at least as large by chance, from 0 to 1; null if not tested.
     pub p_value: Option<f64>,
 }
 
@@ -240,10 +263,14 @@ pub struct DataFaultDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct EffectParameter {
+    /// Name of the parameter.
     #[cfg_attr(feature = "service", schema(example = "amplitude"))]
     pub name: String,
+    /// Estimate, in `unit`; null if the data do not determine it.
     pub value: Option<f64>,
+    /// Unit of the value; empty for pure numbers.
     pub unit: String,
+    /// Standard deviation of the estimate, in `unit`.
     pub std_dev: Option<f64>,
 }
 
@@ -252,12 +279,15 @@ pub struct EffectParameter {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct EffectFinding {
+    /// Code of the effect, or `law` for a formula.
     #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// The formula of a `law`, whose constants are in `parameters`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<LawDocument>,
+    /// Estimated parameters with units and standard deviations.
     pub parameters: Vec<EffectParameter>,
     /// What was found, with its figures.
     pub sentence: String,
@@ -265,8 +295,11 @@ pub struct EffectFinding {
     pub against: Against,
     /// Errors without the effect, with those accepted before it.
     pub rms_before: RmsPerJoint,
+    /// Errors with the effect.
     pub rms_after: RmsPerJoint,
+    /// Why the effect is believed, from the data that were fitted.
     pub evidence: FindingEvidence,
+    /// The same on data that were not fitted.
     pub held_out: FindingHeldOut,
     /// Whether the effect is a part of the model that is handed out.
     pub in_model: bool,
@@ -275,6 +308,7 @@ pub struct EffectFinding {
     /// Under which changes of the data the effect is still there; those that the data allow.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub survivals: Vec<SurvivalDocument>,
+    /// A caution about the finding; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -284,6 +318,7 @@ pub struct EffectFinding {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct Against {
+    /// Name of the joint whose variable it is; null for time.
     pub joint: Option<String>,
     /// `q`, `qd`, `qdd`, `tau` or `time`.
     pub variable: String,
@@ -311,9 +346,13 @@ pub struct FindingEvidence {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct FindingHeldOut {
+    /// Root mean square error without the effect.
     pub before: EvaluatedFigure,
+    /// Root mean square error with the effect.
     pub after: EvaluatedFigure,
+    /// Whether the error changed beyond chance.
     pub change: ChangeCode,
+    /// Probability of a change at least as large by chance, from 0 to 1.
     pub p_value: EvaluatedFigure,
 }
 
@@ -322,7 +361,9 @@ pub struct FindingHeldOut {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Rival))]
 #[serde(default)]
 pub struct RivalDocument {
+    /// Code of the other effect.
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// BIC difference in favour of the finding; below zero the rival fits better.
     pub evidence: Option<f64>,
@@ -358,9 +399,13 @@ pub struct LawDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct CoveredRange {
+    /// The variable, such as `q4`.
     pub variable: String,
+    /// Least value, in `unit`.
     pub low: f64,
+    /// Largest value, in `unit`.
     pub high: f64,
+    /// Unit of the variable.
     pub unit: String,
 }
 
@@ -369,7 +414,9 @@ pub struct CoveredRange {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct LawTorque {
+    /// Name of the joint.
     pub joint: String,
+    /// The formula in symbols, in SI units.
     pub expression: String,
 }
 
@@ -413,7 +460,9 @@ impl LawDocument {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Survival))]
 pub struct SurvivalDocument {
+    /// The change of the data.
     pub perturbation: PerturbationCode,
+    /// Whether the effect is still found after it.
     pub survives: bool,
 }
 
@@ -422,11 +471,17 @@ pub struct SurvivalDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Perturbation))]
 #[serde(rename_all = "snake_case")]
 pub enum PerturbationCode {
+    /// Torques are rounded to six digits.
     SixDigits,
+    /// Every second row is left out.
     EverySecondRow,
+    /// Only the first half of the rows, or of the periods, is used.
     FirstHalf,
+    /// Only the second half of the rows, or of the periods, is used.
     SecondHalf,
+    /// The cut-off frequency of the row filter is a quarter lower.
     LowerCutoff,
+    /// The cut-off frequency of the row filter is a quarter higher.
     HigherCutoff,
 }
 
@@ -435,6 +490,7 @@ pub enum PerturbationCode {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Remainder))]
 #[serde(default)]
 pub struct RemainderDocument {
+    /// Names of the joints that it is left on.
     pub joints: Vec<String>,
     /// `q2`, `qd4`, `load3`, `time` for a drift over the log, `period` for another level in every period; strongest first.
     pub depends_on: Vec<String>,
@@ -442,7 +498,9 @@ pub struct RemainderDocument {
     pub predicted_share: Option<f64>,
     /// RMS above the noise, per joint of `joints` [N m or N].
     pub rms: Vec<Option<f64>>,
+    /// Remark of the test that found it; `sentence` is what people read.
     pub note: String,
+    /// What is left, with its figures.
     pub sentence: String,
 }
 
@@ -451,8 +509,11 @@ pub struct RemainderDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct UndetectedEffect {
+    /// Code of the effect.
     pub effect: String,
+    /// Name of the joint.
     pub joint: String,
+    /// Estimate and standard deviation of its size.
     pub parameter: EffectParameter,
     /// Whether the model has it all the same, as a nuisance offset.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -464,6 +525,8 @@ pub struct UndetectedEffect {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct UntestedJoint {
+    /// Name of the joint.
     pub joint: String,
+    /// Why no effect was looked for on it.
     pub reason: String,
 }

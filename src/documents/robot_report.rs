@@ -9,6 +9,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = RobotReport))]
 pub struct RobotReport {
+    /// Name of the robot.
     pub robot: String,
     /// In the base frame [m/s²].
     pub gravity: [f64; 3],
@@ -26,6 +27,7 @@ pub struct RobotReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct ReportedJoint {
+    /// Name of the joint.
     pub name: String,
     /// `revolute` or `prismatic`.
     pub kind: &'static str,
@@ -33,12 +35,18 @@ pub struct ReportedJoint {
     pub link: String,
     /// Null: no limit is known.
     pub position: Option<[f64; 2]>,
+    /// Largest speed [rad/s or m/s]; null without a limit.
     pub velocity: Option<f64>,
+    /// Largest acceleration [rad/s² or m/s²]; null without a limit.
     pub acceleration: Option<f64>,
+    /// Largest jerk [rad/s³ or m/s³]; null without a limit.
     pub jerk: Option<f64>,
+    /// Largest torque or force, in `effort_unit`; null without a limit.
     pub effort: Option<f64>,
+    /// `rad` for a revolute joint, `m` for a prismatic one.
     #[cfg_attr(feature = "service", schema(example = "rad"))]
     pub position_unit: &'static str,
+    /// `N m` for a revolute joint, `N` for a prismatic one.
     #[cfg_attr(feature = "service", schema(example = "N m"))]
     pub effort_unit: &'static str,
     /// (kg); null where the link has no prior.
@@ -50,7 +58,8 @@ pub struct ReportedJoint {
 }
 
 impl RobotReport {
-    pub fn of(read: &RobotDocument) -> Self {
+    /// Lists the joints and limits as they were read, with notes on what was left out.
+    pub fn from_document(read: &RobotDocument) -> Self {
         let robot: &Robot = &read.robot;
         let masses: Option<Vec<f64>> = robot.joints().iter().map(|j| Some(j.prior?.inertia.mass)).collect();
         Self {

@@ -24,8 +24,11 @@ pub struct ValidateRequest {
     pub notes: Vec<String>,
     /// Constant torque of every joint.
     pub offsets: Option<Vec<f64>>,
+    /// Columns of the log and their conversion to SI units.
     pub columns: Columns,
+    /// Averaging, derivatives and filters.
     pub preprocess: PreprocessOptions,
+    /// Points of measured and predicted torque per joint in the answer; none if zero.
     pub prediction_points: usize,
     /// Base parameters and effects of the model, and how well they are known, where it says so.
     pub augmented: Option<(AugmentedModel, Prior)>,
@@ -126,12 +129,17 @@ fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Validation))]
 pub struct ValidateDocument {
+    /// Name of the robot.
     pub robot: String,
+    /// Names of the joints; every array per joint has this order.
     pub joints: Vec<String>,
     /// Codes of the effects that the model has beside its bodies, and their joints.
     pub effects: Vec<ModelEffect>,
+    /// Errors of the model on every log.
     pub logs: Vec<ValidatedLog>,
+    /// What was found in every log file, and how it was prepared.
     pub log_report: Vec<LogDocument>,
+    /// Measured and predicted torques, thinned to `prediction_points`; empty if none were asked for.
     pub predictions: Vec<PredictionDocument>,
     /// Why there are no predictions although they were asked for; all else is complete without them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -147,14 +155,18 @@ pub struct ValidateDocument {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct ModelEffect {
+    /// Code of the effect.
     #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
 }
 
+/// Errors of the model on one log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct ValidatedLog {
+    /// Name of the log file.
     pub name: String,
     /// Of the bodies with the effects of the model.
     #[serde(flatten)]

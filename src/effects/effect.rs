@@ -150,7 +150,7 @@ pub struct Travel {
     pub high: f64,
 }
 
-/// What a reader is told about an effect.
+/// Description of an effect for readers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct About {
     /// What it is, in words.

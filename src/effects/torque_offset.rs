@@ -14,7 +14,7 @@ impl Effect for TorqueOffset {
     fn about(&self) -> About {
         About {
             meaning: "a constant torque: zero of the torque sensor or of the current, or a Coulomb level that differs between directions",
-            identifiable: "always, as soon as the joint moves; a joint spring with the same mean torque needs travel to be told from it",
+            identifiable: "always, as soon as the joint moves; a joint spring with the same mean torque needs travel to be distinguished from it",
             rivals: &["joint_spring", "base_tilt", "asymmetric_viscous_friction", "external_contact"],
             source: "Janot, Gautier, Brunot 2019 (EMPS); Khalil & Dombre 2004, section 12.3",
         }

@@ -156,14 +156,14 @@ pub struct Criteria {
     pub a_optimality: f64,
     /// `sqrt(tr(M⁻¹ C)/n)`
     pub i_optimality: f64,
-    /// Least expected evidence between two rivals, where there are two: the larger the better.
+    /// Least expected BIC difference between two rivals, where there are two: the larger the better.
     pub rival_evidence: Option<f64>,
 }
 
 impl Criteria {
     /// From the observation matrix Y_b (rows × b), the same with every row over its joint's noise, and the mean of `Y_bᵀ Y_b` over
     /// the workspace; by singular values of the triangular factor.
-    pub fn of(y_b: &DMatrix<f64>, whitened: &DMatrix<f64>, workspace: &DMatrix<f64>, joints: usize) -> Self {
+    pub fn from_regressor(y_b: &DMatrix<f64>, whitened: &DMatrix<f64>, workspace: &DMatrix<f64>, joints: usize) -> Self {
         if ![y_b, whitened, workspace].into_iter().all(is_finite) {
             return Self {
                 condition_number: f64::INFINITY,

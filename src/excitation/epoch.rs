@@ -60,7 +60,7 @@ impl Epoch {
     }
 
     pub fn of_champions(variables: &Variables, champions: &[Point]) -> Self {
-        Self::from_pool(Pool::of(variables, champions.iter().cloned()), 0)
+        Self::from_pool(Pool::from_points(variables, champions.iter().cloned()), 0)
     }
 
     fn from_pool(pool: Pool, starts_left: usize) -> Self {

@@ -1,7 +1,7 @@
 //! The best points found, one of each niche.
 //!
 //! Local solves end a percent or two above their local minimum, and one minimum is reached again and again: by value alone a pool fills
-//! with copies of one basin within ten rounds, and exchange between its points then leads nowhere. Points are told apart by distance.
+//! with copies of one basin within ten rounds, and exchange between its points then leads nowhere. Points are distinguished by distance.
 
 use super::variables::Variables;
 
@@ -27,7 +27,7 @@ const RADIUS: f64 = 0.25;
 pub(super) struct Pool(Vec<Point>);
 
 impl Pool {
-    pub fn of(variables: &Variables, points: impl IntoIterator<Item = Point>) -> Self {
+    pub fn from_points(variables: &Variables, points: impl IntoIterator<Item = Point>) -> Self {
         let mut pool = Self::default();
         pool.merge(variables, points);
         pool

@@ -25,7 +25,7 @@ pub(super) struct Postures {
 }
 
 impl Postures {
-    pub fn of(problem: &Problem) -> Self {
+    pub fn for_problem(problem: &Problem) -> Self {
         let joints = problem.robot().joints();
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let all: Vec<Vec<f64>> = (0..POSTURES)

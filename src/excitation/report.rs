@@ -76,7 +76,7 @@ pub struct Design {
     pub criteria: Option<Criteria>,
     /// Deviations that a recording is expected to give; `None` without torque noise.
     pub predicted: Option<Predicted>,
-    /// How well two rivals are told apart, where there are two.
+    /// How well two rivals can be distinguished, where there are two.
     pub rivals: Option<RivalReport>,
     /// What is left to every limit.
     pub margins: Vec<Margin>,
@@ -149,7 +149,7 @@ pub fn assess(problem: &Problem, series: &FourierSeries) -> (Criteria, Predicted
     let workspace = workspace_gram(problem).select_rows(&model).select_columns(&model);
     // With earlier data the rows of one trajectory are a part only: its condition is that of all that is known, by its noise.
     let plain = if problem.given().is_some() { &whitened } else { &rows };
-    let mut criteria = Criteria::of(plain, &whitened, &workspace, problem.robot().joint_count());
+    let mut criteria = Criteria::from_regressor(plain, &whitened, &workspace, problem.robot().joint_count());
     criteria.rival_evidence = rival_report(problem, series).map(|r| r.designed.least());
     let (std_dev, of_effects) = expected_accuracies(problem, &all);
     let prior = problem

@@ -28,7 +28,7 @@ const SAMPLES: usize = 64;
 const EQUAL: f64 = 1e-10;
 
 impl Symmetries {
-    pub fn of(problem: &Problem, variables: &Variables) -> Self {
+    pub fn for_problem(problem: &Problem, variables: &Variables) -> Self {
         let joints = problem.robot().joint_count();
         let mut evaluator = Evaluator::new(problem, variables, SAMPLES.min(problem.samples()));
         let x = random_start(variables, &mut random_numbers(0, 0, 0));

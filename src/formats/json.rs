@@ -13,7 +13,9 @@ pub(crate) const MOST_FINDINGS: usize = 100;
 /// A document, and what was wrong with its numbers and names already.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parsed {
+    /// The document, with null in the place of what is no number.
     pub value: Value,
+    /// Numbers that are not finite, each with its pointer.
     pub problems: Vec<FieldProblem>,
 }
 
@@ -21,7 +23,9 @@ pub struct Parsed {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{detail}")]
 pub struct Malformed {
+    /// What is wrong, with line and column.
     pub detail: String,
+    /// What to do about it, where it is known.
     pub hint: Option<String>,
 }
 

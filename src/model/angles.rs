@@ -81,7 +81,7 @@ impl Rounding {
         }
     }
 
-    /// A length (m): what is below a micrometre is what a conversion left over.
+    /// A length (m): what is below a micrometre is an error of conversion.
     pub fn length(self, name: &str, written: f64) -> (f64, Option<String>) {
         let is_zero = self == Self::Meant && written.abs() < NO_LENGTH;
         let read = if is_zero { 0.0 } else { written };
@@ -120,7 +120,7 @@ fn three(each: [(f64, Option<String>); 3]) -> (Vector3<f64>, Vec<String>) {
     (read, each.into_iter().filter_map(|e| e.1).collect())
 }
 
-/// A unit vector with components that conversions left over taken out.
+/// A unit vector without the components that are errors of conversion.
 fn exact_axis(axis: Vector3<f64>) -> Vector3<f64> {
     axis.map(|v| if v.abs() < NEAR { 0.0 } else { v }).normalize()
 }

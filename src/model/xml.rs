@@ -27,7 +27,7 @@ impl XmlText {
     /// Too deep, too many elements or attributes, a document type with declarations of its own.
     pub fn new(xml: &str, field: &'static str, notes: &mut Notes) -> Result<Self, ModelError> {
         let xml = xml.trim_start_matches('\u{feff}');
-        let scan = Scan::of(xml, field)?;
+        let scan = Scan::from_text(xml, field)?;
         for prefix in scan.unbound() {
             notes.push(format!(
                 "the file does not declare the XML prefix `{prefix}`: it is read as if it did"
@@ -103,7 +103,7 @@ struct Scan {
 }
 
 impl Scan {
-    fn of(xml: &str, field: &'static str) -> Result<Self, ModelError> {
+    fn from_text(xml: &str, field: &'static str) -> Result<Self, ModelError> {
         let mut reader = Reader::from_str(xml);
         reader.config_mut().check_end_names = false;
         let (mut scan, mut depth) = (Self::default(), 0usize);

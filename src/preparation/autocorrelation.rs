@@ -22,7 +22,7 @@ pub(crate) fn moments(q: &[f64]) -> (f64, f64) {
 pub(crate) fn lag_difference(log: &Log, cancel: &CancelFlag) -> Option<Vec<f64>> {
     let n = log.samples();
     let lags = n.min(3 * n / 4 + 5);
-    let moving: Vec<Moving> = log.q.par_iter().filter_map(|q| Moving::of(q)).collect();
+    let moving: Vec<Moving> = log.q.par_iter().filter_map(|q| Moving::from_positions(q)).collect();
     if moving.is_empty() {
         return None;
     }
@@ -66,7 +66,7 @@ struct Moving<'a> {
 }
 
 impl<'a> Moving<'a> {
-    fn of(q: &'a [f64]) -> Option<Self> {
+    fn from_positions(q: &'a [f64]) -> Option<Self> {
         let (mean, variance) = moments(q);
         (variance >= NO_MOTION * NO_MOTION).then(|| Self {
             q,

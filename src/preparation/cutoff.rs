@@ -26,7 +26,7 @@ const LEAST_HZ: f64 = 2.0;
 pub fn signal_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
     let of = |q: &Vec<f64>| {
         cancel.leave_if_set();
-        Lines::of(q, log.rate_hz)
+        Lines::from_positions(q, log.rate_hz)
     };
     let lines: Vec<Lines> = log.q.iter().map(of).collect();
     let highest = lines.iter().map(Lines::highest).fold(0.0, f64::max);
@@ -48,7 +48,7 @@ struct Lines {
 }
 
 impl Lines {
-    fn of(q: &[f64], rate_hz: f64) -> Self {
+    fn from_positions(q: &[f64], rate_hz: f64) -> Self {
         let n = q.len();
         let slope = (q[n - 1] - q[0]) / (n - 1) as f64;
         // Without ends of different height, and faded in and out: else the jump from end to start fills all lines.

@@ -191,7 +191,7 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
         .map(|j| {
             let range = extreme(j, Motion::positions, false) - extreme(j, Motion::positions, true);
             let speed = extreme(j, Motion::velocities, false).max(-extreme(j, Motion::velocities, true));
-            // Rows, not samples, limit what can be told apart where a filter thins them out.
+            // Rows, not samples, limit what can be distinguished where a filter thins them out.
             let thinned = stretches[0].motion.samples() as f64 / stretches[0].rows().max(1) as f64;
             Span {
                 range,

@@ -124,7 +124,7 @@ impl Fitted {
 
     /// Inverse covariance of [`AugmentedModel::vector`]; zero along what the data leave open.
     pub fn information(&self) -> DMatrix<f64> {
-        let from = Reduction::of(&self.base, &self.model);
+        let from = Reduction::from_model(&self.base, &self.model);
         let covariance = &self.estimate.covariance;
         let information = pseudo_inverse(covariance, SETTINGS.rank_tolerance);
         from.down.tr_mul(&(information * &from.down))
@@ -140,7 +140,7 @@ pub(crate) struct Reduction {
 }
 
 impl Reduction {
-    fn of(base: &BaseParameters, model: &AugmentedModel) -> Self {
+    fn from_model(base: &BaseParameters, model: &AugmentedModel) -> Self {
         let all = model.values.len();
         let effects = model.parameters() - all;
         let bordered = |corner: DMatrix<f64>| {
@@ -205,7 +205,7 @@ fn alike_noise(data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
 /// The estimate of a system that has been fitted.
 pub(crate) fn fitted(data: &Data, system: &System) -> Fitted {
     let base = reported_base(&system.model);
-    let reduction = Reduction::of(&base, &system.model);
+    let reduction = Reduction::from_model(&base, &system.model);
     let at = system.model.vector();
     let normals: Vec<JointNormal> = (0..data.noise.len())
         .map(|j| joint_normal(data, system, j, &at, &reduction))

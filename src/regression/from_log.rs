@@ -89,11 +89,11 @@ impl Stretch {
             periods = (0..p.count).map(rows).collect();
             starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
         }
-        Self::of(prepared, periods, starts)
+        Self::from_periods(prepared, periods, starts)
     }
 
     /// From a prepared log with the torques of its periods, if it has any.
-    pub(crate) fn of(prepared: &PreparedLog, periods: Vec<Vec<Vec<f64>>>, starts: Vec<f64>) -> Self {
+    pub(crate) fn from_periods(prepared: &PreparedLog, periods: Vec<Vec<Vec<f64>>>, starts: Vec<f64>) -> Self {
         let n = prepared.samples();
         let filter = prepared.row_filter.clone();
         let sound: Vec<Vec<bool>> = (0..prepared.joints()).map(|j| usable_rows(prepared, j)).collect();

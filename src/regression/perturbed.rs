@@ -80,7 +80,7 @@ impl Stretch {
         prepared.row_filter.columns = Some(filter);
         let step = prepared.row_filter.decimation as f64 / factor;
         prepared.row_filter.decimation = step.round().max(1.0) as usize;
-        let fine = Self::of(&prepared, Vec::new(), self.starts.clone());
+        let fine = Self::from_periods(&prepared, Vec::new(), self.starts.clone());
         let coarse = coarse_filter(&prepared.row_filter).map(|(first, step, filter)| fine.thinned(first, step, filter));
         Some(Self { coarse, ..fine })
     }

@@ -42,7 +42,7 @@ pub struct Settings {
     pub explained_rounding: f64,
     /// A hundredth of the standard deviations, squared: what is reported is known so much better than the noise allows.
     pub settled_to_report: f64,
-    /// Effects are told apart by evidences that differ by several units: a hundredth of one is nothing beside them.
+    /// Effects are distinguished by BIC differences of several units: a hundredth of one is nothing beside them.
     pub settled_to_compare: f64,
     /// Reweighted linear columns settle in 3 to 5 steps, distortions of any sensible size in fewer than 10.
     pub gauss_newton_steps: usize,

@@ -26,11 +26,11 @@ impl Solution {
     pub fn new(normals: &[JointNormal], columns: usize) -> Self {
         let (mut gram, mut moment) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
         normals.iter().for_each(|normal| normal.add_to(&mut gram, &mut moment));
-        Self::of(gram, moment)
+        Self::from_gram(gram, moment)
     }
 
     /// Solves `gram θ = moment` in the directions that the data determine.
-    pub fn of(gram: DMatrix<f64>, moment: DVector<f64>) -> Self {
+    pub fn from_gram(gram: DMatrix<f64>, moment: DVector<f64>) -> Self {
         let p = moment.len();
         let scale = DVector::from_fn(p, |c, _| gram[(c, c)].max(0.0).sqrt());
         // A column of zeros keeps its place and turns up as a null direction of its own.

@@ -92,41 +92,41 @@ mod tests {
         }
     }
 
-    /// Work that goes on until it is told to end, and tells when it began and ended.
-    fn endless(told: mpsc::Sender<&'static str>) -> impl FnOnce(&CancelFlag) -> Result<(), Error> + Send + 'static {
+    /// Work that goes on until it is cancelled, and reports when it began and ended.
+    fn endless(events: mpsc::Sender<&'static str>) -> impl FnOnce(&CancelFlag) -> Result<(), Error> + Send + 'static {
         move |cancel| {
-            told.send("begun").unwrap();
+            events.send("begun").unwrap();
             while !cancel.is_cancelled() {
                 std::thread::sleep(Duration::from_millis(1));
             }
-            told.send("ended").unwrap();
+            events.send("ended").unwrap();
             go_on(cancel)
         }
     }
 
-    fn next(told: &mpsc::Receiver<&'static str>) -> &'static str {
-        told.recv_timeout(Duration::from_secs(20)).expect("told in time")
+    fn next(events: &mpsc::Receiver<&'static str>) -> &'static str {
+        events.recv_timeout(Duration::from_secs(20)).expect("events in time")
     }
 
     #[tokio::test(flavor = "multi_thread")]
     async fn work_ends_when_its_client_leaves() {
         let service = Service::open(Config::default()).await.unwrap();
-        let (tell, told) = mpsc::channel();
+        let (tell, events) = mpsc::channel();
         assert!(
             timeout(Duration::from_millis(50), service.blocking(endless(tell)))
                 .await
                 .is_err()
         );
-        assert_eq!((next(&told), next(&told)), ("begun", "ended"));
+        assert_eq!((next(&events), next(&events)), ("begun", "ended"));
     }
 
     #[tokio::test(flavor = "multi_thread")]
     async fn work_ends_when_the_server_stops() {
         let service = Service::open(Config::default()).await.unwrap();
-        let (tell, told) = mpsc::channel();
+        let (tell, events) = mpsc::channel();
         let other = service.clone();
         let working = tokio::spawn(async move { other.blocking(endless(tell)).await });
-        assert_eq!(next(&told), "begun");
+        assert_eq!(next(&events), "begun");
         service.close();
         assert_eq!(working.await.unwrap().unwrap_err().code, Code::ShuttingDown);
     }
@@ -134,15 +134,15 @@ mod tests {
     #[tokio::test(flavor = "multi_thread")]
     async fn no_more_than_the_places_work_at_the_same_time() {
         let service = Service::open(Config::default()).await.unwrap();
-        let (tell, told) = mpsc::channel();
+        let (tell, events) = mpsc::channel();
         let start = || {
             let (service, tell) = (service.clone(), tell.clone());
             tokio::spawn(async move { service.blocking(endless(tell)).await })
         };
         let all: Vec<_> = (0..=places()).map(|_| start()).collect();
-        (0..places()).for_each(|_| assert_eq!(next(&told), "begun"));
+        (0..places()).for_each(|_| assert_eq!(next(&events), "begun"));
         sleep(Duration::from_millis(50)).await;
-        assert!(told.try_recv().is_err(), "one more than there are places has begun");
+        assert!(events.try_recv().is_err(), "one more than there are places has begun");
         service.close();
         for one in all {
             assert!(one.await.unwrap().is_err());

@@ -61,7 +61,7 @@ pub fn robot_inside(request: &Value) -> Option<&str> {
 
 impl Known {
     /// Looks up what `request` names, as far as `access` sees it.
-    pub async fn of(request: &Value, service: &Service, access: &Access) -> Result<Self, Error> {
+    pub async fn for_request(request: &Value, service: &Service, access: &Access) -> Result<Self, Error> {
         let mut known = Self {
             names: service.robot_names(access).await?,
             ..Self::default()

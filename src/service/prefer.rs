@@ -5,7 +5,7 @@ use axum::http::{HeaderMap, request::Parts};
 use std::convert::Infallible;
 use std::time::Duration;
 
-/// How long the client would wait for the result rather than be told where it will be.
+/// How long the client would wait for the result rather than get its address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PreferWait(pub Option<Duration>);
 

@@ -1,7 +1,7 @@
 //! News of a running job, from the threads of the child that does it to the task that writes it down.
 
 use super::child::Advance;
-use super::work::Told;
+use super::work::Notice;
 use crate::app::Step;
 use crate::documents::{StartDocument, criterion_name};
 use crate::excitation::Progress;
@@ -40,7 +40,7 @@ pub struct StepDocument {
 }
 
 impl ProgressDocument {
-    fn of(p: &Progress, elapsed: Duration) -> Self {
+    fn from_progress(p: &Progress, elapsed: Duration) -> Self {
         Self {
             criterion: criterion_name(p.criterion),
             best: p.best.is_finite().then_some(p.best),
@@ -49,12 +49,12 @@ impl ProgressDocument {
             evaluations: p.evaluations,
             rounds_finished: p.rounds_finished,
             elapsed_s: elapsed.as_secs_f64(),
-            ended: p.start.iter().map(StartDocument::of).collect(),
+            ended: p.start.iter().map(StartDocument::from_report).collect(),
         }
     }
 }
 
-/// What was told in a child since it was last asked for: the last of a search, with all starts that ended, and of an identification.
+/// News in a child since it was last asked for: the last of a search, with all starts that ended, and of an identification.
 #[derive(Default)]
 pub struct News {
     latest: Mutex<(Option<ProgressDocument>, Option<Value>)>,
@@ -71,20 +71,20 @@ impl News {
         }
     }
 
-    pub fn tell(&self, told: Told, elapsed: Duration) {
+    pub fn tell(&self, notice: Notice, elapsed: Duration) {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        match told {
-            Told::Search(p) => {
-                let mut news = ProgressDocument::of(&p, Duration::from_secs_f64(self.before.seconds) + elapsed);
+        match notice {
+            Notice::Search(p) => {
+                let mut news = ProgressDocument::from_progress(&p, Duration::from_secs_f64(self.before.seconds) + elapsed);
                 news.evaluations += self.before.evaluations;
                 if let Some(before) = latest.0.take() {
                     news.ended.splice(..0, before.ended);
                 }
                 latest.0 = Some(news);
             }
-            Told::Step(Step { what, done, of }) => latest.1 = Some(json!(StepDocument { what, done, of })),
+            Notice::Step(Step { what, done, of }) => latest.1 = Some(json!(StepDocument { what, done, of })),
             // The end of the work is no news of it.
-            Told::Result(_) => {}
+            Notice::Result(_) => {}
         }
     }
 
@@ -95,7 +95,7 @@ impl News {
     }
 }
 
-/// The same in the server: what children have told since it was last written down.
+/// The same in the server: news of children since it was last stored.
 #[derive(Default)]
 pub struct Latest(Mutex<(Option<Value>, Option<Value>)>);
 

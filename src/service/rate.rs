@@ -24,6 +24,7 @@ use tower_governor::{GovernorError, GovernorLayer};
 pub enum Client {
     /// By its id.
     Token(String),
+    /// By the address of the connection; nothing where it is unknown.
     Address(Option<IpAddr>),
 }
 

@@ -15,7 +15,7 @@ const BYTES_OF_ROW: usize = 2000;
 pub fn check(log: &LogFile, most: usize, cancel: &CancelFlag) -> Result<(), Error> {
     let refused = |e: LogError| Error::new(Code::InvalidLog, e.named(&log.name).to_string());
     let within = match rows_of(&log.path).map_err(refused)? {
-        // What is wrong with the compression itself is told by the reader, with more words.
+        // What is wrong with the compression itself is reported by the reader, in more detail.
         Rows::Lines(mut text) => within(&mut text, most, cancel).unwrap_or(true),
         Rows::Counted(rows) => rows <= most,
     };

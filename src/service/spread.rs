@@ -90,7 +90,7 @@ pub fn go_on(search: &mut ExcitationRequest, before: Advance) {
     search.search.options.seed ^= (before.lease as u64).wrapping_mul(EVERY_LIFE);
 }
 
-/// The best of several documents of one design; how the search ended is told by the first.
+/// The best of several documents of one design; how the search ended is that of the first.
 fn best_of(documents: Vec<Value>) -> Value {
     let reached = |d: &Value| {
         let minimised = d["criteria"]["minimised"].as_str()?;

@@ -28,7 +28,7 @@ struct Inner {
     metrics: Metrics,
     /// Ids of jobs that changed in this process. Those that changed elsewhere are found by looking.
     changes: broadcast::Sender<Arc<str>>,
-    /// Told when there is work.
+    /// Notified when there is work.
     work: Notify,
     /// Jobs that run here.
     running: Mutex<HashMap<String, CancelFlag>>,
@@ -62,7 +62,7 @@ impl Service {
             tracing::warn!(jobs = again, "jobs that the last process left unfinished are done again");
         }
         Ok(Self(Arc::new(Inner {
-            children: Children::new(Limits::of(&config)),
+            children: Children::new(Limits::from_config(&config)),
             config,
             folder,
             store,
@@ -77,14 +77,17 @@ impl Service {
         })))
     }
 
+    /// The settings that the server was started with.
     pub fn config(&self) -> &Config {
         &self.0.config
     }
 
+    /// The database.
     pub fn store(&self) -> &Store {
         &self.0.store
     }
 
+    /// The files of the data folder.
     pub fn files(&self) -> &Files {
         &self.0.files
     }
@@ -114,7 +117,7 @@ impl Service {
 
     /// Tells whoever follows the job.
     pub(super) fn changed(&self, id: &str) {
-        // Nobody follows: then nobody has to be told.
+        // Nobody follows: then nobody has to be notified.
         let _ = self.0.changes.send(id.into());
     }
 
@@ -142,6 +145,7 @@ impl Service {
         self.0.work.notify_waiters();
     }
 
+    /// Whether the server is shutting down and takes no more jobs.
     pub fn is_closing(&self) -> bool {
         self.0.closing.load(Ordering::SeqCst)
     }

@@ -73,7 +73,7 @@ impl Service {
         {
             return Ok(job);
         }
-        let known = Known::of(&asked.parsed.value, self, access).await?;
+        let known = Known::for_request(&asked.parsed.value, self, access).await?;
         let owner = known.owner().map(str::to_string);
         let input = Input {
             request: asked.parsed.value.clone(),
@@ -219,7 +219,7 @@ async fn changed(changes: &mut broadcast::Receiver<std::sync::Arc<str>>, id: &st
     }
 }
 
-/// A stored error, as it was told.
+/// A stored error, as it was reported.
 pub(super) fn stored_error(error: &Error) -> serde_json::Value {
     let problems: Vec<_> = error
         .errors

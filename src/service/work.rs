@@ -14,8 +14,11 @@ use serde_json::{Value, json};
 /// The three things that jobs do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Kind {
+    /// Search for an excitation trajectory.
     Excitation,
+    /// Identification from logs, with the residual diagnosis.
     Identification,
+    /// Errors of a given model on other logs.
     Validation,
 }
 
@@ -121,7 +124,7 @@ impl Request {
     }
 
     /// Reads the request of a stored job: it was found good before.
-    pub fn of(kind: Kind, input: &Input) -> Result<Self, Error> {
+    pub fn from_input(kind: Kind, input: &Input) -> Result<Self, Error> {
         let parsed = parse(input.request.to_string().as_bytes()).map_err(Error::from)?;
         Self::read(kind, &parsed, &input.known)
     }
@@ -141,22 +144,22 @@ impl Request {
         validation: &[LogFile],
         exchange: Option<&dyn Exchange>,
         cancel: &CancelFlag,
-        tell: &(dyn Fn(Told) + Sync),
+        tell: &(dyn Fn(Notice) + Sync),
     ) -> Result<Outcome, Error> {
         match self {
             Self::Excite(request) => {
-                let excited = excite_beside(request, exchange, cancel, &|p| tell(Told::Search(p.clone())));
+                let excited = excite_beside(request, exchange, cancel, &|p| tell(Notice::Search(p.clone())));
                 Ok(Outcome::of_search(&excited))
             }
             Self::Identify(request) => {
-                let mut found = identify(request, logs, validation, cancel, &|s| tell(Told::Step(s.clone())))?;
+                let mut found = identify(request, logs, validation, cancel, &|s| tell(Notice::Step(s.clone())))?;
                 let model = found.model.as_ref();
                 let model = model.map(|m| json!({"json": m.json}).to_string().into_bytes());
                 let result = Outcome::of_logs(&found.document, model);
                 if request.prediction_points == 0 {
                     return Ok(result);
                 }
-                tell(Told::Result(result.clone()));
+                tell(Notice::Result(result.clone()));
                 let predicted = found.predictions(request);
                 found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
                 found.document.predictions = predicted.unwrap_or_default();
@@ -168,7 +171,7 @@ impl Request {
                 if request.prediction_points == 0 {
                     return Ok(result);
                 }
-                tell(Told::Result(result));
+                tell(Notice::Result(result));
                 let predicted = found.predictions(request);
                 found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
                 found.document.predictions = predicted.unwrap_or_default();
@@ -187,7 +190,7 @@ pub struct Measure {
 }
 
 impl Measure {
-    pub fn of(request: &Request) -> Self {
+    pub fn for_request(request: &Request) -> Self {
         let search = |r: &ExcitationRequest| (r.search.time_limit_s, r.problem.spec().order);
         let (robot, search) = match request {
             Request::Excite(request) => (request.problem.robot(), Some(search(request))),
@@ -210,9 +213,9 @@ impl Measure {
     }
 }
 
-/// What is told while it goes on.
+/// News of a running computation.
 #[derive(Debug, Clone)]
-pub enum Told {
+pub enum Notice {
     Search(Progress),
     Step(Step),
     /// All but what is made for pictures, which comes next.

@@ -298,7 +298,7 @@ fn metrics_count_requests_and_jobs() {
     }
 }
 
-/// A machine without handles or memory for another process has them again later: requests are told so, and jobs wait.
+/// A machine without handles or memory for another process has them again later: requests are answered so, and jobs wait.
 #[test]
 fn where_no_process_can_be_started_a_job_waits_and_does_not_fail() {
     use std::os::unix::fs::PermissionsExt;

@@ -149,11 +149,11 @@ fn an_expired_token_is_refused_at_every_address_with_a_code_of_its_own() {
         assert_eq!(answer.problem()["code"], "token_expired", "{method} {path}");
         assert!(answer.header("www-authenticate").is_some());
     }
-    let told = guarded.get(&expired, "/jobs").problem()["detail"]
+    let message = guarded.get(&expired, "/jobs").problem()["detail"]
         .as_str()
         .unwrap()
         .to_string();
-    assert!(told.contains(&id) && told.contains("until 20"), "{told}");
+    assert!(message.contains(&id) && message.contains("until 20"), "{message}");
     assert_eq!(guarded.get(&lasting, "/jobs").status, 200);
 }
 

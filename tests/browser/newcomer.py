@@ -168,7 +168,7 @@ def close_the_loop(page, options):
     settle(page)
     check(page, "loop")
     sentence = page.locator("[data-effect=joint_spring] .sentence").inner_text()
-    found = re.search(r"Joint A4 leaves [\d.]+ N·m .* a spring at the joint explains it: stiffness ([\d.]+) ± ([\d.]+) N·m/rad .* Held-out error [\d.]+ → [\d.]+ N·m", sentence)
+    found = re.search(r"Joint A4 leaves [\d.]+ N·m .* a joint spring explains it: stiffness ([\d.]+) ± ([\d.]+) N·m/rad .* Held-out error [\d.]+ → [\d.]+ N·m", sentence)
     assert found and abs(float(found[1]) - 6.0) < 4 * float(found[2]), sentence
     assert "single measurements" in page.locator("#which-errors").inner_text()
     picture(page, options, "loop", "#findings")
@@ -192,14 +192,14 @@ def report(page, options):
     sheet = waiting.value
     sheet.wait_for_load_state()
     text = sheet.inner_text("body")
-    for needed in ["Joint spring on A4", "a spring at the joint explains it", "SHA-256", "run.csv", "Reproduction", '"seed": 1']:
+    for needed in ["Joint spring on A4", "a joint spring explains it", "SHA-256", "run.csv", "Reproduction", '"seed": 1']:
         assert needed in text, needed
     # Torques of seven joints on two logs, errors, before and after, and the parameters of every unit.
     assert sheet.locator("figure svg").count() >= 14 + 4
     assert sheet.locator("math").count() > 57
     assert sheet.locator("script, link, img").count() == 0
     # The verdict first, then the findings, then the data; every part is in the contents.
-    places = [text.index(said) for said in ["explains the residual", "a spring at the joint explains it", "Data: good", "Residual diagnosis", "SHA-256", "Noise floor"]]
+    places = [text.index(said) for said in ["explains the residual", "a joint spring explains it", "Data: good", "Residual diagnosis", "SHA-256", "Noise floor"]]
     assert places[:5] == sorted(places[:5]), places
     parts = sheet.locator("h2").all_inner_texts()
     assert sheet.locator("nav a").all_inner_texts() == parts and parts[0] == "Residual diagnosis" and parts[-1] == "Terms", parts
@@ -242,7 +242,7 @@ def decide(page, options):
     page.goto(f"{options.server}/identification?robot=planar_two_link")
     page.locator("#robot option").nth(1).wait_for(state="attached")
     found, said = trace(page, [first])
-    assert found == "torque_offset" and "do not exclude a spring at the joint" in said and "It could also be" in said, said
+    assert found == "torque_offset" and "do not exclude a joint spring" in said and "It could also be" in said, said
     settle(page)
     check(page, "rivals")
     picture(page, options, "rivals", "#findings")

@@ -127,16 +127,16 @@ impl Http {
     fn read(&self, robot: &Value, case: &Case) -> Result<Answer, String> {
         let answer = self.0.post_json("/robots", &robot.to_string());
         if answer.status != 201 {
-            return told(answer.status, &answer.text, case);
+            return answered(answer.status, &answer.text, case);
         }
         let id = answer.json()["id"].as_str().unwrap_or_default().to_string();
         let found = self.0.get(&format!("/robots/{id}/base-parameters"));
         self.0.delete(&format!("/robots/{id}"));
-        told(found.status, &found.text, case)
+        answered(found.status, &found.text, case)
     }
 }
 
-fn told(status: u16, text: &str, case: &Case) -> Result<Answer, String> {
+fn answered(status: u16, text: &str, case: &Case) -> Result<Answer, String> {
     match status {
         200 => document(text, case),
         400 | 413 | 415 | 422 => match unreadable(text).filter(|odd| !case.gives(odd)) {
@@ -177,7 +177,7 @@ impl Way for Http {
         };
         let alive = self.0.get("/health/live").status == 200;
         if alive {
-            told(answer.status, &answer.text, case)
+            answered(answer.status, &answer.text, case)
         } else {
             Err("the server is gone".into())
         }

@@ -11,7 +11,7 @@ fn case(name: &str) -> String {
 }
 
 /// Exit status, standard error, table, document.
-struct Told {
+struct Identified {
     code: Option<i32>,
     error: String,
     table: String,
@@ -19,7 +19,7 @@ struct Told {
 }
 
 /// What an identification says; whatever it is, no panic and no number that is none.
-fn told(folder: &Folder, log: &str, request: &Value) -> Told {
+fn identified(folder: &Folder, log: &str, request: &Value) -> Identified {
     let request = folder.write("request.json", &request.to_string());
     let arguments = ["identify", "--robot", "planar_two_link", "--request", &request, "--log", log];
     let (table, out): (Output, String) = (run(&arguments), folder.file("result.json"));
@@ -38,7 +38,7 @@ fn told(folder: &Folder, log: &str, request: &Value) -> Told {
         Some(0) => serde_json::from_str(&folder.read("result.json")).unwrap(),
         _ => Value::Null,
     };
-    Told {
+    Identified {
         code: table.status.code(),
         error,
         table: text,
@@ -47,10 +47,10 @@ fn told(folder: &Folder, log: &str, request: &Value) -> Told {
 }
 
 fn refused(folder: &Folder, log: &str, words: &[&str]) {
-    let told = told(folder, log, &json!({}));
-    assert_eq!(told.code, Some(2), "{}", told.table);
+    let identified = identified(folder, log, &json!({}));
+    assert_eq!(identified.code, Some(2), "{}", identified.table);
     for word in words {
-        assert!(told.error.contains(word), "`{word}` in {}", told.error);
+        assert!(identified.error.contains(word), "`{word}` in {}", identified.error);
     }
 }
 
@@ -75,7 +75,7 @@ fn a_dead_torque_column_is_named_first_and_the_other_joint_is_not_affected() {
         ("sy", "unit_unknown", 0),
     ] {
         let log = case(&format!("{name}.csv.gz"));
-        let by = |estimator: &str| told(&folder, &log, &json!({"estimator": estimator, "trace": false})).document;
+        let by = |estimator: &str| identified(&folder, &log, &json!({"estimator": estimator, "trace": false})).document;
         let (ols, wls, robust) = (by("ols"), by("wls"), by("robust"));
         let rms = |d: &Value, j: usize| d["rms"]["identification"][0]["base"]["rms"][j].clone();
         for found in [&ols, &wls, &robust] {
@@ -84,7 +84,7 @@ fn a_dead_torque_column_is_named_first_and_the_other_joint_is_not_affected() {
         }
         let (a, b) = (rms(&ols, 1 - joint).as_f64().unwrap(), rms(&wls, 1 - joint).as_f64().unwrap());
         assert!((a - b).abs() < 1e-6 * a, "{name}: {a} {b}");
-        let found = told(&folder, &log, &json!({})).document;
+        let found = identified(&folder, &log, &json!({})).document;
         let name_of = ["J1", "J2"][joint];
         let first = &found["residual"]["data_faults"][0];
         assert_eq!(
@@ -100,10 +100,14 @@ fn a_dead_torque_column_is_named_first_and_the_other_joint_is_not_affected() {
 fn noise_is_said_to_be_explained_by_nothing_and_accuses_nobody() {
     let folder = Folder::new("noise");
     for seed in 0..3 {
-        let told = told(&folder, &case(&format!("noise_seed{seed}.csv.gz")), &json!({}));
-        assert_eq!(told.document["quality"]["verdict"], "explains_nothing", "{}", told.table);
-        assert!(told.table.contains("explains nothing"), "{}", told.table);
-        let residual = &told.document["residual"];
+        let identified = identified(&folder, &case(&format!("noise_seed{seed}.csv.gz")), &json!({}));
+        assert_eq!(
+            identified.document["quality"]["verdict"], "explains_nothing",
+            "{}",
+            identified.table
+        );
+        assert!(identified.table.contains("explains nothing"), "{}", identified.table);
+        let residual = &identified.document["residual"];
         for list in ["data_faults", "findings"] {
             assert!(residual[list].as_array().is_none_or(Vec::is_empty), "{residual}");
         }
@@ -114,7 +118,7 @@ fn noise_is_said_to_be_explained_by_nothing_and_accuses_nobody() {
 #[test]
 fn a_log_without_noise_has_a_floor_of_its_own_rounding() {
     let folder = Folder::new("noise-free");
-    let found = told(&folder, &case("noisefree_5digits.csv.gz"), &json!({})).document;
+    let found = identified(&folder, &case("noisefree_5digits.csv.gz"), &json!({})).document;
     for floor in found["residual"]["noise_floor"].as_array().unwrap() {
         assert!(floor.as_f64().unwrap() > 0.99 * 1e-5 / 12f64.sqrt(), "{floor}");
     }
@@ -208,7 +212,7 @@ fn prop_torques_of_any_scale_have_a_verdict() {
             &folder,
             good.iter().map(|&[t, a, b, x, y]| plain([t, a, b, x * one, y * other])),
         );
-        told(&folder, &log, &json!({}))
+        identified(&folder, &log, &json!({}))
     };
     let plain_verdict = scaled(1.0, 1.0).document["quality"]["verdict"].clone();
     for exponent in [-150, -60, -12, -6, -3, 3, 6, 12, 60, 150] {
@@ -246,8 +250,8 @@ fn prop_logs_of_any_length_rate_and_number_of_digits_have_a_verdict() {
     let good = good_rows();
     for rows in [0, 1, 2, 7, 8, 15, 16, 17, 20, 33, 60, 120, 250, 499, 501] {
         let log = log_of(&folder, good.iter().take(rows).map(|&r| plain(r)));
-        let told = told(&folder, &log, &json!({}));
-        assert!(told.code == Some(0) || !told.error.is_empty(), "{rows}");
+        let identified = identified(&folder, &log, &json!({}));
+        assert!(identified.code == Some(0) || !identified.error.is_empty(), "{rows}");
     }
     for rate in [25.0, 40.0, 333.0, 1000.0] {
         let log = log_of(
@@ -256,7 +260,7 @@ fn prop_logs_of_any_length_rate_and_number_of_digits_have_a_verdict() {
                 .enumerate()
                 .map(|(s, &[_, a, b, x, y])| plain([s as f64 / rate, a, b, x, y])),
         );
-        assert_eq!(told(&folder, &log, &json!({})).code, Some(0), "{rate} Hz");
+        assert_eq!(identified(&folder, &log, &json!({})).code, Some(0), "{rate} Hz");
     }
     for digits in [0, 1, 2, 3, 6] {
         let rounded = |v: f64| format!("{v:.digits$}");
@@ -265,9 +269,9 @@ fn prop_logs_of_any_length_rate_and_number_of_digits_have_a_verdict() {
             good.iter()
                 .map(|&[t, a, b, x, y]| [t.to_string(), a.to_string(), b.to_string(), rounded(x), rounded(y)]),
         );
-        let told = told(&folder, &log, &json!({}));
-        assert_eq!(told.code, Some(0), "{digits} digits: {}", told.error);
-        let faults = &told.document["residual"]["data_faults"];
+        let identified = identified(&folder, &log, &json!({}));
+        assert_eq!(identified.code, Some(0), "{digits} digits: {}", identified.error);
+        let faults = &identified.document["residual"]["data_faults"];
         assert!(faults.as_array().is_none_or(Vec::is_empty), "{digits} digits: {faults}");
     }
     for (method, average) in [
@@ -278,7 +282,7 @@ fn prop_logs_of_any_length_rate_and_number_of_digits_have_a_verdict() {
     ] {
         for name in ["noisefree_5digits", "one_zero_tau", "sy", "noise_seed0"] {
             let request = json!({"preprocess": {"method": method, "average": average}, "feasible": {"method": "none"}});
-            told(&folder, &case(&format!("{name}.csv.gz")), &request);
+            identified(&folder, &case(&format!("{name}.csv.gz")), &request);
         }
     }
 }

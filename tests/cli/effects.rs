@@ -160,7 +160,7 @@ fn prop_geometry_and_sensors_are_traced_from_simulated_logs() {
     let crosstalk = json!({"joint": "A3", "from": "A1", "coefficient": 0.05});
     assert_traced("torque_crosstalk", crosstalk, &["A3", "A1"], &[("coefficient", 0.05)]);
     let touch = json!({"start": 23.0, "end": 24.0, "torque": [0, 0, 0, 2.0, 0, 0, 0]});
-    // Edges are told to a sample, 5 ms.
+    // Edges are reported to a sample, 5 ms.
     assert_traced("external_contact", touch, &["A4"], &[("start", 23.0), ("end", 24.0)]);
 }
 
@@ -246,8 +246,8 @@ fn val_friction_of_mujoco_is_named() {
             assert_eq!(found["effect"], "smooth_coulomb_friction");
             for (parameter, truth) in [("amplitude", level), ("lead", lead)] {
                 let all = found["parameters"].as_array().unwrap();
-                let told = all.iter().find(|p| p["name"] == parameter).expect("has it");
-                let [value, deviation] = ["value", "std_dev"].map(|k| told[k].as_f64().unwrap());
+                let reported = all.iter().find(|p| p["name"] == parameter).expect("has it");
+                let [value, deviation] = ["value", "std_dev"].map(|k| reported[k].as_f64().unwrap());
                 assert!(
                     (value - truth).abs() < 4.0 * deviation,
                     "{name} {joint}: {parameter} {value} ± {deviation} for {truth}"

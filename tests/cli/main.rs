@@ -421,7 +421,7 @@ fn an_identification_is_a_table_pictures_and_a_report() {
     for needed in [
         "residual: explained",
         "Joint J2 leaves",
-        "a spring at the joint explains it",
+        "a joint spring explains it",
         "stiffness",
         "noise floor",
         "RMS error",

@@ -88,7 +88,7 @@ fn prop_additive_effects_are_found() {
 }
 
 /// Standardised errors of what is not there, over three robots: a variance of one within the four deviations that chance gives some forty values, and of what is there
-/// nothing is told.
+/// nothing is reported.
 #[test]
 fn prop_what_was_not_found_is_told_with_honest_deviations() {
     let (mut squares, mut count) = (0.0, 0.0);
@@ -228,7 +228,7 @@ fn prop_what_goes_with_no_position_is_told_as_unexplained() {
 }
 
 /// A spring on the first joint that a tilt of the base imitates in part. A tilt is on all joints, where what it leaves on one is diluted: it came first, was
-/// not confirmed by all samples, and "nothing is missing" was told beside a lack of fit of 1.4 to 7.
+/// not confirmed by all samples, and "nothing is missing" was reported beside a lack of fit of 1.4 to 7.
 #[test]
 fn regress_a_spring_is_not_lost_to_a_tilt_that_is_not_there() {
     let (robot, phi) = published();

@@ -84,7 +84,7 @@ fn prop_noise_does_not_mount_an_arm() {
     }
 }
 
-/// A planar arm shows nothing of gravity along its axes, and in a log without inertia the signs of masses are those of the misfit: such a record was once told to
+/// A planar arm shows nothing of gravity along its axes, and in a log without inertia the signs of masses are those of the misfit: such a record was once advised to
 /// hang upside down.
 #[test]
 fn prop_an_arm_that_shows_little_of_gravity_is_not_accused() {

@@ -108,7 +108,7 @@ fn prop_base_parameters_beside_effects_are_calibrated() {
 fn errors_of_friction(robot: &Robot, outcome: &Diagnosis, phi: &[f64]) -> Vec<[f64; 2]> {
     let found = &found(outcome).found;
     let objective = FitObjective::new(&found.base, &found.normals, &found.estimate.values);
-    let fit = fit_feasible(robot, &objective, &FeasibleOptions::of(robot), &|| false);
+    let fit = fit_feasible(robot, &objective, &FeasibleOptions::for_robot(robot), &|| false);
     let bodies = found.base.project(&fit.model().values);
     let truth = found.base.project(phi);
     let friction = (0..found.base.len()).filter(|&c| found.base.names[c].starts_with('F') && found.estimate.is_determined(c));

@@ -125,8 +125,8 @@ fn decide(
     let open = finding.rivals.iter().find(|r| is(rival, &r.effect, &r.joints));
     let open = open.unwrap_or_else(|| panic!("the first motion leaves it open: {:?}", finding.rivals));
     let (series, document) = design(&request(&robot, &before, open));
-    let told = document.rivals.expect("asked for");
-    let evidence = &told.expected_evidence;
+    let reported = document.rivals.expect("asked for");
+    let evidence = &reported.expected_evidence;
     let recorded = evidence.recorded.as_ref().expect("the model knows its data");
     println!("{truth:?}: the data said {:.1}; expected {evidence:?}", open.evidence);
     // Of the data themselves: twice a logarithm of odds that is E on average scatters by 2 sqrt(E), and what parameters cost differs by up to ln N = 8.
@@ -136,7 +136,7 @@ fn decide(
         "{} {recorded:?}",
         open.evidence
     );
-    assert!(told.decides && evidence.designed.least > 5.0 * recorded.least);
+    assert!(reported.decides && evidence.designed.least > 5.0 * recorded.least);
     // Data only add: a rival has to imitate on both motions with one set of parameters.
     let either = evidence.designed.least.max(recorded.least);
     assert!(evidence.together.least >= either * (1.0 - 1e-6), "{evidence:?}");
@@ -150,14 +150,14 @@ fn decide(
     let other = if truth == found_first { rival } else { found_first };
     let excluded = |r: &dynident::diagnosis::Rival| !is(other, &r.effect, &r.joints);
     assert!(findings[0].rivals.iter().all(excluded), "{:?}", findings[0].rivals);
-    told.nested
+    reported.nested
 }
 
 #[test]
 fn prop_a_designed_motion_decides_between_an_offset_and_a_spring() {
     let hidden = effect("torque_offset", 3, 1.2, &four_axes());
     let pair = [("torque_offset", "J4"), ("joint_spring", "J4")];
-    // A spring with any rest angle holds the offset: only its own direction is to be decided by what is left over.
+    // A spring with any rest angle holds the offset: only its own direction is to be decided by the residual.
     assert_eq!(decide(hidden, pair[0], [0.1, 1.0], 2, pair), Some("finding"));
 }
 

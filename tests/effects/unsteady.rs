@@ -58,7 +58,7 @@ fn prop_levels_in_no_order_depend_on_the_period() {
     is_of_third_joint(report.remainder.as_ref(), "period", 0.507);
 }
 
-/// Without periods the drift is slower than what the motion brings about; and where there is none, none is told of.
+/// Without periods the drift is slower than what the motion brings about; and where there is none, none is reported.
 #[test]
 fn prop_a_drift_is_seen_without_periods_too() {
     let robot = seven_axes();

@@ -60,7 +60,7 @@ fn survives(place: &Place, jobs: usize) {
         let age = Duration::from_millis(30 + (kills as u64 * 97) % 300);
         std::thread::scope(|scope| {
             let server = &server;
-            let (told, asked) = std::sync::mpsc::channel();
+            let (reported, asked) = std::sync::mpsc::channel();
             let todo: Vec<usize> = (0..jobs).filter(|k| !acknowledged.contains_key(k)).take(2).collect();
             scope.spawn(move || {
                 for k in todo {
@@ -68,7 +68,7 @@ fn survives(place: &Place, jobs: usize) {
                     let headers = [("content-type", "application/json"), ("idempotency-key", key.as_str())];
                     let (status, job) = server.send("POST", "/excitation", &headers, &request(k).to_string());
                     if status == 202 || status == 200 {
-                        told.send((k, job["id"].as_str().unwrap().to_string())).unwrap();
+                        reported.send((k, job["id"].as_str().unwrap().to_string())).unwrap();
                     }
                 }
             });
@@ -137,8 +137,8 @@ fn goes_on(place: &Place) {
     wait_until("most of the time is over", || {
         progress(&server)["elapsed_s"].as_f64() > Some(7.0)
     });
-    let told = progress(&server);
-    // What was found is written down every other second, and the time spent at least every ten: all that was told is safe after those.
+    let reported = progress(&server);
+    // What was found is written down every other second, and the time spent at least every ten: all that was reported is safe after those.
     wait_until("it is written down", || progress(&server)["elapsed_s"].as_f64() > Some(13.0));
     server.kill();
     let again = Instant::now();
@@ -152,16 +152,16 @@ fn goes_on(place: &Place) {
         again.elapsed()
     );
     // What is handed out keeps clear of the limits by 1e-8 of them, and its value differs by a few times as much.
-    let best = told["best"].as_f64().unwrap();
+    let best = reported["best"].as_f64().unwrap();
     assert!(
         result["condition_number"].as_f64().unwrap() <= best * (1.0 + 1e-6),
-        "{told} then {result}"
+        "{reported} then {result}"
     );
     let search = &result["search"];
     assert!(search["elapsed_s"].as_f64().unwrap() < LIMIT_S + 1.0, "{search}");
     assert!(
-        search["evaluations"].as_u64() > told["evaluations"].as_u64(),
-        "{told} then {search}"
+        search["evaluations"].as_u64() > reported["evaluations"].as_u64(),
+        "{reported} then {search}"
     );
     assert_eq!(
         (&result["request"], server.get(&path).1["state"].as_str()),

@@ -133,14 +133,14 @@ fn searches_beside_each_other_hand_on_what_they_find() {
     let server = lab.server();
     let first = Process::worker(&lab.machine("first"), LEASE);
     let mut request = search(24.0);
-    // What is found is told after every round.
+    // What is found is reported after every round.
     request["search"]["jobs_per_round"] = json!(2);
     let id = server.post("/excitation", &request).1["id"].as_str().unwrap().to_string();
     let found = |number: i64| {
         let sql = format!("SELECT MIN(value) FROM found WHERE job = '{id}' AND number = {number}");
         Postgres::shared().ask(&lab.database, &sql).parse::<f64>().ok().map(f64::exp)
     };
-    // Progress runs ahead of what is handed on, which is told at the ends of rounds: what has been handed on counts.
+    // Progress runs ahead of what is handed on, which is reported at the ends of rounds: what has been handed on counts.
     let some_time = Instant::now() + Duration::from_secs(6);
     wait_until("the first has found something", || {
         Instant::now() > some_time && found(0).is_some()

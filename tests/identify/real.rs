@@ -140,7 +140,7 @@ fn val_med7_runs_from_its_own_file() {
     let request = json!({"robot": urdf(&folder, "med7dock.urdf"), "columns": columns, "offset": true});
     let found = run(request, &folder, &["measurements_with_ext_tau_1_dgr.csv"]);
     check_sensible(&found, &[80.0, 3.0, 15.0, 5.0, 25.0, 20.0, 40.0]);
-    // It moves so slowly that inertias are not to be had, and that is told.
+    // It moves so slowly that inertias are not to be had, and that is reported.
     assert_ne!(found.document.quality.verdict, "good");
 }
 

@@ -1,6 +1,9 @@
 //! The house rules: who may use whom, and that the map shows what is there.
 
 mod cycles;
+mod validation;
+mod version;
+mod words;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -251,10 +251,10 @@ fn prop_a_torque_limit_below_the_load_is_an_infeasible_outcome_with_both_numbers
     let at = |i: usize| half * ((2 * i + 1) as f64 / cells as f64 - 1.0);
     let allowed = |i: usize| (0..cells).filter(|&k| load([at(i), at(k)]).abs() < 8.0).count();
     let share = (0..cells).map(allowed).sum::<usize>() as f64 / (cells * cells) as f64;
-    let told = 0.01 * percentage(&said, "constraints.torque allows ");
-    // Counted from 2000 random ones: five standard deviations, and the rounding of what is told.
+    let reported = 0.01 * percentage(&said, "constraints.torque allows ");
+    // Counted from 2000 random ones: five standard deviations, and the rounding of what is reported.
     let scatter = 5.0 * (share * (1.0 - share) / 2000.0).sqrt() + 0.0005;
-    assert!((told - share).abs() < scatter, "{told} of {share}");
+    assert!((reported - share).abs() < scatter, "{reported} of {share}");
     // Somewhere else it can be held: with a free start the motion is there.
     assert!(moves(planar(Start::Free, Some(8.0), None)));
 }
@@ -376,19 +376,19 @@ fn prop_a_search_goes_on_from_an_earlier_design() {
 /// A search that hears of `others` once, and keeps what it tells.
 struct Beside {
     others: Mutex<Vec<Point>>,
-    told: Mutex<Vec<(usize, f64, Vec<Point>)>>,
+    reported: Mutex<Vec<(usize, f64, Vec<Point>)>>,
 }
 
 impl Beside {
     fn hearing(others: Vec<Point>) -> Self {
         Self {
             others: Mutex::new(others),
-            told: Mutex::default(),
+            reported: Mutex::default(),
         }
     }
 
-    fn told(self) -> Vec<(usize, f64, Vec<Point>)> {
-        self.told.into_inner().unwrap()
+    fn reported(self) -> Vec<(usize, f64, Vec<Point>)> {
+        self.reported.into_inner().unwrap()
     }
 }
 
@@ -400,7 +400,10 @@ impl Control for Beside {
     fn progress(&self, _: &Progress) {}
 
     fn found(&self, found: &Found) {
-        self.told.lock().unwrap().push((found.epochs, found.best(), found.points()));
+        self.reported
+            .lock()
+            .unwrap()
+            .push((found.epochs, found.best(), found.points()));
     }
 
     fn others(&self) -> Vec<Point> {
@@ -413,11 +416,11 @@ fn prop_a_search_goes_on_from_what_another_has_found() {
     let problem = problem(iiwa14_limited(), Form::Paper, Start::Zero);
     let alone = search(&problem, &options(1, 4000), &never());
     let first = Beside::hearing(vec![]);
-    // Being told of changes nothing.
+    // Being observed changes nothing.
     assert_eq!(search(&problem, &options(1, 4000), &first), alone);
-    let told = first.told();
-    assert!(told.windows(2).all(|w| w[1].1 <= w[0].1 && w[1].0 >= w[0].0));
-    let (_, best, mut points) = told.last().unwrap().clone();
+    let reported = first.reported();
+    assert!(reported.windows(2).all(|w| w[1].1 <= w[0].1 && w[1].0 >= w[0].0));
+    let (_, best, mut points) = reported.last().unwrap().clone();
     assert!(points.windows(2).all(|w| w[0].value <= w[1].value) && points[0].value == best);
     // What another version of the program might write is left aside.
     let (mut short, mut wild) = (points[0].clone(), points[0].clone());
@@ -434,7 +437,7 @@ fn prop_a_search_goes_on_from_what_another_has_found() {
         value(&alone),
         value(&on)
     );
-    assert!(second.told()[0].1 <= best + 1e-6, "it knows from the first round on");
+    assert!(second.reported()[0].1 <= best + 1e-6, "it knows from the first round on");
 }
 
 /// The paper's own result is 65; an eighth of a minute of one core is enough to be below it.

@@ -1,4 +1,4 @@
-//! Trajectories keep off the floor, the table and the arm itself, as seen by kinematics and distances of the test's own.
+//! Trajectories avoid the floor, the table and the arm itself, as seen by kinematics and distances of the test's own.
 
 use crate::support::FRICTION;
 use dynident::documents::{NamedRobots, shipped::Shipped};

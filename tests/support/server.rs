@@ -69,12 +69,12 @@ impl Server {
         let program = config.program.or_else(|| Some(env!("CARGO_BIN_EXE_dynident").into()));
         let config = Config { program, ..config };
         let (shutdown, stop) = oneshot::channel();
-        let (told, address) = std::sync::mpsc::channel();
+        let (sender, address) = std::sync::mpsc::channel();
         let thread = std::thread::spawn(move || {
             let runtime = tokio::runtime::Runtime::new().unwrap();
             runtime.block_on(async move {
                 let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
-                told.send(listener.local_addr().unwrap()).unwrap();
+                sender.send(listener.local_addr().unwrap()).unwrap();
                 serve(listener, config, async move { drop(stop.await) }).await.unwrap();
             });
         });

@@ -29,20 +29,26 @@ use crate::regression::{AugmentedModel, Estimate, Fitted, Stretch};
 /// Where an identification stands, for whoever watches.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Step {
+    /// Name of the step, in words.
     pub what: &'static str,
+    /// Parts of the step that are done.
     pub done: usize,
+    /// Parts of the step in all.
     pub of: usize,
 }
 
 /// A finished identification.
 #[derive(Debug, Clone)]
 pub struct Identified {
+    /// The answer that clients get.
     pub document: IdentifyDocument,
     /// The model that was found: base parameters and effects, one estimate.
     pub found: Fitted,
     /// The declared model by the same rows and weights.
     pub declared: Fitted,
+    /// Physical parameters; nothing if they were not asked for or not found.
     pub physical: Option<FeasibleFit>,
+    /// The model in the formats that it is exported to; nothing without a usable model.
     pub model: Option<ModelFiles>,
     /// The model that was found with bodies in the place of its base parameters.
     pub bodies: Option<AugmentedModel>,

@@ -11,7 +11,9 @@ use std::path::{Path, PathBuf};
 /// A log file and the name that the answer calls it by.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LogFile {
+    /// Name in messages and answers.
     pub name: String,
+    /// Path of the content, which may have another name.
     pub path: PathBuf,
 }
 
@@ -31,7 +33,9 @@ impl LogFile {
 /// One log on its way: what was found in the file, and what became of it.
 #[derive(Debug, Clone)]
 pub struct UsedLog {
+    /// What was found in the file.
     pub report: LogReport,
+    /// Motion and torque on one grid, ready for a regression.
     pub prepared: PreparedLog,
     /// Constant, clipped or frozen columns.
     pub sample_faults: Vec<DataFault>,

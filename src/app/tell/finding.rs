@@ -52,7 +52,7 @@ impl Teller<'_> {
         text += &self.others(f);
         text += &survives(f);
         if is_rejected(f) {
-            text += " Held-out data speak against it: it is not in the model.";
+            text += " It increases the held-out error: it is not in the model.";
             return text;
         }
         if f.held_out.change == Change::Same {
@@ -167,10 +167,10 @@ impl Teller<'_> {
             .collect();
         let mut text = String::new();
         if !clean.is_empty() {
-            text += &format!(" Nothing structured remains on {}.", listed(&clean, "and"));
+            text += &format!(" The residual on {} is noise.", listed(&clean, "and"));
         }
         if !open.is_empty() {
-            text += &format!(" Beyond the noise there remain {}.", listed(&open, "and"));
+            text += &format!(" Above the noise, {} remain unexplained.", listed(&open, "and"));
         }
         text
     }
@@ -185,7 +185,7 @@ fn covered(f: &Finding) -> String {
     let all: Vec<String> = f.covered.iter().map(range).collect();
     match all.is_empty() {
         true => String::new(),
-        false => format!(" It holds where the log has been: {}.", listed(&all, "and")),
+        false => format!(" It is valid in the range of the log: {}.", listed(&all, "and")),
     }
 }
 
@@ -196,8 +196,8 @@ fn survives(f: &Finding) -> String {
     match (survived.is_empty(), lost.is_empty()) {
         (true, true) => String::new(),
         (false, true) => format!(" It survives {and}."),
-        (true, false) => format!(" It is in doubt with {}.", listed(&lost, "or")),
-        (false, false) => format!(" It survives {and}; it is in doubt with {}.", listed(&lost, "or")),
+        (true, false) => format!(" It is not confirmed with {}.", listed(&lost, "or")),
+        (false, false) => format!(" It survives {and}; it is not confirmed with {}.", listed(&lost, "or")),
     }
 }
 

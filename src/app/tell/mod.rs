@@ -65,12 +65,12 @@ impl Teller<'_> {
 
     fn physics(&self) -> String {
         if self.report.explains_nothing {
-            return "The model explains no more of the torques than a constant per joint: they have nothing to do with the motion as it was logged, and no effect \
-                    was looked for."
+            return "The model explains no more of the torques than a constant per joint: the torques do not depend on the logged motion. No effect was \
+                    tested."
                 .into();
         }
         if beyond_repair(&self.report.data_faults) {
-            return "No effect was looked for: the residual of wrong data says nothing about the robot.".into();
+            return "No effect was tested: the residual of faulty data carries no information about the robot.".into();
         }
         let count = self.report.findings.iter().filter(|f| !is_rejected(f)).count();
         let effects = if count == 1 {
@@ -83,7 +83,7 @@ impl Teller<'_> {
             (Verdict::NothingMissing | Verdict::Explained, 0, _) => "Nothing is missing: the residual is noise.".into(),
             (Verdict::NothingMissing | Verdict::Explained, ..) => format!("{effects} the residual."),
             (Verdict::PartlyExplained, _, Some(rest)) => {
-                format!("{effects} a part of the residual; on {rest} a part remains that no effect explains.")
+                format!("{effects} a part of the residual; on {rest} a part remains unexplained.")
             }
             (Verdict::PartlyExplained, ..) => format!("{effects} a part of the residual."),
             (Verdict::Unexplained, _, Some(rest)) => {
@@ -103,9 +103,12 @@ impl Teller<'_> {
             .map(|f| format!("{} on {}", phrase(&f.effect), self.at(&f.joints)))
             .collect();
         (!rejected.is_empty()).then(|| {
-            let verb = if rejected.len() == 1 { "fits" } else { "fit" };
+            let [fit, increase, are] = match rejected.len() {
+                1 => ["fits", "increases", "is"],
+                _ => ["fit", "increase", "are"],
+            };
             sentence(&format!(
-                "{} {verb} the identification data, makes held-out errors worse and is not in the model",
+                "{} {fit} the identification data, {increase} the held-out error and {are} not in the model",
                 listed(&rejected, "and")
             ))
         })
@@ -119,7 +122,7 @@ impl Teller<'_> {
         }
         let ratio = |j: &JointHeldOut| j.after / j.before.max(f64::MIN_POSITIVE);
         let of = |change: Change| held_out.joints.iter().filter(move |j| j.change == change);
-        let told = |j: &JointHeldOut| {
+        let described = |j: &JointHeldOut| {
             let at = (0..self.robot.joint_count()).find(|&k| self.name(k) == j.joint).unwrap_or(0);
             let (before, after) = (significant(j.before, 3), significant(j.after, 3));
             format!("{} ({before} → {after} {})", j.joint, self.effort(at))
@@ -130,8 +133,8 @@ impl Teller<'_> {
             true => "Predicted from the rest of the log, block by block",
             false => "On held-out data",
         };
-        let fell = best.map(|j| format!("the error falls most on {}", told(j)));
-        let rose = worst.map(|j| format!("it rises on {}", told(j)));
+        let fell = best.map(|j| format!("the error falls most on {}", described(j)));
+        let rose = worst.map(|j| format!("it rises on {}", described(j)));
         let changes: Vec<String> = fell.into_iter().chain(rose).collect();
         Some(match (held_out.verdict, changes.is_empty()) {
             (HeldOutVerdict::NotConfirmed, true) => format!("{whose}, the error did not change beyond chance."),
@@ -166,18 +169,18 @@ impl Teller<'_> {
         let what = sentence(&format!(
             "{} {}",
             self.at(&r.joints),
-            if joints.len() > 1 { "keep" } else { "keeps" }
+            if joints.len() > 1 { "have" } else { "has" }
         ));
         let what = format!(
-            "{} {values} above the noise that no effect explains.",
+            "{} an unexplained residual of {values} above the noise.",
             what.trim_end_matches('.')
         );
         if r.depends_on.is_empty() {
-            return format!("{what} Nor does a smooth function of one or two positions and speeds.");
+            return format!("{what} It depends on no smooth function of one or two positions and speeds.");
         }
         let unsteady = |name: &String| ["time", "period"].contains(&name.as_str());
         let predicting = match (r.depends_on.iter().all(unsteady), r.depends_on.len()) {
-            (true, _) => "that predicts",
+            (true, _) => "this predicts",
             (false, 1) => "smooth functions of this predict",
             (false, _) => "smooth functions of these predict",
         };

@@ -110,15 +110,15 @@ fn every_effect_has_words() {
 }
 
 #[test]
-fn a_finding_is_told_with_its_figures() {
+fn a_finding_is_reported_with_its_figures() {
     let robot = robot();
     let report = report(&robot, true);
     let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
     let name = &robot.joints()[1].name;
     let expected = format!(
-        "Joint {name} leaves 3.32 N·m that the model cannot explain; a spring at the joint explains it: stiffness 5.9963 ± 0.0057 N·m/rad \
+        "Joint {name} leaves 3.32 N·m that the model cannot explain; a joint spring explains it: stiffness 5.9963 ± 0.0057 N·m/rad \
          and rest position 0.2011 ± 0.0010 rad. Held-out error 3.32 → 0.2 N·m (noise alone 0.2). The data do not exclude a constant torque \
-         offset. A tilt of the base, an offset of the encoder and a ripple over position are excluded. Nothing structured remains on {name}."
+         offset. A base tilt, an encoder offset and position ripple are excluded. The residual on {name} is noise."
     );
     assert_eq!(document["findings"][0]["sentence"], expected);
     assert_eq!(
@@ -143,7 +143,7 @@ fn what_was_not_seen_is_not_said() {
         "{text}"
     );
     assert!(
-        !text.contains("Nothing structured") && text.contains("Beyond the noise there remain 0.99 N·m"),
+        !text.contains("is noise") && text.contains("Above the noise, 0.99 N·m"),
         "{text}"
     );
 }
@@ -166,7 +166,7 @@ fn what_held_out_data_reject_is_said_to_be_rejected() {
         "{summary}"
     );
     assert!(
-        sentence.contains("it is not in the model") && !sentence.contains("Nothing structured"),
+        sentence.contains("it is not in the model") && !sentence.contains("is noise"),
         "{sentence}"
     );
 }
@@ -189,7 +189,7 @@ fn of_wrong_data_nothing_is_said_of_the_robot() {
     assert_eq!(document["verdict"], "unexplained");
     let summary = document["summary"].as_str().unwrap();
     assert!(
-        summary.contains("No effect was looked for") && !summary.contains("Nothing is missing"),
+        summary.contains("No effect was tested") && !summary.contains("Nothing is missing"),
         "{summary}"
     );
 }
@@ -199,7 +199,7 @@ fn of_wrong_data_nothing_is_said_of_the_robot() {
 fn a_finding_says_which_changes_of_the_data_it_survives() {
     use crate::diagnosis::{Perturbation, Survival};
     let robot = robot();
-    let told = |survive: [bool; 6]| {
+    let described = |survive: [bool; 6]| {
         use Perturbation::*;
         let all = [SixDigits, EverySecondRow, FirstHalf, SecondHalf, LowerCutoff, HigherCutoff];
         let mut report = report(&robot, true);
@@ -212,9 +212,9 @@ fn a_finding_says_which_changes_of_the_data_it_survives() {
         document["findings"][0]["sentence"].as_str().unwrap().to_string()
     };
     let all = "It survives either half of the data alone, a cut-off a quarter lower or higher, every second row and torques of six digits.";
-    assert!(told([true; 6]).contains(all), "{}", told([true; 6]));
-    let some = "It survives the second half of the data, every second row and torques of six digits; it is in doubt with the first half of the data \
+    assert!(described([true; 6]).contains(all), "{}", described([true; 6]));
+    let some = "It survives the second half of the data, every second row and torques of six digits; it is not confirmed with the first half of the data \
                 or a cut-off a quarter lower or higher.";
-    let sentence = told([true, true, false, true, false, false]);
+    let sentence = described([true, true, false, true, false, false]);
     assert!(sentence.contains(some), "{sentence}");
 }

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 /// A rival of a finding, fitted in its place.
 #[derive(Debug, Clone)]
 pub struct RivalTerm {
+    /// The rival with its fitted values.
     pub term: Term,
     /// Base parameters of that fit.
     pub base_values: DVector<f64>,

@@ -28,7 +28,7 @@ pub(crate) fn rivals(
         .collect()
 }
 
-/// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left; none are told where misfit is left all the same, since
+/// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left; none are reported where misfit is left all the same, since
 /// these effects may be taken back.
 ///
 /// An effect that was named early may have stood in for one that was not there yet: beside the later ones another may explain its part better, and
@@ -203,7 +203,7 @@ fn contest(
         })
         .collect();
     found.sort_by(|a, b| a.0.evidence.total_cmp(&b.0.evidence));
-    // Forms of one effect are one rival, told by its best form.
+    // Forms of one effect are one rival, reported as its best form.
     let mut rivals: Vec<Rival> = Vec::new();
     let mut fitted = Vec::new();
     let mut better = None;

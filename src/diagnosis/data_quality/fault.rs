@@ -2,12 +2,18 @@
 
 use crate::diagnosis::report::ReportedParameter;
 
+/// Faults of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
+    /// Gravity points elsewhere in the base frame than declared.
     GravityDirection,
+    /// A torque column has the opposite sign.
     TorqueSign,
+    /// Torque columns are in another order than the joints.
     JointOrder,
+    /// A torque column is in another unit than stated.
     UnitMismatch,
+    /// Single samples are garbage, frozen or clipped.
     BadSamples,
     /// Torques without the part that holds the arm up.
     GravityCompensatedTorque,
@@ -33,6 +39,7 @@ impl FaultKind {
 /// A fault, named.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataFault {
+    /// Kind of the fault.
     pub fault: FaultKind,
     /// Joints whose columns are concerned.
     pub joints: Vec<String>,
@@ -56,6 +63,7 @@ impl DataFault {
     }
 }
 
+/// What was done about a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Remedy {
     /// Turning the sign round.

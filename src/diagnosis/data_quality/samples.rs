@@ -1,4 +1,4 @@
-//! Faults of single samples, told and left out: garbage, frozen, clipped, repeated times.
+//! Faults of single samples, reported and left out: garbage, frozen, clipped, repeated times.
 
 use super::fault::{DataFault, FaultKind, Remedy};
 use super::raw_log::RawLog;

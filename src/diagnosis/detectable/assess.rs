@@ -17,7 +17,7 @@ pub struct Detectable {
     pub power: f64,
     /// Every effect on every place, one entry per parameter that has a size.
     pub effects: Vec<Visible>,
-    /// Effects that are not told apart at that size.
+    /// Effects that cannot be distinguished at that size.
     pub pairs: Vec<Inseparable>,
 }
 

@@ -14,11 +14,15 @@ use statrs::distribution::{ContinuousCDF, Normal};
 pub struct Inseparable {
     /// Place of the effect in the list of effects.
     pub effect: &'static str,
+    /// Joints of the effect, from 0.
     pub joints: Vec<usize>,
     /// The parameter that has the size.
     pub parameter: String,
+    /// Unit of the size.
     pub unit: String,
+    /// Code of the other effect.
     pub rival: &'static str,
+    /// Joints of the other effect, from 0.
     pub rival_joints: Vec<usize>,
     /// Of the effect with what the rival's columns imitate of it, both orthogonal to those of the base parameters.
     pub correlation: f64,

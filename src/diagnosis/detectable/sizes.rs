@@ -31,6 +31,7 @@ pub enum Hidden {
 /// What is seen of an effect on one place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visible {
+    /// Code of the effect.
     pub effect: &'static str,
     /// None for the whole robot.
     pub joints: Vec<usize>,

@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 /// Gravity in the base frame with the standard deviation of every component [m/s²].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gravity {
+    /// Acceleration of gravity in the base frame [m/s²].
     pub value: Vector3<f64>,
     /// Of what the arm shows.
     pub std_dev: Vector3<f64>,

@@ -48,7 +48,7 @@ pub(crate) fn left_over(data: &Data, system: &System) -> Vec<usize> {
     joints
 }
 
-/// The smooth function with the best evidence, if it is beyond chance, on joints where something is [left over](left_over).
+/// The smooth function with the best evidence, if it is beyond chance, on joints with a [residual above the noise](left_over).
 fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     let n = system.model.robot.joint_count();
     let mut rows = left_over(data, system);

@@ -106,8 +106,8 @@ pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel
         level.abs() > 4.0 * deviation
     };
     let joints: Vec<usize> = (0..n).filter(feels).collect();
-    let told = |j: usize| level_beside(stretch, &noise[j], j, [from, to]);
-    let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &told);
+    let reported_level = |j: usize| level_beside(stretch, &noise[j], j, [from, to]);
+    let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &reported_level);
     Some((finding, without_interval(stretch, from, to)))
 }
 

@@ -1,4 +1,4 @@
-//! Joints whose torque is not the same all through a log, as a remainder: what was found of them, told in one.
+//! Joints whose torque is not the same all through a log, as a remainder: all that was found of them, reported together.
 
 use super::level::{Along, Level};
 use crate::diagnosis::report::Remainder;
@@ -40,7 +40,7 @@ impl TakenOut {
         self.levels.push(level);
     }
 
-    /// The stretch with the levels back in it: what errors are told of, since nothing explains them.
+    /// The stretch with the levels back in it: what errors are reported for, since nothing explains them.
     pub fn put_back(&self, stretch: &Stretch) -> Stretch {
         let mut periods = stretch.periods.clone();
         self.levels.iter().for_each(|level| level.put_back(&mut periods));
@@ -53,7 +53,7 @@ impl TakenOut {
     }
 
     /// What there is to tell of every joint, by the noise of what is left.
-    pub fn told(&self, stretch: &Stretch, noise: &[NoiseModel]) -> Vec<Unsteady> {
+    pub fn reported(&self, stretch: &Stretch, noise: &[NoiseModel]) -> Vec<Unsteady> {
         let of = |&(joint, before): &(usize, f64)| {
             let own: Vec<&Level> = self.levels.iter().filter(|l| l.joint == joint).collect();
             let mut along: Vec<Along> = Vec::new();

@@ -26,7 +26,7 @@ impl Along {
 pub(crate) struct Level {
     pub joint: usize,
     pub along: Along,
-    /// Two log evidence ratios: the decrease of the weighted sum of squares of the deviations, less what parameters and courses tried cost.
+    /// BIC difference: the decrease of the weighted sum of squares of the deviations, less what parameters and courses tried cost.
     pub evidence: f64,
     /// Chance of the gain without it, times the number of hypotheses tried.
     pub p_value: f64,

@@ -104,7 +104,7 @@ mod tests {
             .collect()
     }
 
-    /// Chances that are told are no smaller than they are: of 200 logs, 100 of them with correlated noise, one in twenty falls below one in twenty. And
+    /// Reported p-values are no smaller than they are: of 200 logs, 100 of them with correlated noise, one in twenty falls below one in twenty. And
     /// none has a level.
     #[test]
     fn prop_noise_has_no_level() {

@@ -21,7 +21,7 @@ pub(crate) struct BetweenFinding {
 }
 
 impl BetweenFinding {
-    /// Two log evidence ratios, at the log of about ten thousand rows for every parameter.
+    /// BIC difference, at the log of about ten thousand rows for every parameter.
     pub(crate) fn evidence(&self) -> f64 {
         self.gain - self.parameters.len() as f64 * 9.0
     }

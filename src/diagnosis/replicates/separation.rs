@@ -3,7 +3,7 @@
 //! Deviations of every period from the average need no model of the robot. Drift on a joint is friction columns times the course of
 //! warming up; a contact is a level on all joints in an interval of time. Whichever explains more is taken out of the data, and the search
 //! goes on until neither is beyond chance. Where a level of one joint that goes with time or period, which no cause is known of, explains clearly more,
-//! it is taken out as well, and told as a remainder.
+//! it is taken out as well, and reported as a remainder.
 
 use super::contact::{best_contact, shortest};
 use super::drift::best_drift;
@@ -18,7 +18,7 @@ use crate::regression::{NoiseModel, Stretch};
 pub(crate) struct Separated {
     /// Without drift, contacts and levels: what the model is fitted to.
     pub steady: Vec<Stretch>,
-    /// Without drift and contacts, which are explained: what errors are told of.
+    /// Without drift and contacts, which are explained: what errors are reported for.
     pub explained: Vec<Stretch>,
     pub found: Vec<BetweenFinding>,
     /// Levels that nothing explains.
@@ -56,7 +56,7 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> Sepa
                 .map_or_else(|| stretch.as_coarse(), |u| Stretch::clone(&u.stretch));
             let taken = separated(robot, &mut rows, limit, &mut all.found);
             if let Some(noise) = robust_noise(&rows).filter(|_| taken.count() > 0) {
-                all.unsteady.extend(taken.told(&rows, &noise));
+                all.unsteady.extend(taken.reported(&rows, &noise));
             }
             let whole = taken.put_back(&rows);
             let filtered = |found: Stretch| match &own {

@@ -26,7 +26,7 @@ pub(crate) fn trends(data: &Data, system: &System, limit: f64) -> Vec<Unsteady> 
     let beyond_chance = |t: &Trend| t.p_value * tries < 0.1 * limit;
     let of_log = |log: usize| (0..joints).filter_map(move |j| Trend::of(data, system, log, j));
     let all = (0..data.stretches.len()).flat_map(of_log).filter(beyond_chance);
-    let mut found: Vec<(f64, Unsteady)> = all.filter_map(|t| Some((t.gain, t.told(data, system)?))).collect();
+    let mut found: Vec<(f64, Unsteady)> = all.filter_map(|t| Some((t.gain, t.reported(data, system)?))).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     found.into_iter().map(|f| f.1).collect()
 }
@@ -73,7 +73,7 @@ impl Trend {
     }
 
     /// `None` where the drift is a sliver of what the joint keeps.
-    fn told(&self, data: &Data, system: &System) -> Option<Unsteady> {
+    fn reported(&self, data: &Data, system: &System) -> Option<Unsteady> {
         let block = &system.blocks[self.log][self.joint];
         let (kept, rows) = (block.residual.norm_squared(), block.rows.iter().filter(|r| **r).count());
         (self.gain > SETTINGS.selection.least_share * kept).then(|| Unsteady {

@@ -8,7 +8,7 @@ use crate::regression::{AugmentedModel, Data, System, single_estimate};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Torque offset and rotor inertia of every joint that the model does not have, each by itself beside it. Nothing is told of one that base parameters hide.
+/// Torque offset and rotor inertia of every joint that the model does not have, each by itself beside it. Nothing is reported for one that base parameters hide.
 pub(crate) fn undetected(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Undetected> {
     let robot = &system.model.robot;
     let doubts = data.doubts(system);
@@ -16,7 +16,7 @@ pub(crate) fn undetected(data: &Data, system: &System, candidates: &[Candidate])
         let single = c.effect.is_everyday() && c.shapes.is_empty() && c.joints.len() == 1;
         single && !system.model.terms.iter().any(|t| c.is_same_effect(t))
     };
-    let told = |c: &Candidate| {
+    let reported = |c: &Candidate| {
         let joint = c.joints[0];
         let columns = columns_of(data, system, c, &[Vec::new()]);
         let found = single_estimate(system, &columns, joint, doubts[joint])?;
@@ -28,7 +28,7 @@ pub(crate) fn undetected(data: &Data, system: &System, candidates: &[Candidate])
             in_model: false,
         })
     };
-    candidates.iter().filter(is_open).filter_map(told).collect()
+    candidates.iter().filter(is_open).filter_map(reported).collect()
 }
 
 /// The nuisance offsets of the model, terms `range`, with what is known of each.

@@ -4,10 +4,14 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::effects::ParameterInfo;
 use crate::model::Robot;
 
+/// A parameter of an effect with one standard deviation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportedParameter {
+    /// Name of the parameter.
     pub name: String,
+    /// Estimate, in `unit`.
     pub value: f64,
+    /// Unit of the value; empty for pure numbers.
     pub unit: String,
     /// Not finite, or beyond any size, where the data do not determine the value.
     pub std_dev: f64,
@@ -21,13 +25,13 @@ pub(crate) fn is_determined(std_dev: f64) -> bool {
 impl ReportedParameter {
     /// Values and their standard deviations under the names of an effect's parameters.
     pub(crate) fn of(infos: Vec<ParameterInfo>, values: impl IntoIterator<Item = (f64, f64)>) -> Vec<Self> {
-        let told = |(info, (value, std_dev)): (ParameterInfo, (f64, f64))| Self {
+        let reported = |(info, (value, std_dev)): (ParameterInfo, (f64, f64))| Self {
             name: info.name,
             value,
             unit: info.unit,
             std_dev,
         };
-        infos.into_iter().zip(values).map(told).collect()
+        infos.into_iter().zip(values).map(reported).collect()
     }
 }
 

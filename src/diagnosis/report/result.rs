@@ -5,6 +5,7 @@ use crate::diagnosis::data_quality::DataFault;
 use crate::diagnosis::stability::Survival;
 use crate::effects::Formula;
 
+/// What the diagnosis concludes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// The declared model leaves nothing above the noise.
@@ -20,13 +21,17 @@ pub enum Verdict {
 /// Lack of fit of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointFit {
+    /// Name of the joint.
     pub joint: String,
     /// Mean square of the whitened residual over its expectation under pure noise: F with the degrees of freedom below.
     pub statistic: f64,
+    /// Probability of a statistic at least as large if only noise is left, from 0 to 1.
     pub p_value: f64,
+    /// Degrees of freedom of numerator and denominator of the F distribution.
     pub degrees_of_freedom: [f64; 2],
     /// RMS of the residual of the mean over the periods, and what noise alone would leave there [N·m or N].
     pub residual_rms: f64,
+    /// Root mean square that noise alone would leave [N·m or N].
     pub expected_rms: f64,
 }
 
@@ -46,13 +51,16 @@ pub struct AtRest {
     pub seconds: Vec<f64>,
     /// Of the declared model and of the final one; zero for a joint that never rests.
     pub rms_before: RmsPair,
+    /// Errors of the model with the effects.
     pub rms_after: RmsPair,
 }
 
 /// A figure, or that it was not computed: written as the number, or as `not_evaluated`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Evaluated {
+    /// The figure.
     Value(f64),
+    /// It was not computed.
     NotEvaluated,
 }
 
@@ -75,9 +83,13 @@ impl From<Option<f64>> for Evaluated {
 /// Whether an error on data that fitted nothing changed beyond chance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
+    /// The error fell beyond chance.
     Better,
+    /// No change beyond chance.
     Same,
+    /// The error rose beyond chance.
     Worse,
+    /// There are no held-out data for a test.
     NotTested,
 }
 
@@ -95,17 +107,20 @@ pub enum HeldOutVerdict {
 /// The declared model and the final one on held-out data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
+    /// The conclusion over all joints.
     pub verdict: HeldOutVerdict,
     /// Which data were held out, and how far that can be trusted.
     pub source: String,
     /// Chance of a change as large of the error over all joints.
     pub p_value: Evaluated,
+    /// One entry per joint.
     pub joints: Vec<JointHeldOut>,
 }
 
 /// One joint on held-out data: RMS of single measurements [N·m or N].
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointHeldOut {
+    /// Name of the joint.
     pub joint: String,
     /// Of the declared model.
     pub before: f64,
@@ -113,16 +128,22 @@ pub struct JointHeldOut {
     pub after: f64,
     /// Of the noise alone.
     pub floor: f64,
+    /// Whether the error changed beyond chance.
     pub change: Change,
+    /// Probability of a change at least as large by chance, from 0 to 1.
     pub p_value: f64,
 }
 
 /// The model without an effect and with it on held-out data: RMS over its joints [N·m or N].
 #[derive(Debug, Clone, PartialEq)]
 pub struct FindingHeldOut {
+    /// Root mean square error without the effect [N·m or N].
     pub before: Evaluated,
+    /// Root mean square error with the effect [N·m or N].
     pub after: Evaluated,
+    /// Whether the error changed beyond chance.
     pub change: Change,
+    /// Probability of a change at least as large by chance, from 0 to 1.
     pub p_value: Evaluated,
 }
 
@@ -156,7 +177,9 @@ pub struct Evidence {
 /// Another effect that the data do not exclude in a finding's place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rival {
+    /// Code of the other effect.
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// Twice the log of the evidence ratio in favour of the finding; below zero the rival fits better.
     pub evidence: f64,
@@ -167,28 +190,40 @@ pub struct Rival {
 /// The range of a variable over the identification logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covered {
+    /// The variable, such as `q4`.
     pub variable: String,
+    /// Least value, in `unit`.
     pub low: f64,
+    /// Largest value, in `unit`.
     pub high: f64,
+    /// Unit of the variable.
     pub unit: String,
 }
 
 /// An effect found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
+    /// Code of the effect.
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// Of a law: what it adds to the torques, in symbols that `parameters` has the values of.
     pub formula: Option<Formula>,
     /// Ranges of the formula's variables over the identification logs.
     pub covered: Vec<Covered>,
+    /// Estimated parameters with standard deviations.
     pub parameters: Vec<ReportedParameter>,
+    /// Errors without the effect [N·m or N].
     pub rms_before: RmsPair,
+    /// Errors with the effect [N·m or N].
     pub rms_after: RmsPair,
+    /// Why the effect is believed, from the data that were fitted.
     pub evidence: Evidence,
+    /// The same on data that were not fitted.
     pub held_out: FindingHeldOut,
     /// Whether the effect is a part of the model that is handed out.
     pub in_model: bool,
+    /// Effects that the data do not exclude in its place.
     pub rivals: Vec<Rival>,
     /// Under which changes of the data the effect is still beyond doubt; those that the data allow.
     pub survivals: Vec<Survival>,
@@ -199,6 +234,7 @@ pub struct Finding {
 /// What no effect explains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remainder {
+    /// Names of the joints that it is left on.
     pub joints: Vec<String>,
     /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the motion: strongest first. Empty where
     /// more than noise is left and no smooth function accounts for it.
@@ -208,13 +244,16 @@ pub struct Remainder {
     pub predicted_share: f64,
     /// RMS of what is left above the noise, per joint of `joints` [N·m or N].
     pub rms: Vec<f64>,
+    /// Remark of the test that found it.
     pub note: String,
 }
 
 /// An effect that every robot may have and that was not found: what the data say of its size all the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Undetected {
+    /// Code of the effect.
     pub effect: String,
+    /// Name of the joint.
     pub joint: String,
     /// Beside the final model and alone; not beyond chance, or it would be a finding.
     pub parameter: ReportedParameter,
@@ -226,7 +265,9 @@ pub struct Undetected {
 /// A joint that takes no part in the tracing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotTested {
+    /// Name of the joint.
     pub joint: String,
+    /// Why no effect was looked for on it.
     pub reason: String,
 }
 
@@ -238,13 +279,19 @@ pub struct ResidualReport {
     pub noise_floor: Vec<f64>,
     /// How the floor was found.
     pub noise_source: String,
+    /// Lack of fit of the declared model, one entry per joint.
     pub lack_of_fit: Vec<JointFit>,
+    /// The conclusion.
     pub verdict: Verdict,
+    /// The declared model and the final one on data that fitted neither.
     pub held_out: HeldOut,
+    /// Faults of the recording; empty without any.
     pub data_faults: Vec<DataFault>,
+    /// Effects that were found, those in the model first.
     pub findings: Vec<Finding>,
+    /// What no effect explains; nothing if only noise is left.
     pub remainder: Option<Remainder>,
-    /// Offsets and rotor inertias that were looked for and not found, with the sizes that the data leave them.
+    /// Offsets and rotor inertias that were tested and not found, with estimate and standard deviation.
     pub undetected: Vec<Undetected>,
     /// Whether the model explains no more of the torques than a constant per joint; no effect is looked for then.
     pub explains_nothing: bool,
@@ -254,6 +301,7 @@ pub struct ResidualReport {
     pub lack_of_fit_after: Vec<JointFit>,
     /// RMS of the declared model and of the final one.
     pub rms_before: RmsPair,
+    /// Errors of the model with the effects [N·m or N].
     pub rms_after: RmsPair,
     /// The same where joints rest, if any does.
     pub at_rest: Option<AtRest>,

@@ -17,7 +17,7 @@ pub(crate) struct Scored {
     pub tried: usize,
     /// Gain divided by what is left after it per degree of freedom, where that is more than noise.
     pub fair_gain: f64,
-    /// Two log evidence ratios: fair gain less what the parameters and the shapes tried cost.
+    /// BIC difference: fair gain less what the parameters and the shapes tried cost.
     pub evidence: f64,
     /// What the gain was divided by; none without measured noise.
     dispersion: Option<f64>,

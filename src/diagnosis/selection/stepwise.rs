@@ -25,7 +25,7 @@ pub(crate) fn select(data: &Data, start: AugmentedModel, candidates: &[Candidate
     extend(data, now, candidates, threshold)
 }
 
-/// Goes on from a selection.
+/// Continues a stepwise selection.
 pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     if !now.system.noise_is_measured {
         return without_periods::extend(data, now, candidates, threshold);

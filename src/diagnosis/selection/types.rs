@@ -35,7 +35,7 @@ pub(crate) struct Selected {
 pub(crate) struct Threshold {
     /// Largest chance of a false finding in the whole search.
     pub chance: f64,
-    /// Share of what is left over (above the noise) on the joints reached that an effect must explain.
+    /// Share of the residual above the noise, on the joints reached, that an effect must explain.
     pub share: f64,
     /// Share of the gain that must be there on blocks of time left out.
     pub generalises: f64,

@@ -12,6 +12,7 @@ pub struct CriteriaDocument {
     /// The one that was minimised.
     #[cfg_attr(feature = "service", schema(example = "condition_number"))]
     pub minimised: &'static str,
+    /// `σ_max/σ_min` of the stacked base regressor, at least 1. It depends on the units of the parameters.
     pub condition_number: f64,
     /// After scaling every column of Y_b to length one.
     pub scaled_condition_number: f64,
@@ -21,7 +22,7 @@ pub struct CriteriaDocument {
     pub a_optimality: f64,
     /// Expected torque-prediction error [N·m or N], by the torque noise assumed.
     pub i_optimality: f64,
-    /// Least expected evidence between two rivals, twice the logarithm of the odds: the larger the better.
+    /// Least expected BIC difference between two rivals (twice the logarithm of the odds): the larger the better.
     pub rival_evidence: Option<f64>,
 }
 

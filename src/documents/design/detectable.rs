@@ -26,7 +26,7 @@ pub struct DetectableDocument {
     pub noise_source: &'static str,
     /// One entry per effect, place and parameter that has a size.
     pub effects: Vec<DetectableEffectDocument>,
-    /// Effects that are found, but not told apart at the sizes given.
+    /// Effects that are found, but cannot be distinguished at the sizes given.
     pub pairs: Vec<InseparableDocument>,
 }
 
@@ -35,6 +35,7 @@ pub struct DetectableDocument {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = DetectableEffect))]
 pub struct DetectableEffectDocument {
+    /// Code of the effect, such as `stribeck_friction`.
     #[cfg_attr(feature = "service", schema(example = "joint_spring"))]
     pub effect: &'static str,
     /// None for an effect of the whole robot.
@@ -42,6 +43,7 @@ pub struct DetectableEffectDocument {
     /// The parameter that has the size; of a gain, its deviation from 1.
     #[cfg_attr(feature = "service", schema(example = "stiffness"))]
     pub parameter: String,
+    /// Unit of the sizes.
     #[cfg_attr(feature = "service", schema(example = "N m/rad"))]
     pub unit: String,
     /// Smallest size that is found with the power given; null where none is.
@@ -55,37 +57,49 @@ pub struct DetectableEffectDocument {
     pub assumed: Vec<AssumedParameterDocument>,
 }
 
+/// A shape parameter of an effect and the value that the prediction assumes for it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = AssumedParameter))]
 pub struct AssumedParameterDocument {
+    /// Name of the parameter, such as `phase`.
     pub name: String,
+    /// Value that is assumed, in `unit`.
     pub value: f64,
+    /// Unit of the value; empty for pure numbers.
     pub unit: String,
 }
 
-/// Two effects that are not told apart at the size at which the first is found: a diagnosis names either, and the other as its rival.
+/// Two effects that cannot be distinguished at the size at which the first is found: a diagnosis names either, and the other as its rival.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = InseparableEffects))]
 pub struct InseparableDocument {
+    /// Code of the effect that is present.
     pub effect: &'static str,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// The parameter of the effect that has the size.
     pub parameter: String,
+    /// Code of the other effect.
     pub rival: &'static str,
+    /// Names of the joints that the other effect acts on.
     pub rival_joints: Vec<String>,
     /// Of the two, where base parameters do not imitate them.
     pub correlation: f64,
     /// Size of the effect from which on the log excludes the rival, with the same power; null where no size does.
     pub told_apart_from: Option<f64>,
+    /// Unit of the size.
     pub unit: String,
 }
 
 /// A recording that was assessed.
 pub struct Assessed<'a> {
+    /// Length of the recording, its noise and the false-alarm rate.
     pub plan: Plan<'a>,
+    /// Where the torque noise comes from, as `noise_source` of the answer.
     pub noise_source: &'static str,
+    /// Smallest detectable sizes and pairs that cannot be separated.
     pub found: Detectable,
 }
 

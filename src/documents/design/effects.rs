@@ -12,10 +12,12 @@ use serde::Serialize;
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = DesignEffect))]
 pub struct EffectDocument {
+    /// Code of the effect, such as `torque_offset`.
     #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
     pub effect: String,
     /// None for an effect of the whole robot.
     pub joints: Vec<String>,
+    /// Its parameters with the standard deviations predicted for this trajectory.
     pub parameters: Vec<EffectParameterDocument>,
 }
 

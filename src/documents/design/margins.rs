@@ -8,11 +8,13 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct MarginDocument {
+    /// Name of the joint.
     pub joint: String,
     /// `position`, `velocity`, `acceleration`, `jerk`, or with torque limits `torque`.
     pub quantity: &'static str,
     /// `lower` or `upper`.
     pub side: &'static str,
+    /// The limit, in `unit`.
     pub limit: f64,
     /// Extreme value reached.
     pub peak: f64,
@@ -24,6 +26,7 @@ pub struct MarginDocument {
     pub margin: f64,
     /// Left side over right side of the paper's bound (14d) or (14e), with the paper's constraints.
     pub bound_used: Option<f64>,
+    /// Unit of the limit and of the extreme value: rad or m, with their time derivatives, N m or N.
     #[cfg_attr(feature = "service", schema(example = "rad/s"))]
     pub unit: &'static str,
 }

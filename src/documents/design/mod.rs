@@ -35,13 +35,15 @@ pub struct DesignDocument {
     /// Of the true observation matrix Y_b on the asked samples, with the true sign of every velocity.
     #[cfg_attr(feature = "service", schema(example = 57.3))]
     pub condition_number: Option<f64>,
+    /// All criteria of the trajectory, computed from its coefficients; null if the regressor is singular.
     pub criteria: Option<CriteriaDocument>,
+    /// Predicted accuracy of the base parameters; null without knowledge of the torque noise, or if the regressor is singular.
     pub predicted: Option<PredictedDocument>,
     /// The criterion that is recommended, and why.
     pub recommended_criterion: RecommendedDocument,
     /// Effects of the model whose columns stand beside those of Y_b, with the accuracy to be expected of them.
     pub effects: Vec<EffectDocument>,
-    /// How well two explanations of a residual are told apart, where they are asked for.
+    /// How well two explanations of a residual can be distinguished; null if none were named.
     pub rivals: Option<RivalsDocument>,
     /// What a recording of all trajectories would reveal of what the model lacks, and what it would not tell apart; null
     /// without a trajectory, and for arms of more than 16 joints.
@@ -50,9 +52,13 @@ pub struct DesignDocument {
     pub coefficients: Option<Coefficients>,
     /// Position of every joint around which it moves [rad or m].
     pub offset: Option<Vec<f64>>,
+    /// Fundamental frequency f of the Fourier series [Hz].
     pub fundamental_hz: f64,
+    /// Number of harmonics of the series.
     pub order: usize,
+    /// Period `1/f` (s).
     pub period_s: f64,
+    /// Rate at which the regressor and the limits were sampled [Hz].
     pub sample_rate_hz: f64,
     /// Periods that will be recorded, for `predicted` and the evidence.
     pub periods: f64,
@@ -68,10 +74,13 @@ pub struct DesignDocument {
     pub first_run: Option<FirstRunDocument>,
     /// The other trajectories, where several are asked for: each complements those before it.
     pub further: Vec<FurtherDocument>,
+    /// Every random start with its local solve, in the order of the starts.
     pub starts: Vec<StartDocument>,
     /// Names of the base parameters: columns of Y_b, and the order of `predicted`.
     pub base_parameters: Vec<String>,
+    /// Seed, effort and duration of the search.
     pub search: SearchDocument,
+    /// Name of the robot.
     pub robot: String,
     /// What to know about how the robot was read.
     pub notes: Vec<String>,
@@ -90,7 +99,9 @@ pub struct StartDocument {
     pub initial: Option<f64>,
     /// After its local solve.
     pub reached: Option<f64>,
+    /// Evaluations of the criterion by this start.
     pub evaluations: u32,
+    /// Whether the local solve met its tolerance before the budget ended.
     pub converged: bool,
     /// Its course, `[evaluations of this start, criterion at its best point then]`, closer together at first.
     #[cfg_attr(feature = "service", schema(example = json!([[0.0, 912.4], [1.0, 804.1], [180.0, 71.3]])))]
@@ -101,11 +112,15 @@ pub struct StartDocument {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct SearchDocument {
+    /// Seed of all random numbers; the same seed and number of evaluations give the same design.
     pub seed: u64,
+    /// Number of random starts.
     pub starts: usize,
     /// Evaluations of the criterion, with gradient.
     pub evaluations: u64,
+    /// Rounds of local solves; points are recombined between them.
     pub rounds: usize,
+    /// Wall-clock time of the search (s).
     pub elapsed_s: f64,
     /// Searches that took part, one on every machine that had nothing else to do; the best of all is the result.
     pub searches: usize,
@@ -138,7 +153,7 @@ impl DesignDocument {
             effects: effects(problem, &request.effects, design),
             rivals: rivals(problem, &request.effects, design),
             detectable: assessed.map(|a| detectable(problem, a)),
-            coefficients: found.then(|| Coefficients::of(&design.series)),
+            coefficients: found.then(|| Coefficients::from_series(&design.series)),
             offset: found.then(|| design.series.offset.clone()),
             fundamental_hz: spec.fundamental_hz,
             order: spec.order,
@@ -154,7 +169,7 @@ impl DesignDocument {
                 .iter()
                 .filter_map(|(p, d)| further_document(p, &request.effects, d))
                 .collect(),
-            starts: design.starts.iter().map(StartDocument::of).collect(),
+            starts: design.starts.iter().map(StartDocument::from_report).collect(),
             base_parameters: problem.base().names.clone(),
             search: SearchDocument {
                 seed: request.search.options.seed,
@@ -173,7 +188,8 @@ impl DesignDocument {
 }
 
 impl StartDocument {
-    pub fn of(s: &crate::excitation::StartReport) -> Self {
+    /// The entry for one start of the core's report.
+    pub fn from_report(s: &crate::excitation::StartReport) -> Self {
         Self {
             initial: finite(s.initial),
             reached: finite(s.reached),

@@ -34,6 +34,7 @@ pub struct ExcitationRequest {
     pub backoff: Option<f64>,
     /// What the columns beside the regressor's are of.
     pub effects: DesignTerms,
+    /// Budget, starts and seed of the search.
     pub search: Search,
     /// An earlier trajectory to go on from.
     pub earlier: Option<FourierSeries>,

@@ -7,6 +7,7 @@ use crate::excitation::SearchOptions;
 /// How long and how widely to search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Search {
+    /// Starts, seed and greatest number of evaluations, as the core takes them.
     pub options: SearchOptions,
     /// Time after which the best trajectory found is handed back (s).
     pub time_limit_s: f64,

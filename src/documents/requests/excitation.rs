@@ -21,19 +21,23 @@ pub struct ExcitationRequest {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = RobotOrName, required = false))]
     pub robot: Option<RobotOrName>,
+    /// The Fourier series: harmonics, fundamental frequency and sample rate.
     pub fourier: Fourier,
     /// Samples per second of the observation matrix.
     #[cfg_attr(feature = "service", schema(exclusive_minimum = 0))]
     pub sample_rate_hz: f64,
+    /// Optimality criterion that the search minimises.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = Criterion, required = false, default = "condition_number"))]
     pub criterion: Option<Criterion>,
+    /// Limits beside those of the joints.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = Constraints, required = false))]
     pub constraints: Option<Constraints>,
     /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies and detectable sizes; that of the data of
     /// `model`, or 1 (for detectable sizes a thousandth of the effort limits), if left out.
     pub torque_noise: Option<Vec<f64>>,
+    /// Budget, starts and seed of the search.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = Search, required = false))]
     pub search: Option<Search>,
@@ -63,9 +67,11 @@ pub struct ExcitationRequest {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WarmStart {
+    /// Coefficients of a known trajectory of the same order.
     pub coefficients: crate::documents::Coefficients,
     /// Position of every joint around which it moves [rad or m].
     pub offset: Vec<f64>,
+    /// Fundamental frequency of that trajectory [Hz].
     pub fundamental_hz: f64,
 }
 
@@ -82,11 +88,14 @@ pub struct Fourier {
     pub harmonics: Option<Vec<Vec<u32>>>,
 }
 
+/// One value for all joints, or one for each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(untagged)]
 pub enum OneOrSeveral {
+    /// The value for every joint.
     One(f64),
+    /// One value per joint, in the order of the joints.
     Several(Vec<f64>),
 }
 
@@ -95,17 +104,23 @@ pub enum OneOrSeveral {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Criterion {
+    /// `σ_max/σ_min` of the stacked base regressor.
     ConditionNumber,
+    /// The condition number after every column is scaled to length one; independent of units.
     ScaledConditionNumber,
+    /// Geometric mean of the standard deviations along the principal directions, `det(M)^(−1/(2b))`.
     DOptimality,
+    /// Root mean square standard deviation of the base parameters, `sqrt(tr(M⁻¹)/b)`.
     AOptimality,
+    /// Expected error of predicted torques over random states within the limits.
     IOptimality,
-    /// Greatest expected evidence between two rivals; needs `model` and `rivals`.
+    /// Greatest expected BIC difference between two rivals; needs `model` and `rivals`.
     RivalEvidence,
     /// What is recommended: `i_optimality`.
     Recommended,
 }
 
+/// Limits of a design beside those that the robot describes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
@@ -122,11 +137,11 @@ pub struct Constraints {
     pub start_position: Option<Vec<f64>>,
     /// Limits on torques, predicted by the robot's prior link parameters; none if left out.
     pub torque: Option<TorqueLimits>,
-    /// What the arm keeps off; needs `geometry` of its joints. Nothing if left out.
+    /// Obstacles and self-collision to avoid; needs `geometry` of the joints. None if left out.
     pub space: Option<SpaceLimits>,
 }
 
-/// What the arm keeps off, in the base frame.
+/// Obstacles and self-collision to avoid, in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct SpaceLimits {
@@ -137,24 +152,29 @@ pub struct SpaceLimits {
     pub half_spaces: Option<Vec<HalfSpace>>,
     /// Boxes that the arm stays out of, with edges along the axes of the base frame.
     pub boxes: Option<Vec<BoxObstacle>>,
-    /// Links keep off each other, but for neighbours and the pairs named.
+    /// Avoid self-collision, except between neighbours and the pairs named.
     pub self_collision: Option<SelfCollision>,
 }
 
+/// The arm stays where `normal · x ≥ offset`, x in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct HalfSpace {
+    /// Name in messages and in the clearances of the answer.
     #[cfg_attr(feature = "service", schema(example = "floor"))]
     pub name: String,
+    /// Normal of the plane, pointing to where the arm may be; of any length but zero.
     pub normal: [f64; 3],
     /// (m)
     pub offset: f64,
 }
 
+/// A box with edges along the axes of the base frame, which the arm avoids.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = Box))]
 pub struct BoxObstacle {
+    /// Name in messages and in the clearances of the answer.
     #[cfg_attr(feature = "service", schema(example = "table"))]
     pub name: String,
     /// (m)
@@ -163,6 +183,7 @@ pub struct BoxObstacle {
     pub size: [f64; 3],
 }
 
+/// Minimum distance between links that are not neighbours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct SelfCollision {
@@ -182,19 +203,25 @@ pub struct TorqueLimits {
     pub safety_factor: Option<f64>,
 }
 
+/// How limits on the series become constraints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
+    /// Bounds (14d)–(14g) of the paper on the coefficients: sufficient, not necessary.
     Paper,
+    /// The true extremes over time, certified between the samples.
     Exact,
 }
 
+/// Where the motion starts; it starts and ends at rest in either case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Start {
+    /// At `start_position`, or at zero if there is none.
     Zero,
+    /// At a position that the search chooses; the robot moves there first.
     Free,
 }
 
@@ -225,11 +252,18 @@ pub struct Search {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum TrajectoryFormat {
+    /// Comma-separated values, a header and one row per sample.
     Csv,
+    /// JSON object with `columns` and `rows`.
     Json,
+    /// `trajectory_msgs/msg/JointTrajectory` of ROS 2 as JSON.
     JointTrajectory,
+    /// Goal of `control_msgs/action/FollowJointTrajectory` as YAML.
     Yaml,
+    /// Program of `servoj` for controllers of Universal Robots.
     Urscript,
+    /// MCAP with `sensor_msgs/msg/JointState` messages.
     Mcap,
+    /// NumPy archive with the arrays `time`, `q`, `qd` and `qdd`.
     Npz,
 }

@@ -4,11 +4,12 @@ use super::robot::{Axis, InertiaBounds};
 use serde::{Deserialize, Serialize};
 
 /// Physical parameters. `consistent` (or `convex`): least squares with a positive definite pseudo-inertia of every link. `paper`: the
-/// nonlinear problem (10a-d) from many starts, and its gap to a lower bound. `both`: the first is the model, the second is told beside it.
+/// nonlinear problem (10a-d) from many starts, and its gap to a lower bound. `both`: the first is the model, the second is reported beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Feasible {
+    /// How the physical parameters are found.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = FeasibleMethod, required = false, default = "consistent"))]
     pub method: Option<FeasibleMethod>,
@@ -40,14 +41,20 @@ pub struct Feasible {
     pub seed: Option<u64>,
 }
 
+/// Method for physical parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FeasibleMethod {
+    /// Least squares with a positive definite pseudo-inertia of every link, a semidefinite problem.
     Consistent,
+    /// Another name for `consistent`.
     Convex,
+    /// The nonlinear problem (10a-d) of the paper.
     Paper,
+    /// Both; the result of `consistent` is the model.
     Both,
+    /// No physical parameters.
     None,
 }
 
@@ -56,8 +63,11 @@ pub enum FeasibleMethod {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Triangle {
+    /// `I_1 ≤ I_2 + I_3` for the principal moments of inertia: what a mass density can have.
     Principal,
+    /// The same for the diagonal elements only, as the paper has it.
     Diagonal,
+    /// No triangle inequality.
     None,
 }
 

@@ -10,9 +10,11 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Model {
+    /// The robot, in full or by name.
     pub robot: RobotOrName,
     /// Constant torque of every joint (N·m or N).
     pub offsets: Option<Vec<f64>>,
+    /// Base parameters by name with value and unit, as an identification reports them; left out if physical parameters are the model.
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
     pub base_parameters: Option<Vec<BaseRow>>,
     /// What tracing has added; needed to tell what has changed since.
@@ -34,10 +36,13 @@ pub struct Model {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct AugmentedModel {
+    /// The effects of the model; empty for the declared model.
     pub effects: Vec<AddedEffect>,
+    /// Values of the base parameters beside the effects, in the order of the columns of `Y_b`, in SI units.
     pub base_values: Vec<f64>,
     /// Inverse covariance of the base values, then of coefficients and free shapes effect by effect.
     pub information: Vec<Vec<f64>>,
+    /// Noise and covariance of the estimates; without it the model is used without standard deviations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<ModelNoise>,
 }
@@ -70,12 +75,16 @@ pub struct ModelParameter {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct AddedEffect {
+    /// Code of the effect.
     #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// Variant of the effect, from 0.
     pub form: u32,
+    /// Linear parameters of the effect, in SI units, in its own order.
     pub coefficients: Vec<f64>,
+    /// Nonlinear parameters of the effect, in SI units, in its own order.
     pub shape: Vec<f64>,
     /// How many of the shape parameters were estimated, from the first.
     pub free_shapes: u32,
@@ -96,12 +105,16 @@ pub struct AddedEffect {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct RivalEffect {
+    /// Code of the effect.
     #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// Variant of the effect, from 0.
     pub form: u32,
+    /// Linear parameters of the effect, in SI units, in its own order.
     pub coefficients: Vec<f64>,
+    /// Nonlinear parameters of the effect, in SI units, in its own order.
     pub shape: Vec<f64>,
     /// How many of the shape parameters were estimated, from the first.
     pub free_shapes: u32,
@@ -128,11 +141,18 @@ pub struct RivalEffect {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ModelFormat {
+    /// The model with deviations, as `validate` and designs read it.
     Json,
+    /// URDF: bodies, friction and limits.
     Urdf,
+    /// MJCF of MuJoCo.
     Mjcf,
+    /// SDF of Gazebo.
     Sdf,
+    /// A table of parameters with units and deviations.
     Csv,
+    /// Source in C, without dependencies.
     C,
+    /// Source in Python, with NumPy.
     Python,
 }

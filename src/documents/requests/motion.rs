@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct MotionRequest {
+    /// The robot, in full or by name.
     pub robot: RobotOrName,
+    /// The trajectory; left out, the robot is described at rest.
     pub trajectory: Option<Series>,
     /// Samples of one period, its end included.
     #[cfg_attr(feature = "service", schema(default = 1000, minimum = 2, maximum = 20000))]
@@ -19,8 +21,11 @@ pub struct MotionRequest {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct Series {
+    /// Fundamental frequency [Hz].
     #[cfg_attr(feature = "service", schema(exclusive_minimum = 0))]
     pub fundamental_hz: f64,
+    /// Fourier coefficients.
     pub coefficients: Coefficients,
+    /// Constant part q0, one value per joint [rad or m].
     pub offset: Vec<f64>,
 }

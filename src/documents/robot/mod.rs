@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 /// A robot as read, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotDocument {
+    /// The robot of the core, valid by construction.
     pub robot: Robot,
     /// Missing limits or inertials of a URDF file, in words.
     pub notes: Vec<String>,
@@ -30,7 +31,9 @@ pub struct RobotDocument {
 
 /// Robots, and results of a server, that documents may call by name.
 pub trait NamedRobots {
+    /// The robot called `name`; nothing if there is none.
     fn named(&self, name: &str) -> Option<RobotDocument>;
+    /// All names, for the message about an unknown one.
     fn names(&self) -> Vec<String>;
 
     /// The JSON model of an identification, by its id.

@@ -51,7 +51,7 @@ impl Problem {
         self.given.as_ref()
     }
 
-    /// Whether one rival is a special case of the other: nothing of it is left over on any motion, two random ones for example.
+    /// Whether one rival is a special case of the other: it leaves no residual on any motion, two random ones for example.
     pub(super) fn look_for_nesting(&mut self) {
         let Some(rivals) = &self.spec.knowledge.rivals else { return };
         let variables = Variables::new(self);

@@ -25,7 +25,7 @@ impl Problem {
         })
         .or_else(|| {
             let reasons: Vec<String> = self.too_heavy_at_rest().into_iter().chain(self.too_near_at_rest()).collect();
-            (!reasons.is_empty()).then(|| format!("{}; {}", reasons.join("; "), Postures::of(self).in_words(self)))
+            (!reasons.is_empty()).then(|| format!("{}; {}", reasons.join("; "), Postures::for_problem(self).in_words(self)))
         })
     }
 
@@ -33,7 +33,7 @@ impl Problem {
     pub(super) fn another_rest(&self) -> Option<Vec<f64>> {
         let stuck = self.too_heavy_at_rest().is_some() || self.too_near_at_rest().is_some();
         let searched = self.spec.start == Start::Free && stuck;
-        searched.then(|| Postures::of(self).best).flatten()
+        searched.then(|| Postures::for_problem(self).best).flatten()
     }
 
     /// The first joint that exceeds its torque limit by holding the arm still, in words.

@@ -22,7 +22,7 @@ pub enum Criterion {
     AOptimality,
     /// `sqrt(tr(M⁻¹ C)/n)`, C the mean of `Y_bᵀ Y_b` over random states inside the limits: the expected torque-prediction error.
     IOptimality,
-    /// One over the root of the expected evidence between two explanations of a residual ([`crate::excitation::Rivals`]), in the worse of the two cases.
+    /// One over the root of the expected BIC difference between two explanations of a residual ([`crate::excitation::Rivals`]), in the worse of the two cases.
     RivalEvidence,
 }
 
@@ -115,7 +115,7 @@ pub struct ProblemSpec {
     pub torque_noise: Option<Vec<f64>>,
     /// Limits on the torques that the robot's prior parameters predict.
     pub torque: Option<TorqueLimits>,
-    /// What the arm keeps off.
+    /// Obstacles and self-collision to avoid.
     pub space: Option<SpaceLimits>,
     /// What is known before: noise, priors, an earlier model.
     pub knowledge: Knowledge,

@@ -13,7 +13,7 @@
 //!
 //! An effect that is a special case of the other (an offset, of a spring with any rest angle) leaves nothing over if it is true, whatever the motion: only
 //! parsimony then speaks against the other. Unless the other is a real thing within borders only (a spring with its rest within a turn): then what counts is
-//! what the best of those at the border leaves over, since any nearer to the special case is none. Where there are no borders that direction is left out
+//! what the best of those at the border does not explain, since any nearer to the special case is none. Where there are no borders that direction is left out
 //! of the minimum.
 
 #[cfg(test)]
@@ -54,7 +54,7 @@ pub struct ExpectedEvidence {
     /// Expected evidence where the rival is true.
     pub if_rival: f64,
     nested: [bool; 2],
-    /// In which case something can be left over.
+    /// In which case a residual is possible.
     counts: [bool; 2],
 }
 
@@ -62,7 +62,7 @@ pub struct ExpectedEvidence {
 const BEYOND_THE_BORDER: f64 = 9.0;
 
 impl ExpectedEvidence {
-    /// In the worse of the two cases, but for one in which nothing can be left over.
+    /// In the worse of the two cases, but for one in which no residual is possible.
     pub fn least(&self) -> f64 {
         let least = self.cases().map(|c| c.0).fold(f64::INFINITY, f64::min);
         if least.is_finite() { least } else { 0.0 }
@@ -105,13 +105,13 @@ impl Rivals {
         }
     }
 
-    /// Whether anything can be left over if the finding (0) or the rival (1) is true; of two that are alike, whatever rounding leaves.
+    /// Whether a residual is possible if the finding (0) or the rival (1) is true; of two that are alike, whatever rounding leaves.
     fn counts(&self, i: usize) -> bool {
         let other = [&self.rival, &self.finding][i];
         !self.nested[i] || self.nested == [true, true] || !other.borders.is_empty()
     }
 
-    /// What is left over of either by the other, with the vectors of [`left_over`].
+    /// Residual of either after a fit of the other, with the vectors of [`left_over`].
     fn both(&self, gram: &DMatrix<f64>, base: usize) -> [(f64, DVector<f64>); 2] {
         let pairs = [(&self.finding, &self.rival), (&self.rival, &self.finding)];
         [0, 1].map(|i| {

@@ -110,24 +110,24 @@ fn prop_a_special_case_is_held_against_the_others_border() {
         found.if_finding
     );
     assert_eq!(found.least(), found.if_finding.min(found.if_rival));
-    // A spring may rest anywhere: then nothing is left over, and the other case alone is looked at.
+    // A spring may rest anywhere: then there is no residual, and the other case alone is looked at.
     let anywhere = offset_and_spring(None).expected(&gram_of(&q), 1);
     assert_eq!((anywhere.if_finding, anywhere.least()), (0.0, anywhere.if_rival));
 }
 
 #[test]
 fn prop_the_border_is_decisive_at_three_deviations() {
-    let told = |if_finding: f64, if_rival: f64| ExpectedEvidence {
+    let evidence = |if_finding: f64, if_rival: f64| ExpectedEvidence {
         if_finding,
         if_rival,
         nested: [true, false],
         counts: [true; 2],
     };
-    assert!(told(9.0, 6.0).decides(6.0));
-    assert!(!told(8.9, 6.0).decides(6.0) && !told(9.0, 5.9).decides(6.0));
+    assert!(evidence(9.0, 6.0).decides(6.0));
+    assert!(!evidence(8.9, 6.0).decides(6.0) && !evidence(9.0, 5.9).decides(6.0));
     let alike = ExpectedEvidence {
         counts: [false; 2],
-        ..told(9.0, 9.0)
+        ..evidence(9.0, 9.0)
     };
     assert!(!alike.decides(6.0) && alike.least() == 0.0);
 }

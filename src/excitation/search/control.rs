@@ -45,9 +45,9 @@ pub enum Halt {
 pub trait Control: Sync {
     /// Asked before every evaluation.
     fn halt(&self) -> Option<Halt>;
-    /// Told after every local solve.
+    /// Called after every local solve.
     fn progress(&self, progress: &Progress);
-    /// Told after every round what a search that goes on from here would need.
+    /// Called after every round with what a search that goes on from here would need.
     fn found(&self, _found: &Found) {}
     /// Asked at the beginning and at the end of every epoch for what other searches of the same problem have found since it was last
     /// asked. An answer that depends on how fast others are makes this search depend on it too.
@@ -75,7 +75,7 @@ impl Found<'_> {
 
     /// The champions and the best point of the running epoch: the best of each niche, best first.
     pub fn points(&self) -> Vec<Point> {
-        Pool::of(self.variables, self.all().cloned()).points().to_vec()
+        Pool::from_points(self.variables, self.all().cloned()).points().to_vec()
     }
 
     fn all(&self) -> impl Iterator<Item = &Point> {

@@ -55,7 +55,7 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
     let descent = Descent::new(problem, &variables, control);
     let run = Run {
         variables: &variables,
-        symmetries: Symmetries::of(problem, &variables),
+        symmetries: Symmetries::for_problem(problem, &variables),
         descent,
         seed: options.seed,
         control,

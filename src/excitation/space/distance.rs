@@ -1,4 +1,4 @@
-//! Poses of the links, and distances between capsules and what they keep off.
+//! Poses of the links, and distances between capsules and obstacles.
 
 use super::pairs::{Against, Pair};
 use crate::model::Robot;

@@ -14,14 +14,14 @@ pub(super) use pairs::SpaceSet;
 
 use nalgebra::Vector3;
 
-/// What the arm keeps off, in the base frame.
+/// Obstacles and self-collision to avoid, in the base frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceLimits {
     /// Least distance kept from everything (m).
     pub clearance: f64,
     /// Planes that the arm stays on one side of.
     pub half_spaces: Vec<HalfSpace>,
-    /// Boxes that the arm keeps off.
+    /// Boxes that the arm avoids.
     pub boxes: Vec<Obstacle>,
     /// Whether collisions of the arm with itself are avoided, and how.
     pub self_collision: Option<SelfCollision>,
@@ -49,7 +49,7 @@ pub struct Obstacle {
     pub size: Vector3<f64>,
 }
 
-/// Links keep off each other, but for neighbours and the pairs named here (joint numbers from 0, the smaller first).
+/// Links avoid each other, except neighbours and the pairs named here (joint numbers from 0, the smaller first).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SelfCollision {
     /// Pairs of links that are not looked at, beside neighbours.

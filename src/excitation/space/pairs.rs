@@ -1,4 +1,4 @@
-//! What keeps off what, and the penalty for coming too near.
+//! Pairs of shapes that avoid each other, and the penalty for coming too near.
 
 use super::super::problem::ProblemSpec;
 use super::distance::{Distance, poses};
@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
-/// A capsule and what it keeps off.
+/// A capsule and the shape that it avoids.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
     pub link: usize,

@@ -11,8 +11,11 @@ pub struct Columns {
     pub time_unit: Option<TimeUnit>,
     /// Rate where there is no time column (Hz); with a time column it overrides what the stamps say.
     pub sample_rate_hz: Option<f64>,
+    /// Positions (rad or m).
     pub position: JointColumns,
+    /// Velocities (rad/s or m/s); no headers if they are differentiated.
     pub velocity: JointColumns,
+    /// Torques or forces [N·m or N].
     pub torque: JointColumns,
 }
 
@@ -23,6 +26,7 @@ pub struct JointColumns {
     pub headers: Vec<String>,
     /// Name of the file that has them, row for row beside the log; `None` for the log itself.
     pub file: Option<String>,
+    /// Conversion of the raw columns to SI units.
     pub transformation: Transformation,
     /// Whether the unit is stated: one in a header is then not used.
     pub unit_stated: bool,
@@ -53,12 +57,17 @@ pub struct Transformation {
     pub offset: Vec<f64>,
 }
 
+/// Unit of the time stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TimeUnit {
+    /// Seconds.
     #[default]
     Seconds,
+    /// 1e-3 s.
     Milliseconds,
+    /// 1e-6 s.
     Microseconds,
+    /// 1e-9 s.
     Nanoseconds,
 }
 
@@ -76,6 +85,7 @@ impl TimeUnit {
         }
     }
 
+    /// Length of the unit (s).
     pub fn seconds(self) -> f64 {
         match self {
             Self::Seconds => 1.0,
@@ -87,6 +97,7 @@ impl TimeUnit {
 }
 
 impl Transformation {
+    /// Whether values pass unchanged.
     pub fn is_identity(&self) -> bool {
         self.coupling.is_none() && self.factor.iter().all(|&f| f == 1.0) && self.offset.iter().all(|&o| o == 0.0)
     }

@@ -96,7 +96,7 @@ pub(super) fn detect(head: &[u8]) -> Option<Dialect> {
     if lines.is_empty() {
         return None;
     }
-    let style = Style::of(&rows);
+    let style = Style::from_rows(&rows);
     let Some((first, style)) = style.and_then(|style| Some((style.first(&rows)?, style))) else {
         return Some(without_rows(&lines, &rows));
     };
@@ -115,7 +115,7 @@ struct Style {
 
 impl Style {
     /// The one by which most is numbers.
-    fn of(rows: &[&Line]) -> Option<Self> {
+    fn from_rows(rows: &[&Line]) -> Option<Self> {
         let sample = &rows[rows.len().saturating_sub(ROWS)..];
         let candidates = DELIMITERS.iter().flat_map(|&d| [(d, false), (d, true)]);
         let mut best: Option<(f64, Self)> = None;

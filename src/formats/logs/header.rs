@@ -12,9 +12,11 @@ use std::path::Path;
 pub struct FoundColumns {
     /// Null where the file has no time column.
     pub time: Option<String>,
+    /// Headers of the position columns, in the order of the joints.
     pub position: Vec<String>,
     /// Empty where the file has no velocities.
     pub velocity: Vec<String>,
+    /// Headers of the torque columns, in the order of the joints.
     pub torque: Vec<String>,
     /// Those that nothing is made of.
     pub unused: Vec<String>,
@@ -29,11 +31,11 @@ pub fn found_columns(path: &Path, file: &str, columns: &Columns, joints: &[Strin
     let opened = Opened::new(file, source.bytes)?;
     let heading = opened.heading(file);
     let places = Places::find(&heading, columns, joints, &|_| true)?;
-    Ok(FoundColumns::of(&heading, &places))
+    Ok(FoundColumns::from_heading(&heading, &places))
 }
 
 impl FoundColumns {
-    fn of(heading: &Heading, places: &Places) -> Self {
+    fn from_heading(heading: &Heading, places: &Places) -> Self {
         let names = heading.names;
         let named = |places: &[usize]| places.iter().map(|&at| names[at].name.clone()).collect::<Vec<_>>();
         let used: Vec<usize> = places.time.into_iter().chain(places.all()).collect();

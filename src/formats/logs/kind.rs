@@ -68,7 +68,7 @@ const NOT_BUILT: &str = "this build reads text only (it lacks the feature `forma
 
 impl Kind {
     /// Of a file whose first bytes, some thousand of them, are `start`.
-    pub fn of(start: &[u8]) -> Self {
+    pub fn from_start(start: &[u8]) -> Self {
         if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
             return Self::Utf16;
         }
@@ -115,11 +115,11 @@ mod tests {
 
     #[test]
     fn files_are_what_their_first_bytes_say() {
-        assert_eq!(Kind::of(b"time,q1\n0,1\n"), Kind::Text);
-        assert_eq!(Kind::of(b"\xff\xfet\0"), Kind::Utf16);
-        assert_eq!(Kind::of(b"PAR1\x15"), Kind::Parquet);
-        assert!(matches!(Kind::of(b"\x89PNG\r\n"), Kind::Foreign(f) if f.what == "a picture"));
-        assert!(matches!(Kind::of(b"\n {\"a\": 1}"), Kind::Foreign(f) if f.what == "a JSON document"));
-        assert!(matches!(Kind::of(b"\x01\x02\0\x03"), Kind::Foreign(f) if f.what.starts_with("a binary file")));
+        assert_eq!(Kind::from_start(b"time,q1\n0,1\n"), Kind::Text);
+        assert_eq!(Kind::from_start(b"\xff\xfet\0"), Kind::Utf16);
+        assert_eq!(Kind::from_start(b"PAR1\x15"), Kind::Parquet);
+        assert!(matches!(Kind::from_start(b"\x89PNG\r\n"), Kind::Foreign(f) if f.what == "a picture"));
+        assert!(matches!(Kind::from_start(b"\n {\"a\": 1}"), Kind::Foreign(f) if f.what == "a JSON document"));
+        assert!(matches!(Kind::from_start(b"\x01\x02\0\x03"), Kind::Foreign(f) if f.what.starts_with("a binary file")));
     }
 }

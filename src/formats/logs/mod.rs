@@ -2,7 +2,7 @@
 //!
 //! What a file is, its first bytes say (`kind`). Of a text, `dialect` finds separator, decimal sign and header; `names` knows the columns of well-known
 //! programs. [`read_log`] streams the rows into columns of doubles (`blocks`: several threads parse while another reads), `time_base` lays them onto a uniform grid in time, and whatever was
-//! found on the way (garbage, repeats, gaps, jitter) is told in the [`LogReport`] with the line numbers and what was done.
+//! found on the way (garbage, repeats, gaps, jitter) is reported in the [`LogReport`] with the line numbers and what was done.
 
 #[cfg(feature = "formats")]
 mod binary;

@@ -279,7 +279,7 @@ pub(super) fn known(names: &[Named], quantity: Quantity, joints: &[String], curr
                 .iter()
                 .enumerate()
                 .filter(|(_, name)| name.is_other == others)
-                .filter_map(|(at, name)| Some((at, Member::of(&name.stem, joints)?)))
+                .filter_map(|(at, name)| Some((at, Member::from_name(&name.stem, joints)?)))
                 .filter(|(_, member)| member.is_of(word))
                 .collect();
             let mut groups: Vec<(usize, &str)> = members.iter().map(|(at, m)| (names[*at].stream, m.prefix.as_str())).collect();
@@ -332,7 +332,7 @@ struct Member {
 }
 
 impl Member {
-    fn of(name: &str, joints: &[String]) -> Option<Self> {
+    fn from_name(name: &str, joints: &[String]) -> Option<Self> {
         let (rest, index) = joint_within(name, joints).or_else(|| number_within(name))?;
         let rest = rest.trim_matches(|c: char| matches!(c, '/' | '.' | '_' | ' ' | '[' | ']' | '(' | ')' | ':' | '-'));
         let (prefix, key) = rest.rsplit_once(['/', '.', ':']).unwrap_or(("", rest));

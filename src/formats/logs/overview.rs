@@ -25,6 +25,7 @@ pub struct LogOverview {
     pub rows: usize,
     /// Whether these are all rows of the file.
     pub whole: bool,
+    /// The columns in the order of the file.
     pub columns: Vec<LogColumn>,
 }
 
@@ -60,7 +61,7 @@ pub fn log_overview(path: &Path, file: &str) -> Result<LogOverview, LogError> {
             // One by one: all of them may be more than memory holds.
             for (at, name) in names.iter().enumerate() {
                 let loaded = sheet.load(&[at], name.stream)?;
-                columns.push(LogColumn::of(name, &loaded.columns[0]));
+                columns.push(LogColumn::from_values(name, &loaded.columns[0]));
             }
             let rows = sheet.rows();
             Ok(LogOverview {
@@ -104,13 +105,13 @@ fn of_text(text: TextLog) -> LogOverview {
         columns: names
             .iter()
             .zip(&values)
-            .map(|(name, values)| LogColumn::of(name, values))
+            .map(|(name, values)| LogColumn::from_values(name, values))
             .collect(),
     }
 }
 
 impl LogColumn {
-    fn of(name: &Named, values: &[f64]) -> Self {
+    fn from_values(name: &Named, values: &[f64]) -> Self {
         let number = |v: &f64| v.is_finite().then_some(*v);
         let count = values.iter().filter(|v| v.is_finite()).count();
         let step = values.len().div_ceil(POINTS).max(1);

@@ -22,7 +22,9 @@ use std::path::{Path, PathBuf};
 
 /// Where the bytes come from, with the name that messages use.
 pub struct Source<R> {
+    /// Name of the file in messages.
     pub name: String,
+    /// The content, compressed or not.
     pub bytes: R,
 }
 
@@ -77,7 +79,7 @@ pub fn read_joined_log_until(
     time_base::uniform(table, columns, cancel)
 }
 
-/// Bytes of the file, packed or not, as a hint: zero where they are not told.
+/// Bytes of the file, packed or not, as a hint: zero if unknown.
 fn size(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |about| about.len())
 }
@@ -132,6 +134,7 @@ pub fn read_log<R: Read + Send>(source: Source<R>, columns: &Columns, joints: &[
 pub enum Rows {
     /// A line each, of this text.
     Lines(Box<dyn Read + Send>),
+    /// A number of rows that the header of the file states.
     Counted(usize),
 }
 

@@ -3,6 +3,7 @@
 /// The answer's account of one log file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogReport {
+    /// Name of the file.
     pub file: String,
     /// Data rows in the file, the header not counted.
     pub rows: usize,
@@ -10,17 +11,22 @@ pub struct LogReport {
     pub rows_used: usize,
     /// Samples of the uniform record.
     pub samples: usize,
+    /// Sample rate [Hz].
     pub rate_hz: f64,
+    /// Duration (s).
     pub duration_s: f64,
     /// True when the values were interpolated onto the uniform grid.
     pub resampled: bool,
+    /// Faults that were found, by kind; empty for a clean file.
     pub findings: Vec<Finding>,
 }
 
 /// One kind of irregularity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
+    /// Kind of the fault.
     pub kind: FindingKind,
+    /// How many rows or places have it.
     pub count: usize,
     /// The first few line numbers (the header is line 1).
     pub lines: Vec<u64>,
@@ -28,16 +34,26 @@ pub struct Finding {
     pub detail: String,
 }
 
+/// Kinds of faults in a log file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FindingKind {
+    /// A row that is not a row of numbers; it is dropped.
     GarbageRow,
+    /// A row that repeats the one before; it is dropped.
     RepeatedRow,
+    /// A time stamp that repeats the one before.
     RepeatedTime,
+    /// A time stamp smaller than the one before.
     TimeOutOfOrder,
+    /// A row without a time stamp.
     MissingTime,
+    /// Single samples are missing and were bridged by interpolation.
     MissingSample,
+    /// Samples are missing for longer; those times are left out of the fit.
     Gap,
+    /// Time stamps scatter around a uniform grid.
     Jitter,
+    /// The unit of the time stamps was recognised from their size.
     TimeUnit,
     /// Units that the header names, converted.
     HeaderUnit,
@@ -48,6 +64,7 @@ pub enum FindingKind {
 }
 
 impl FindingKind {
+    /// Code of the kind in documents, such as `garbage_row`.
     pub fn code(self) -> &'static str {
         match self {
             Self::GarbageRow => "garbage_row",

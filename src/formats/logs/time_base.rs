@@ -260,7 +260,7 @@ impl Grid {
             });
         }
         // The number of samples is that of the rows as long as little is missing: nothing is allocated before that is known.
-        let gaps = Gaps::of(table, rate_hz)?;
+        let gaps = Gaps::from_table(table, rate_hz)?;
         let duration = time[time.len() - 1] - time[0];
         let samples = (duration * rate_hz).round() as usize + 1;
         let deviation = largest_deviation(time, rate_hz);
@@ -336,7 +336,7 @@ struct Gaps {
 impl Gaps {
     /// # Errors
     /// More than a fifth of the time is missing.
-    fn of(table: &Table, rate_hz: f64) -> Result<Self, LogError> {
+    fn from_table(table: &Table, rate_hz: f64) -> Result<Self, LogError> {
         let time = &table.time;
         let mut found = Self {
             gaps: Tally::default(),

@@ -26,7 +26,7 @@ pub(super) fn unpacked<'a, R: Read + Send + 'a>(file: &str, bytes: R) -> Result<
     };
     let bytes = bytes.map_err(|e| broken(file, 1, &e))?;
     let (start, bytes) = peeked(file, bytes)?;
-    match Kind::of(&start) {
+    match Kind::from_start(&start) {
         Kind::Foreign(Foreign { what, remedy }) => Err(LogError::Foreign {
             file: file.to_string(),
             what,

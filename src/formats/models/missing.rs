@@ -25,10 +25,13 @@ pub struct Missing {
 /// An effect that a format has no place for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MissingEffect {
+    /// Code of the effect.
     pub effect: String,
+    /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// As in [`Missing`].
     pub rms: Vec<f64>,
+    /// Largest torque that the file leaves out, per joint of `joints` [N·m or N].
     pub max: Vec<f64>,
 }
 

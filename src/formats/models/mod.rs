@@ -34,6 +34,7 @@ use urdf::with_comment;
 pub enum ModelFormat {
     /// All of it, as `validate` takes it.
     Json,
+    /// Robot description of ROS.
     Urdf,
     /// MuJoCo.
     Mjcf,
@@ -48,6 +49,7 @@ pub enum ModelFormat {
 }
 
 impl ModelFormat {
+    /// Names of the formats, as requests have them.
     pub const ALL: [(&'static str, Self); 7] = [
         ("json", Self::Json),
         ("urdf", Self::Urdf),
@@ -58,6 +60,7 @@ impl ModelFormat {
         ("python", Self::Python),
     ];
 
+    /// Name of the format, as requests have it.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, f)| *f == self).expect("is in the list").0
     }
@@ -105,6 +108,7 @@ pub struct BaseRow {
 pub struct FinalModel {
     /// Every joint has a prior: what was identified.
     pub robot: Robot,
+    /// The effects of the model with their values.
     pub terms: Vec<Term>,
     /// Of every term, the standard deviations of its reported parameters; empty where they are not known.
     pub(crate) deviations: Vec<Vec<Option<f64>>>,

@@ -13,6 +13,7 @@ use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 /// A file with the identified bodies put in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patched {
+    /// The whole file with the identified bodies in it.
     pub urdf: String,
     /// What a user should know about how it was done.
     pub notes: Vec<String>,

@@ -36,6 +36,7 @@ pub enum TrajectoryFormat {
 const MOST_IN_MEMORY: usize = 1_400_000;
 
 impl TrajectoryFormat {
+    /// Names of the formats, as requests have them.
     pub const ALL: [(&'static str, Self); 7] = [
         ("csv", Self::Csv),
         ("json", Self::Json),
@@ -83,12 +84,17 @@ impl TrajectoryFormat {
 /// `periods` periods of a trajectory of these joints at `rate_hz`, with the first sample of the period after them: the motion ends where it began. Before them a run-in, after
 /// them a run-out.
 pub struct TrajectoryFile<'a> {
+    /// Names of the joints.
     pub joints: &'a [String],
+    /// The trajectory of one period.
     pub series: &'a FourierSeries,
+    /// Rows per second [Hz].
     pub rate_hz: f64,
+    /// Number of periods.
     pub periods: usize,
     /// Series whose first half periods are the ways into the motion and out of it, whole numbers of samples ([`run_in`](crate::excitation::run_in)).
     pub run_in: Option<FourierSeries>,
+    /// Series of the way out, as in `run_in`; nothing if the motion ends with the last period.
     pub run_out: Option<FourierSeries>,
 }
 

@@ -209,7 +209,7 @@ fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions, w
 fn variable_scale(layout: &Layout, links: &[LinkPrior], objective: &FitObjective) -> DVector<f64> {
     DVector::from_fn(objective.len(), |i, _| match layout.parameters().get(i) {
         Some(parameter) => {
-            let LinkScale { mass, length } = LinkScale::of(&links[parameter.link]);
+            let LinkScale { mass, length } = LinkScale::from_link(&links[parameter.link]);
             match parameter.kind {
                 ParameterKind::Inertial(Inertial::M) => mass,
                 ParameterKind::Inertial(Inertial::MX | Inertial::MY | Inertial::MZ) => mass * length,
@@ -360,7 +360,7 @@ fn constraints(
         if without == Some((link, Constraint::PseudoInertia)) {
             continue;
         }
-        let LinkScale { mass, length } = LinkScale::of(prior);
+        let LinkScale { mass, length } = LinkScale::from_link(prior);
         let (unit, matrix): (Vec<f64>, LinkMatrix) = match options.cone {
             Cone::PseudoInertia => (vec![length, length, length, 1.0], |body| {
                 DMatrix::from_fn(4, 4, |r, c| body.pseudo_inertia()[(r, c)])

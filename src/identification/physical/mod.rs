@@ -122,7 +122,7 @@ pub struct FeasibleOptions {
 
 impl FeasibleOptions {
     /// The defaults, with the bounds and slender axes of the robot's description.
-    pub fn of(robot: &Robot) -> Self {
+    pub fn for_robot(robot: &Robot) -> Self {
         let bounds: Vec<LinkBounds> = robot.joints().iter().map(|j| j.bounds).collect();
         Self {
             method: FeasibleMethod::default(),

@@ -36,10 +36,10 @@ impl FitObjective {
         let mut effects = values.clone();
         effects.rows_mut(0, base.len()).fill(0.0);
         let left = normals.iter().map(|n| n.without(&effects, base.len())).collect();
-        Self::of(left, base.map.clone())
+        Self::from_normals(left, base.map.clone())
     }
 
-    fn of(normals: Vec<JointNormal>, map: DMatrix<f64>) -> Self {
+    fn from_normals(normals: Vec<JointNormal>, map: DMatrix<f64>) -> Self {
         let columns = map.nrows();
         let (mut gram, mut moment) = (DMatrix::zeros(columns, columns), DVector::zeros(columns));
         let mut torque_square = 0.0;
@@ -55,7 +55,7 @@ impl FitObjective {
             torque_square,
             unconstrained: 0.0,
         };
-        let best = Solution::of(objective.gram.clone(), objective.moment.clone()).values;
+        let best = Solution::from_gram(objective.gram.clone(), objective.moment.clone()).values;
         objective.unconstrained = objective.cost_of_columns(&best);
         objective
     }

@@ -18,7 +18,7 @@ const THINNEST: f64 = 1e-2;
 
 /// The pull-back metric at a prior over the ten standard parameters: the cost of `δ` is `½ δᵀ M δ`, without units.
 pub(super) fn pull_back_metric(prior: &LinkPrior) -> DMatrix<f64> {
-    let LinkScale { mass, length } = LinkScale::of(prior);
+    let LinkScale { mass, length } = LinkScale::from_link(prior);
     let unit = Vector4::new(length, length, length, 1.0) * mass.sqrt();
     let scaled = |p: Matrix4<f64>| Matrix4::from_fn(|r, c| p[(r, c)] / (unit[r] * unit[c]));
     let eigen = scaled(prior.inertia.about_origin().pseudo_inertia()).symmetric_eigen();

@@ -55,7 +55,7 @@ pub fn rod_prior(robot: &Robot, k: usize) -> LinkPrior {
 
 impl LinkScale {
     /// Of a prior: its mass, and its radius of gyration about the link frame's origin.
-    pub fn of(prior: &LinkPrior) -> Self {
+    pub fn from_link(prior: &LinkPrior) -> Self {
         let about_origin = prior.inertia.about_origin();
         let length = (about_origin.inertia.trace() / (2.0 * prior.inertia.mass)).sqrt();
         Self {

@@ -31,7 +31,9 @@ use serde::Serialize;
 /// The result of a design, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
 pub struct Excitation {
+    /// ID of the job.
     pub id: String,
+    /// The design.
     #[serde(flatten)]
     pub result: DesignDocument,
 }

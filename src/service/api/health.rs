@@ -11,10 +11,13 @@ use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
+/// State of the server.
 #[derive(Serialize, utoipa::ToSchema)]
 pub struct Health {
+    /// `ok` while the server answers.
     #[schema(example = "ok")]
     pub status: &'static str,
+    /// Version of the program.
     pub version: &'static str,
 }
 

@@ -28,7 +28,9 @@ use serde_json::Value;
 /// The result of an identification, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
 pub struct IdentificationResult {
+    /// ID of the job.
     pub id: String,
+    /// The identification.
     #[serde(flatten)]
     pub result: IdentifyDocument,
 }
@@ -36,7 +38,9 @@ pub struct IdentificationResult {
 /// The result of a validation, under the id of its job.
 #[derive(Serialize, utoipa::ToSchema)]
 pub struct ValidationResult {
+    /// ID of the job.
     pub id: String,
+    /// The validation.
     #[serde(flatten)]
     pub result: ValidateDocument,
 }

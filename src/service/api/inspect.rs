@@ -37,7 +37,7 @@ pub async fn post(
     access.require(Role::Run)?;
     // Logs that no job names are swept away later.
     let upload = Upload::read(body.map_err(not_multipart)?, true, service.files()).await?;
-    let known = Known::of(&upload.request.value, &service, &access).await?;
+    let known = Known::for_request(&upload.request.value, &service, &access).await?;
     let (logs, held_out) = (
         local(&service, &upload.logs).await?,
         local(&service, &upload.validation).await?,

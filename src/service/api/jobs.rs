@@ -30,6 +30,7 @@ use tokio_stream::wrappers::ReceiverStream;
 #[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
 #[schema(as = Job)]
 pub struct JobDocument {
+    /// ID of the job, in every address about it.
     pub id: String,
     /// `excitation`, `identification` or `validation`.
     #[schema(example = "excitation")]
@@ -42,9 +43,11 @@ pub struct JobDocument {
     pub state: &'static str,
     /// How the search ended, where there is a result: `Converged`, `BudgetExhausted`, `Stalled`, `Infeasible`, `Cancelled`.
     pub outcome: Option<String>,
+    /// Whether a cancellation was requested; the job ends soon after.
     pub cancel_requested: bool,
     /// What people call it, as `PATCH /jobs/{id}` says.
     pub name: Option<String>,
+    /// Free text about the job; null if there is none.
     pub note: Option<String>,
     /// Name of the token that asked for it.
     pub owner: Option<String>,
@@ -52,23 +55,31 @@ pub struct JobDocument {
     pub logs: Vec<String>,
     /// RFC 3339, UTC.
     pub created_at: String,
+    /// When a worker first began it (RFC 3339, UTC); null while it is queued.
     pub started_at: Option<String>,
+    /// When it ended (RFC 3339, UTC); null until then.
     pub finished_at: Option<String>,
+    /// News of a running search; null before the first and for other jobs.
     #[schema(value_type = Option<ProgressDocument>)]
     pub progress: Option<Value>,
     /// Of an identification.
     #[schema(value_type = Option<StepDocument>)]
     pub step: Option<Value>,
+    /// Why the job failed; null unless it did.
     pub error: Option<Problem>,
+    /// Addresses around the job.
     pub links: Links,
 }
 
 /// Addresses around a job.
 #[derive(Debug, Clone, Serialize, utoipa::ToSchema)]
 pub struct Links {
+    /// The job.
     #[serde(rename = "self")]
     pub this: String,
+    /// Its stream of server-sent events.
     pub events: String,
+    /// Its result, once it is finished.
     pub result: String,
     /// Of an excitation.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,6 +92,7 @@ pub struct Links {
 /// A list of jobs, the newest first.
 #[derive(Serialize, utoipa::ToSchema)]
 pub struct JobList {
+    /// The jobs of this page, newest first.
     pub jobs: Vec<JobDocument>,
     /// Address of the older ones, where there may be any.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -88,7 +100,8 @@ pub struct JobList {
 }
 
 impl JobDocument {
-    pub fn of(job: &JobRow) -> Self {
+    /// The document for a row of the database.
+    pub fn from_row(job: &JobRow) -> Self {
         let id = &job.id;
         Self {
             id: id.clone(),
@@ -181,7 +194,7 @@ pub async fn list(State(service): State<Service>, access: Access, mut query: Que
     let last = jobs.last().filter(|_| jobs.len() == most);
     Ok(Json(JobList {
         next: last.map(|job| format!("/jobs?limit={most}&before={}{}", JobPlace::behind(job), continued(&filter))),
-        jobs: jobs.iter().map(JobDocument::of).collect(),
+        jobs: jobs.iter().map(JobDocument::from_row).collect(),
     }))
 }
 
@@ -235,7 +248,7 @@ pub async fn describe(
     let (name, note) = read_description(&body.parsed)?;
     service.store().describe_job(&id, name.as_deref(), note.as_deref()).await?;
     service.note(&access, "describe_job", &job.robot, &id).await?;
-    Ok(Json(JobDocument::of(&find(&service, &access, &id).await?)))
+    Ok(Json(JobDocument::from_row(&find(&service, &access, &id).await?)))
 }
 
 /// Name and note; an empty text takes away, `None` leaves what there is.
@@ -282,7 +295,7 @@ fn read_description(parsed: &Parsed) -> Result<(Option<String>, Option<String>),
     )
 )]
 pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Json<JobDocument>, Failure> {
-    Ok(Json(JobDocument::of(&find(&service, &access, &id).await?)))
+    Ok(Json(JobDocument::from_row(&find(&service, &access, &id).await?)))
 }
 
 /// Cancel a job.
@@ -327,7 +340,7 @@ pub async fn cancel(
         true => StatusCode::OK,
         false => StatusCode::ACCEPTED,
     };
-    Ok((status, Json(JobDocument::of(&job))).into_response())
+    Ok((status, Json(JobDocument::from_row(&job))).into_response())
 }
 
 /// Progress as server-sent events.
@@ -389,6 +402,6 @@ async fn tell(service: Service, id: String, mut seen: i64, client: mpsc::Sender<
 
 fn event(job: &JobRow) -> Event {
     let name = if job.state.is_final() { "end" } else { "progress" };
-    let data = serde_json::to_string(&JobDocument::of(job)).unwrap_or_default();
+    let data = serde_json::to_string(&JobDocument::from_row(job)).unwrap_or_default();
     Event::default().event(name).id(job.sequence.to_string()).data(data)
 }

@@ -28,7 +28,7 @@ use axum::response::Response;
     )
 )]
 pub async fn post(State(service): State<Service>, access: Access, body: JsonBody) -> Result<Response, Failure> {
-    let known = Known::of(&body.parsed.value, &service, &access).await?;
+    let known = Known::for_request(&body.parsed.value, &service, &access).await?;
     let task = Task::Motion {
         document: body.parsed.into(),
         known: known.into(),

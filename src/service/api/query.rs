@@ -1,4 +1,4 @@
-//! Query strings, checked like documents: all that is wrong is told at once.
+//! Query strings, checked like documents: all that is wrong is reported at once.
 
 use crate::app::{Code, Error};
 use crate::model::FieldProblem;

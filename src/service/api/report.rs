@@ -52,7 +52,7 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
     let task = Task::Report {
         result: bytes,
         id,
-        ended: JobDocument::of(&job).finished_at,
+        ended: JobDocument::from_row(&job).finished_at,
         design,
     };
     let page = String::from_utf8(service.compute(task, REQUEST).await?).map_err(|_| internal_error())?;

@@ -36,6 +36,7 @@ pub async fn answer(service: &Service, job: JobRow, wait: PreferWait) -> Result<
 /// In which form a document goes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
+    /// The document as it is stored.
     Whole,
     /// Without the series to draw: a hundredth of its size.
     WithoutPredictions,
@@ -74,7 +75,7 @@ pub async fn answer_as(service: &Service, job: JobRow, wait: PreferWait, form: F
         (header::LOCATION, format!("/jobs/{}", job.id)),
         (header::RETRY_AFTER, "1".to_string()),
     ];
-    Ok((StatusCode::ACCEPTED, applied, place, Json(JobDocument::of(&job))).into_response())
+    Ok((StatusCode::ACCEPTED, applied, place, Json(JobDocument::from_row(&job))).into_response())
 }
 
 /// The document of a job that has ended.
@@ -107,6 +108,7 @@ pub async fn find(service: &Service, access: &Access, id: &str, kind: Kind) -> R
     Ok(job.filter(|job| job.kind == kind).ok_or_else(unknown)?)
 }
 
+/// The error for a body that is no multipart form.
 pub fn not_multipart(rejection: MultipartRejection) -> Failure {
     let error = Error::new(
         Code::UnsupportedMediaType,

@@ -27,7 +27,9 @@ pub struct RobotSummary {
     /// What requests call it.
     #[schema(example = "iiwa14")]
     pub id: String,
+    /// Name of the robot, in addresses and requests.
     pub name: String,
+    /// Names of the joints from the base on.
     pub joints: Vec<String>,
     /// Comes with the program and cannot be changed.
     pub shipped: bool,
@@ -38,13 +40,15 @@ pub struct RobotSummary {
     pub understood: Option<Value>,
 }
 
+/// The robots that the token may see.
 #[derive(Serialize, utoipa::ToSchema)]
 pub struct RobotList {
+    /// One entry per robot.
     pub robots: Vec<RobotSummary>,
 }
 
 impl RobotSummary {
-    fn of(id: &str, read: RobotRead) -> Self {
+    fn from_read(id: &str, read: RobotRead) -> Self {
         Self {
             id: id.to_string(),
             name: read.name,
@@ -90,7 +94,7 @@ pub async fn list(State(service): State<Service>, access: Access) -> Result<Json
             Err(e) => Err(e),
         };
         match read {
-            Ok(read) => robots.push(RobotSummary::of(&id, read)),
+            Ok(read) => robots.push(RobotSummary::from_read(&id, read)),
             // A robot that was removed meanwhile is not listed.
             Err(e) if e.code == Code::UnknownRobot => {}
             Err(e) if e.code == Code::RobotUnreadable => {
@@ -262,7 +266,7 @@ async fn keep(
     let understood = Some(read.understood.clone());
     let summary = RobotSummary {
         understood,
-        ..RobotSummary::of(id, read)
+        ..RobotSummary::from_read(id, read)
     };
     Ok((status, [(header::LOCATION, format!("/robots/{id}"))], Json(summary)).into_response())
 }

@@ -14,7 +14,7 @@ use crate::service::blocking::ended;
 use crate::service::known::Known;
 use crate::service::problem::internal_error;
 use crate::service::progress::News;
-use crate::service::work::{Kind, Measure, Outcome, Request, Told};
+use crate::service::work::{Kind, Measure, Notice, Outcome, Request};
 use crate::service::{rows, spread, submit::stored_error};
 use crate::web::{Circumstances, report};
 use serde::Serialize;
@@ -123,7 +123,7 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
         Task::Job(task) => job(*task, line, cancel, heard).map(FromChild::Done),
         Task::Check { kind, document, known } => {
             let (parsed, known) = (Parsed::from(document), Known::from(known));
-            answer(&Measure::of(&Request::read(kind, &parsed, &known)?))
+            answer(&Measure::for_request(&Request::read(kind, &parsed, &known)?))
         }
         Task::Motion { document, known } => {
             let (parsed, known) = (Parsed::from(document), Known::from(known));
@@ -144,7 +144,7 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
         }
         Task::Robot { document } => answer(&RobotRead::from(robot(document)?)),
         Task::RobotArchive { bytes } => answer(&robot_archive(&bytes)?),
-        Task::BaseParameters { document } => answer(&BaseParametersDocument::of(&robot(document)?.robot)),
+        Task::BaseParameters { document } => answer(&BaseParametersDocument::for_robot(&robot(document)?.robot)),
         Task::Report {
             result,
             id,
@@ -162,7 +162,7 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             runs: asked,
             rate_hz,
         } => {
-            let ways = match Request::of(Kind::Excitation, &input)? {
+            let ways = match Request::from_input(Kind::Excitation, &input)? {
                 Request::Excite(request) => runs(&request.problem, &series.into(), &asked, rate_hz)?,
                 Request::Identify(_) | Request::Validate(_) => [None, None],
             };
@@ -174,7 +174,7 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             amplitude,
             slowness,
         } => {
-            let run = match Request::of(Kind::Excitation, &input)? {
+            let run = match Request::from_input(Kind::Excitation, &input)? {
                 Request::Excite(request) => first_run(&request.problem, &series.into(), Backoff { amplitude, slowness }),
                 Request::Identify(_) | Request::Validate(_) => None,
             };
@@ -220,7 +220,7 @@ fn job(task: JobTask, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spot
     }
     let fault = fault::asked(&task);
     fault.iter().for_each(|fault| fault::before_work(fault));
-    let mut request = Request::of(task.kind, &task.input)?;
+    let mut request = Request::from_input(task.kind, &task.input)?;
     let shareable = spread::may_be_shared(&request, task.long);
     line.say(&FromChild::Begun {
         search_s: request.search_s(),
@@ -253,7 +253,7 @@ fn job(task: JobTask, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spot
     };
     desk.beside(|| {
         let exchange = shareable.then_some(&desk as &dyn Exchange);
-        request.run(&logs, &validation, exchange, cancel, &|told| desk.tell(told))
+        request.run(&logs, &validation, exchange, cancel, &|notice| desk.tell(notice))
     })
 }
 
@@ -285,13 +285,13 @@ impl Desk<'_> {
         })
     }
 
-    fn tell(&self, told: Told) {
-        match told {
-            Told::Result(outcome) => {
+    fn tell(&self, notice: Notice) {
+        match notice {
+            Notice::Result(outcome) => {
                 self.line.say(&FromChild::Result(outcome));
                 self.fault.iter().for_each(|fault| fault::before_drawing(fault));
             }
-            told => self.news.tell(told, self.begun.elapsed()),
+            notice => self.news.tell(notice, self.begun.elapsed()),
         }
     }
 

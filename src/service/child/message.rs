@@ -192,7 +192,7 @@ pub struct RobotRead {
 
 impl From<RobotDocument> for RobotRead {
     fn from(read: RobotDocument) -> Self {
-        let understood = serde_json::to_value(RobotReport::of(&read)).unwrap_or_default();
+        let understood = serde_json::to_value(RobotReport::from_document(&read)).unwrap_or_default();
         let RobotDocument { robot, notes, .. } = read;
         Self {
             understood,

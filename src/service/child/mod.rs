@@ -40,7 +40,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    pub fn of(config: &Config) -> Self {
+    pub fn from_config(config: &Config) -> Self {
         Self {
             program: config.program.clone(),
             memory: config.job_memory.unwrap_or_else(|| memory_of_machine() / 2),
@@ -81,15 +81,15 @@ impl Service {
                 () = news => continue,
             };
             match event {
-                Event::Told(FromChild::Answer(bytes)) => {
+                Event::Notice(FromChild::Answer(bytes)) => {
                     self.children().give_back(child);
                     return Ok(bytes);
                 }
-                Event::Told(FromChild::Failed(error)) => {
+                Event::Notice(FromChild::Failed(error)) => {
                     self.children().give_back(child);
                     return Err(error_from(&error));
                 }
-                Event::Told(_) => {}
+                Event::Notice(_) => {}
                 Event::Died(death) => {
                     self.metrics().child_died(&death);
                     return Err(death.error("the request"));

@@ -40,7 +40,7 @@ pub struct Child {
 /// What a child does.
 #[derive(Debug)]
 pub enum Event {
-    Told(FromChild),
+    Notice(FromChild),
     Died(Death),
 }
 
@@ -195,7 +195,7 @@ fn read(
 ) {
     let mut stream = BufReader::new(stream);
     while let Ok(message) = receive(&mut stream) {
-        if tell.send(Event::Told(message)).is_err() {
+        if tell.send(Event::Notice(message)).is_err() {
             break;
         }
     }

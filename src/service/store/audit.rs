@@ -19,12 +19,14 @@ pub struct AuditEntry {
     pub who: String,
     /// As `run_excitation`, `cancel_job`, `put_robot`, `token_create`.
     pub action: String,
+    /// Robot that the action concerned; empty if none.
     pub robot: String,
     /// Job, robot or token.
     pub target: String,
 }
 
 impl Store {
+    /// Adds an entry to the log of actions.
     pub async fn note(&self, entry: &AuditEntry) -> Result<(), Error> {
         let mut transaction = self.begin().await?;
         note(&mut transaction, entry).await?;

@@ -70,7 +70,9 @@ fn name(column: &str) -> &str {
 /// How much a backup holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Amount {
+    /// Rows of all tables.
     pub rows: usize,
+    /// Stored files: requests, logs, results and models.
     pub files: usize,
 }
 

@@ -34,6 +34,7 @@ pub struct NewFile {
 }
 
 impl NewFile {
+    /// Appends bytes to the file and to its hash.
     pub async fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
         use tokio::io::AsyncWriteExt;
         self.hash.update(bytes);
@@ -42,6 +43,7 @@ impl NewFile {
 }
 
 impl Files {
+    /// Opens the folder and creates it if it is missing.
     pub fn in_folder(folder: &Path, store: &Store) -> Result<Self, Error> {
         let files = Self {
             folder: folder.join("files"),
@@ -67,6 +69,7 @@ impl Files {
         self.folder.join(&hash[..2]).join(hash)
     }
 
+    /// Starts a new file under a temporary name.
     pub async fn create(&self) -> Result<NewFile, Error> {
         let incoming = self.incoming();
         let made = tokio::task::spawn_blocking(move || NamedTempFile::new_in(incoming)).await;
@@ -99,6 +102,7 @@ impl Files {
         Ok(hash)
     }
 
+    /// Stores `content` and returns its SHA-256 in hexadecimal, which is its name.
     pub async fn put(&self, content: &[u8]) -> Result<String, Error> {
         let mut new = self.create().await?;
         new.write(content).await?;
@@ -118,6 +122,7 @@ impl Files {
         Err(missing(hash))
     }
 
+    /// Reads the file of this SHA-256; with PostgreSQL it is fetched from the database if the folder lacks it.
     pub async fn read(&self, hash: &str) -> Result<Vec<u8>, Error> {
         let path = self.path(hash).await?;
         tokio::fs::read(path).await.map_err(|e| {

@@ -15,6 +15,7 @@ pub struct FoundRow {
     pub value: f64,
     /// Points, as JSON.
     pub points: String,
+    /// Time and evaluations of the search.
     pub spent: Spent,
     /// Of the row, in the database: grows with every write.
     pub version: i64,
@@ -23,7 +24,9 @@ pub struct FoundRow {
 /// What a search has cost so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Spent {
+    /// Time spent searching.
     pub time: Duration,
+    /// Evaluations of the criterion.
     pub evaluations: u64,
 }
 

@@ -10,26 +10,41 @@ use sqlx::any::AnyRow;
 /// A job as its row says.
 #[derive(Debug, Clone)]
 pub struct JobRow {
+    /// ID of the job.
     pub id: String,
+    /// Kind of work.
     pub kind: Kind,
+    /// Robot that the job belongs to.
     pub robot: String,
+    /// State of the job.
     pub state: State,
+    /// Sequence number of the last news, which is the ID of the event.
     pub sequence: i64,
+    /// Whether a cancellation was requested.
     pub cancel_requested: bool,
+    /// Time of submission, microseconds since 1970 (UTC).
     pub created_us: i64,
+    /// Time of the first claim (µs); nothing while it is queued.
     pub started_us: Option<i64>,
+    /// Time of its end (µs); nothing until then.
     pub finished_us: Option<i64>,
+    /// How the computation ended, such as `Converged`.
     pub outcome: Option<String>,
+    /// Latest progress of a search.
     pub progress: Option<Value>,
+    /// Latest step of an identification.
     pub step: Option<Value>,
     /// A stored error.
     pub error: Option<Value>,
     /// Files.
     pub input: Option<String>,
+    /// File of the result, by SHA-256.
     pub result: Option<String>,
+    /// File of the identified model, by SHA-256.
     pub model: Option<String>,
     /// What people call it, and what they write about it.
     pub name: Option<String>,
+    /// Free text about the job.
     pub note: Option<String>,
     /// Name of the token that asked for it.
     pub owner: Option<String>,
@@ -40,8 +55,11 @@ pub struct JobRow {
 /// Which jobs are listed; nothing is no condition.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct JobFilter {
+    /// Robot of the job.
     pub robot: Option<String>,
+    /// Kind of work.
     pub kind: Option<Kind>,
+    /// State of the job.
     pub state: Option<State>,
     /// Part of the name, the note, the robot, the id or the name of a log, in whatever case.
     pub search: Option<String>,
@@ -81,15 +99,20 @@ fn escaped(text: &str) -> String {
 /// Where a job stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
+    /// Waits for a worker.
     Queued,
+    /// A worker has it.
     Running,
+    /// Ended with a result.
     Finished,
     /// Ended on request; with the best result found if it had begun.
     Cancelled,
+    /// Ended with an error.
     Failed,
 }
 
 impl State {
+    /// Every state.
     pub const ALL: [State; 5] = [
         State::Queued,
         State::Running,
@@ -98,6 +121,7 @@ impl State {
         State::Failed,
     ];
 
+    /// Name in the database and in documents.
     pub fn name(self) -> &'static str {
         match self {
             State::Queued => "queued",
@@ -108,6 +132,7 @@ impl State {
         }
     }
 
+    /// Whether the state never changes again.
     pub fn is_final(self) -> bool {
         matches!(self, State::Finished | State::Cancelled | State::Failed)
     }
@@ -116,7 +141,9 @@ impl State {
 /// A place in the list of jobs, the newest first: behind the job of this time and id. Jobs of the same microsecond stand in the order of their ids.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct JobPlace {
+    /// Time of submission (µs).
     pub created_us: i64,
+    /// ID of the job, which decides between equal times.
     pub id: String,
 }
 
@@ -129,6 +156,7 @@ impl JobPlace {
         }
     }
 
+    /// The place right after a job in the list.
     pub fn behind(job: &JobRow) -> Self {
         Self {
             created_us: job.created_us,
@@ -195,6 +223,7 @@ impl JobRow {
 }
 
 impl Store {
+    /// The job of this ID; nothing if there is none.
     pub async fn job(&self, id: &str) -> Result<Option<JobRow>, Error> {
         let sql = self.sql(&format!("SELECT {COLUMNS} FROM jobs WHERE id = $1"));
         let row = sqlx::query(sql)

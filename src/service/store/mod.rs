@@ -1,6 +1,6 @@
 //! All SQL: robots, jobs, tokens and the audit log, on SQLite or PostgreSQL with the same statements.
 //!
-//! Leases are told by the clock of the database, so that machines whose clocks differ agree about them; times that people read are
+//! Leases end by the clock of the database, so that machines whose clocks differ agree about them; times that people read are
 //! those of the machine that did the work.
 
 mod audit;
@@ -46,7 +46,9 @@ type Transaction = sqlx::Transaction<'static, sqlx::Any>;
 /// Which database this is; statements differ in four words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dialect {
+    /// SQLite, one file in the data folder.
     Sqlite,
+    /// PostgreSQL.
     Postgres,
 }
 
@@ -101,7 +103,7 @@ impl Store {
             .after_connect(move |connection, _| {
                 Box::pin(async move {
                     if dialect == Dialect::Sqlite {
-                        // Readers and one writer side by side; a commit is on the disk before it is told of.
+                        // Readers and one writer side by side; a commit is on the disk before it is reported.
                         for pragma in [
                             "PRAGMA busy_timeout = 30000",
                             "PRAGMA journal_mode = WAL",
@@ -137,6 +139,7 @@ impl Store {
         migrator.run(&self.pool).await.map_err(failed)
     }
 
+    /// Which database it is.
     pub fn dialect(&self) -> Dialect {
         self.dialect
     }
@@ -179,6 +182,7 @@ impl Store {
             .map_err(unavailable)
     }
 
+    /// Closes all connections.
     pub async fn close(&self) {
         self.pool.close().await;
     }

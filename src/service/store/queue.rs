@@ -16,12 +16,19 @@ use std::time::Duration;
 /// A job in the hands of this worker.
 #[derive(Debug, Clone)]
 pub struct Claimed {
+    /// ID of the job.
     pub id: String,
+    /// Kind of work.
     pub kind: Kind,
+    /// Robot that the job belongs to.
     pub robot: String,
+    /// File of the request, by SHA-256.
     pub input: String,
+    /// Number of the lease; everything the worker writes names it.
     pub lease: i64,
+    /// Whether a cancellation was requested.
     pub cancel_requested: bool,
+    /// Time of submission (µs).
     pub created_us: i64,
     /// Of an earlier life that did not come to its end.
     pub kept: Option<Kept>,
@@ -30,29 +37,37 @@ pub struct Claimed {
 /// A result that is stored and may still get its predictions.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kept {
+    /// How the computation ended, such as `Converged`.
     pub outcome: Option<String>,
     /// Files.
     pub result: String,
+    /// File of the identified model, by SHA-256; nothing if there is none.
     pub model: Option<String>,
 }
 
-/// What a worker is told when it renews its lease.
+/// What a worker learns when it renews its lease.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Renewed {
+    /// Whether a cancellation was requested.
     pub cancel_requested: bool,
 }
 
 /// How a job ended.
 #[derive(Debug, Clone)]
 pub struct Ended {
+    /// Final state.
     pub state: State,
+    /// How the computation ended; nothing without a result.
     pub outcome: Option<String>,
+    /// File of the result, by SHA-256.
     pub result: Option<String>,
+    /// File of the identified model, by SHA-256.
     pub model: Option<String>,
+    /// The error of a failed job.
     pub error: Option<Value>,
 }
 
-/// One step of urgency is worth this much waiting (µs): urgent jobs go first, and nothing waits for ever behind them.
+/// One step of urgency is worth this much waiting (µs): urgent jobs go first, and no job waits for ever behind them.
 const STEP_OF_URGENCY: i64 = 60_000_000;
 
 /// Of a job `j`: nobody has it, and its robot does not run as many as it may; $1 is the class, $2 the bound.

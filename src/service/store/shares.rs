@@ -13,11 +13,13 @@ use std::time::Duration;
 /// A share in the hands of this worker.
 #[derive(Debug, Clone)]
 pub struct Share {
+    /// ID of the job.
     pub job: String,
     /// From 1: the search of the job itself is number 0.
     pub number: i64,
     /// Of the job.
     pub lease: i64,
+    /// File of the request, by SHA-256.
     pub input: String,
     /// Time left to search.
     pub left: Duration,
@@ -26,7 +28,9 @@ pub struct Share {
 /// What the shares of a job have done.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ShareResult {
+    /// Evaluations of all shares together.
     pub evaluations: i64,
+    /// Best criterion of all shares; nothing before the first.
     pub best: Option<f64>,
     /// Results that are in.
     pub results: Vec<String>,

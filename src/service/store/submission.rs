@@ -10,13 +10,21 @@ use sqlx::Row;
 /// What is asked for.
 #[derive(Debug, Clone)]
 pub struct NewJob {
+    /// ID of the job.
     pub id: String,
+    /// Kind of work.
     pub kind: Kind,
+    /// Queue that the job waits in.
     pub class: Class,
+    /// Robot that the job belongs to.
     pub robot: String,
+    /// ID of the token that asked for it; empty without tokens.
     pub token: String,
+    /// Urgency from 0 (first) to 7 (RFC 9218).
     pub urgency: u8,
+    /// Fingerprint of the request: equal requests have equal ones.
     pub fingerprint: String,
+    /// File of the request, by SHA-256.
     pub input: String,
     /// Names of its log files.
     pub logs: Vec<String>,
@@ -28,22 +36,29 @@ pub struct NewJob {
 /// at another address.
 #[derive(Debug, Clone)]
 pub struct Key {
+    /// The key as the client chose it.
     pub name: String,
+    /// SHA-256 of the body.
     pub body: String,
+    /// Kind of work.
     pub kind: Kind,
 }
 
 /// How many of a class may wait: long searches that fill their queue do not keep short jobs out.
 #[derive(Debug, Clone, Copy)]
 pub struct Waiting {
+    /// Jobs of the class that may wait.
     pub in_all: usize,
+    /// Jobs of one robot that may wait.
     pub per_robot: usize,
+    /// Jobs of one token that may wait.
     pub per_token: usize,
 }
 
 /// What became of a request for work.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Submission {
+    /// The job is new and in the queue.
     Queued,
     /// The key began this job before.
     Known(String),

@@ -17,12 +17,15 @@ pub enum Role {
 }
 
 impl Role {
+    /// Names of the roles.
     pub const ALL: [(&'static str, Role); 3] = [("read", Role::Read), ("run", Role::Run), ("admin", Role::Admin)];
 
+    /// Name in the database and on the command line.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, r)| *r == self).map_or("", |(name, _)| name)
     }
 
+    /// The role of this name; nothing if there is none.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(n, _)| *n == name).map(|(_, role)| *role)
     }
@@ -31,14 +34,19 @@ impl Role {
 /// A token as it is kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TokenRow {
+    /// ID of the token.
     pub id: String,
+    /// Name that people gave it.
     pub name: String,
+    /// What it may do.
     pub role: Role,
     /// Names of robots, or `*` for all.
     pub robots: Vec<String>,
+    /// Time of creation (µs).
     pub created_us: i64,
     /// From when on it is refused; `None` for never.
     pub expires_us: Option<i64>,
+    /// Time of revocation (µs); nothing while it is valid.
     pub revoked_us: Option<i64>,
 }
 
@@ -50,6 +58,7 @@ impl TokenRow {
 }
 
 impl Store {
+    /// Adds a token; `hash` is the SHA-256 of its text.
     pub async fn add_token(&self, token: &TokenRow, hash: &str) -> Result<(), Error> {
         let sql = "INSERT INTO tokens (id, name, hash, role, robots, created_us, expires_us) VALUES ($1, $2, $3, $4, $5, $6, $7)";
         let done = sqlx::query(sql)
@@ -75,6 +84,7 @@ impl Store {
         row.as_ref().map(|row| read(row).map_err(unavailable)).transpose()
     }
 
+    /// All tokens, revoked ones included.
     pub async fn tokens(&self) -> Result<Vec<TokenRow>, Error> {
         let rows = sqlx::query("SELECT * FROM tokens ORDER BY created_us, id")
             .fetch_all(&self.pool)

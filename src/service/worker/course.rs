@@ -53,15 +53,15 @@ impl Course<'_> {
         loop {
             tokio::select! {
                 event = child.event() => match event {
-                    Event::Told(FromChild::Done(outcome)) => return Ending::Done(outcome),
-                    Event::Told(FromChild::Failed(error)) => return Ending::Failed(error_from(&error)),
+                    Event::Notice(FromChild::Done(outcome)) => return Ending::Done(outcome),
+                    Event::Notice(FromChild::Failed(error)) => return Ending::Failed(error_from(&error)),
                     Event::Died(death) => return Ending::Died(death),
-                    Event::Told(FromChild::Begun { search_s, shareable }) => {
+                    Event::Notice(FromChild::Begun { search_s, shareable }) => {
                         let search = Duration::try_from_secs_f64(search_s).unwrap_or_default();
                         most = most.saturating_add(search);
                         self.share(shareable, search).await;
                     }
-                    Event::Told(told) => self.take_in(told, child).await,
+                    Event::Notice(notice) => self.take_in(notice, child).await,
                 },
                 _ = ticks.tick() => {
                     if started.elapsed() > most {
@@ -89,8 +89,8 @@ impl Course<'_> {
         }
     }
 
-    async fn take_in(&self, told: FromChild, child: &Child) {
-        match told {
+    async fn take_in(&self, notice: FromChild, child: &Child) {
+        match notice {
             FromChild::News { progress, step } => self.news.put(progress, step),
             FromChild::Found(latest) => {
                 if let Some(link) = self.link {

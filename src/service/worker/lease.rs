@@ -57,8 +57,8 @@ impl<'a> Lease<'a> {
         }
         let time = self.service.config().lease;
         let (progress, step) = self.news.take();
-        let told = progress.is_some() || step.is_some();
-        if self.lost || (!told && self.renewed.elapsed() < time / 3) {
+        let has_news = progress.is_some() || step.is_some();
+        if self.lost || (!has_news && self.renewed.elapsed() < time / 3) {
             return;
         }
         let store = self.service.store();
@@ -86,7 +86,7 @@ impl<'a> Lease<'a> {
             // The work goes on: if nobody else took the job until the database is back, its result counts.
             Err(_) => {}
         }
-        if told {
+        if has_news {
             self.service.changed(&self.job.id);
         }
     }

@@ -48,9 +48,9 @@ pub fn start(service: &Service) {
 async fn place(service: Service, class: Class) {
     loop {
         // Listening before looking: work that comes in between is heard of.
-        let told = service.work().notified();
-        tokio::pin!(told);
-        told.as_mut().enable();
+        let woken = service.work().notified();
+        tokio::pin!(woken);
+        woken.as_mut().enable();
         let Ok(permit) = service.idle().acquire().await else { return };
         if service.is_closing() {
             return;
@@ -68,7 +68,7 @@ async fn place(service: Service, class: Class) {
         let helped = !found && class == Class::Long && spread::help(&service).await;
         drop(permit);
         if !found && !helped {
-            let _ = timeout(LOOK_AGAIN, told).await;
+            let _ = timeout(LOOK_AGAIN, woken).await;
         }
     }
 }

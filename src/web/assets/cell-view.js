@@ -1,4 +1,4 @@
-// The arm where a motion starts, among what it shall keep off: seen while the form is filled in.
+// The arm where a motion starts, among the obstacles that it avoids: seen while the form is filled in.
 import { ArmView, HOW_TO_TURN, poses, upwards } from './arm.js';
 import { getJson, postJson } from './api.js';
 import { h } from './dom.js';

@@ -44,7 +44,7 @@ export async function showDesign(target, result) {
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts of the result' }, present.filter((p) => names[p.id]).map((p) => h('a', { href: `#${p.id}` }, names[p.id]))), present);
 }
 
-/** Where the motion would start, among what the arm shall keep off. */
+/** Where the motion would start, among the obstacles that the arm avoids. */
 function startPosture(result) {
   const { space, start_position: start } = result.request.constraints ?? {};
   if (!space) return null;
@@ -76,19 +76,19 @@ function counting(r) {
   return all.filter(([key, , , which]) => which !== r.nested || r.expected_evidence.together[key] > 0);
 }
 
-/** How well the two causes will be told apart: before, by the new trajectory, and by both; and how to go on. */
+/** How well the two causes can be distinguished: before, by the new trajectory, and by both; and how to go on. */
 function evidence(result) {
   const r = result.rivals;
   if (!r) return null;
-  const told = [['recorded', 'recorded so far'], ['designed', 'this trajectory'], ['together', 'both together']].filter(([k]) => r.expected_evidence[k]);
+  const stages = [['recorded', 'recorded so far'], ['designed', 'this trajectory'], ['together', 'both together']].filter(([k]) => r.expected_evidence[k]);
   const of = (k) => r.expected_evidence[k];
   const cases = counting(r);
   const chart = place('Expected difference in BIC between the two causes, before and after', true);
   const shown_ = (v) => Math.max(v, 0.1);
-  const most = Math.max(...told.flatMap(([k]) => cases.map(([c]) => of(k)[c])));
+  const most = Math.max(...stages.flatMap(([k]) => cases.map(([c]) => of(k)[c])));
   plotLater(chart, () => ({
-    traces: cases.map(([key, cause], i) => ({ type: 'scatter', mode: 'lines+markers', name: `if it is ${on(cause)}`, y: told.map((t) => t[1]), x: told.map(([k]) => shown_(of(k)[key])), marker: { color: colour(i), size: 13, symbol: i ? 'diamond' : 'circle' }, line: { color: colour(i), width: 1, dash: 'dot' }, showlegend: true, hovertemplate: '%{x:.3g}<extra></extra>' })),
-    layout: { height: 240, hovermode: 'closest', xaxis: { title: 'expected difference<br>in BIC (2 ln odds)', type: 'log', range: [-1.1, Math.max(Math.log10(most), 1.2) + 0.4], dtick: 1 }, yaxis: { type: 'category', autorange: 'reversed', title: 'data', range: [told.length - 0.4, -0.6] },
+    traces: cases.map(([key, cause], i) => ({ type: 'scatter', mode: 'lines+markers', name: `if it is ${on(cause)}`, y: stages.map((t) => t[1]), x: stages.map(([k]) => shown_(of(k)[key])), marker: { color: colour(i), size: 13, symbol: i ? 'diamond' : 'circle' }, line: { color: colour(i), width: 1, dash: 'dot' }, showlegend: true, hovertemplate: '%{x:.3g}<extra></extra>' })),
+    layout: { height: 240, hovermode: 'closest', xaxis: { title: 'expected difference<br>in BIC (2 ln odds)', type: 'log', range: [-1.1, Math.max(Math.log10(most), 1.2) + 0.4], dtick: 1 }, yaxis: { type: 'category', autorange: 'reversed', title: 'data', range: [stages.length - 0.4, -0.6] },
       shapes: [{ type: 'line', yref: 'paper', y0: 0, y1: 1, x0: DECISIVE, x1: DECISIVE, line: { dash: 'dash', width: 1.5, color: variable('--bad') } }],
       annotations: [{ xref: 'x', x: Math.log10(DECISIVE), yref: 'paper', y: 0.99, yanchor: 'top', xanchor: 'left', text: '20 to 1', showarrow: false, font: { color: variable('--bad') } }] },
   }));
@@ -102,7 +102,7 @@ function evidence(result) {
     h('p', { class: 'soft' }, r.nested ? `${words(on(special))} is a special case of ${on(general)}: if it is the true one both fit on any motion, the additional parameter of the other is estimated as zero within the deviations under “Accuracy”, and the odds for the simpler one grow slowly. ${cases.length === 1 ? 'The difference in BIC is given for the other case.' : 'The difference in BIC for it is that against the other with values that are physically possible.'} ` : 'The difference in BIC is given for either being the true one; the smaller of the two counts. ', 'Right of the dashed line (20 to 1) the wrong one is excluded.'),
     r.decides ? null : h('div', { class: 'notice' }, h('p', {}, 'This motion does not separate them. Record more periods, search longer, or allow a start at rest anywhere; otherwise the two differ by less than the noise.')),
     chart,
-    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], told, { caption: 'Expected difference in BIC, with the odds' })),
+    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], stages, { caption: 'Expected difference in BIC, with the odds' })),
     goingOn(result));
 }
 

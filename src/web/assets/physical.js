@@ -34,7 +34,7 @@ function bodies(links, drawn) {
     const turn = drawn.joints[j].description_frame;
     return { joint: j, centre: turnBack(turn, link.center_of_mass), shape: ellipsoid(link.mass, turnMatrix(turn, matrix(link.inertia))), label: String(link.link) };
   });
-  // Bent, so that links on one line can be told apart.
+  // Bent, so that links on one line can be distinguished.
   view.q = drawn.joints.map((joint, j) => bent(joint, j));
   view.frameArm();
   return h('div', {}, canvas, h('p', { class: 'help' }, 'Each link as the solid ellipsoid of even density with its mass, centre of mass and inertia; the number is the link’s. ', HOW_TO_TURN));

@@ -95,7 +95,7 @@ function scatter(context, { joint, across, x, before, after }) {
   return { traces: [dots('declared model', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
 }
 
-/** Over two variables: the residual as colour. Blue and brown, told apart by all, white for nothing left. */
+/** Over two variables: the residual as colour. Blue and brown, distinguishable by all, white for nothing left. */
 function map(context, { joint, across, along, x, second, before }) {
   const unit = context.effort[context.result.joints.indexOf(joint)];
   const widest = Math.max(...before.map(Math.abs));

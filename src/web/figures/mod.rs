@@ -20,11 +20,13 @@ pub struct FigureError(pub String);
 /// Panels over one another with a common horizontal axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
+    /// Title above the figure.
     pub title: String,
     /// Name and unit of the horizontal axis.
     pub x: String,
     /// Names of places 0, 1, … on the horizontal axis, where it is no number.
     pub places: Vec<String>,
+    /// Diagrams, from top to bottom.
     pub panels: Vec<Panel>,
     /// Pixels.
     pub size: (u32, u32),
@@ -35,6 +37,7 @@ pub struct Figure {
 pub struct Panel {
     /// Name and unit of the vertical axis.
     pub y: String,
+    /// Curves and marks of the diagram.
     pub series: Vec<Series>,
 }
 
@@ -43,18 +46,24 @@ pub struct Panel {
 pub struct Series {
     /// In the legend; none if empty.
     pub name: String,
+    /// How the points are drawn.
     pub mark: Mark,
     /// Number in the palette.
     pub colour: usize,
+    /// Points (x, y), in the units of the axes.
     pub points: Vec<(f64, f64)>,
 }
 
+/// How a series is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
+    /// A line through all points.
     Line,
     /// A bar from zero to y; `of` bars stand beside each other, this is number `at`.
     Bar {
+        /// Position of this bar among those beside it, from 0.
         at: usize,
+        /// Number of bars beside each other.
         of: usize,
     },
     /// A dot, and whiskers of this length to both sides.

@@ -39,7 +39,7 @@ pub(super) fn read_into(file: &str, bytes: &mut impl Read, recording: &mut Recor
                 let kind = channel.schema.as_ref().map_or("", |s| s.name.as_str());
                 let format = formats.entry(channel.id).or_insert_with(|| {
                     let definition = channel.schema.as_ref().map_or(&[][..], |s| &s.data[..]);
-                    Format::of(kind, &channel.message_encoding, definition)
+                    Format::from_definition(kind, &channel.message_encoding, definition)
                 });
                 match format {
                     Some(format) => {

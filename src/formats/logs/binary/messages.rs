@@ -42,7 +42,7 @@ pub(super) enum Coding {
 impl Format {
     /// Of a topic with messages of type `kind`, encoded as `coding` says and defined by `definition` (empty where the recording has none); `None` where
     /// it is not read.
-    pub fn of(kind: &str, coding: &str, definition: &[u8]) -> Option<Self> {
+    pub fn from_definition(kind: &str, coding: &str, definition: &[u8]) -> Option<Self> {
         let coding = match coding {
             "cdr" => Coding::Cdr,
             "ros1" => Coding::Ros1,

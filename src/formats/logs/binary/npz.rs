@@ -204,7 +204,7 @@ impl Array {
             _ => return Ok(None),
         };
         let number = match header.dtype() {
-            DType::Plain(kind) => Number::of(&kind),
+            DType::Plain(kind) => Number::from_type(&kind),
             _ => None,
         };
         Ok(number.map(|number| Self {
@@ -235,7 +235,7 @@ fn depth(text: &[u8]) -> usize {
 }
 
 impl Number {
-    fn of(kind: &TypeStr) -> Option<Self> {
+    fn from_type(kind: &TypeStr) -> Option<Self> {
         let size = kind.num_bytes()?;
         let seconds = match kind.time_units().map(|u| u.to_str()) {
             Some("ns") => 1e-9,

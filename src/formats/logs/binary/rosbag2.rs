@@ -118,7 +118,7 @@ async fn topics(file: &str, base: &mut SqliteConnection, recording: &mut Recordi
         let text = |at: usize| row.try_get::<String, _>(at).map_err(wrong);
         let (name, kind, coding) = (text(1)?, text(2)?, text(3)?);
         let definition = defined.get(&kind).map_or("", String::as_str);
-        match Format::of(&kind, &coding, definition.as_bytes()) {
+        match Format::from_definition(&kind, &coding, definition.as_bytes()) {
             Some(format) => {
                 topics.insert(id, Topic { name, kind, format });
             }

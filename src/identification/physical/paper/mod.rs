@@ -382,7 +382,7 @@ impl Problem {
         let bodies: Vec<LinkPrior> = rods
             .iter()
             .map(|rod| {
-                let length = super::LinkScale::of(rod).length;
+                let length = super::LinkScale::from_link(rod).length;
                 let mut body = *rod;
                 let factor = (0.7 * spread()).exp();
                 body.inertia.mass *= factor;

@@ -26,7 +26,7 @@ impl Variables {
         let layout = Layout::standard(robot);
         let size = |i: usize| match layout.parameters().get(i) {
             Some(p) => {
-                let LinkScale { mass, length } = LinkScale::of(&rod_prior(robot, p.link));
+                let LinkScale { mass, length } = LinkScale::from_link(&rod_prior(robot, p.link));
                 match p.kind {
                     ParameterKind::Inertial(Inertial::M) => mass,
                     ParameterKind::Inertial(Inertial::MX | Inertial::MY | Inertial::MZ) => length,
