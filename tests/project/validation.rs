@@ -18,7 +18,7 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Names after `fn` that begin with `val_`.
-fn val_tests(text: &str) -> impl Iterator<Item = String> {
+fn names_of_tests(text: &str) -> impl Iterator<Item = String> {
     let names = text.lines().filter_map(|line| line.trim_start().strip_prefix("fn val_"));
     names.map(|rest| format!("val_{}", rest.split('(').next().unwrap_or_default()))
 }
@@ -34,7 +34,7 @@ fn in_sources() -> BTreeMap<String, String> {
     for path in files {
         let file = path.strip_prefix(root).unwrap().to_str().unwrap().to_string();
         let text = std::fs::read_to_string(&path).unwrap();
-        tests.extend(val_tests(&text).map(|name| (name, file.clone())));
+        tests.extend(names_of_tests(&text).map(|name| (name, file.clone())));
     }
     tests
 }

@@ -15,7 +15,7 @@ pub(super) struct MeshAsset {
     pub scale: Vector3<f64>,
 }
 
-/// Where the compiler is told to look for meshes.
+/// Folders of meshes, as `compiler` names them.
 #[derive(Default)]
 pub(super) struct MeshFolder {
     /// From the folder of the robot's file; empty where it is that.
