@@ -61,6 +61,7 @@ pub struct ModelNoise {
 /// A value of an effect as it is reported.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelParameter {
+    /// Name of the parameter, as the effect declares it.
     pub name: String,
     /// In `unit`.
     pub value: f64,

@@ -96,10 +96,15 @@ impl ModelFormat {
 /// A base parameter as the JSON model states it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct BaseRow {
+    /// Name after the standard parameter that leads the combination, such as `ZZR1`.
     pub name: String,
+    /// Linear combination of standard parameters that it stands for; lengths in m.
     pub expression: String,
+    /// Estimate, in `unit`; nothing where the log does not determine it.
     pub value: Option<f64>,
+    /// Standard deviation of the estimate, in `unit`; nothing where the log does not determine it.
     pub std_dev: Option<f64>,
+    /// Unit of the value, such as `kg m²`.
     pub unit: String,
 }
 
