@@ -33,7 +33,7 @@ pub struct BaseParameterDocument {
     /// The linear combination of standard parameters, as text such as `MX2 + 0.42 M3`; lengths in m.
     #[cfg_attr(feature = "service", schema(example = "MY2 + MZ3 + 0.42 (M3 + M4 + M5 + M6 + M7)"))]
     pub expression: String,
-    /// Unit of the value, such as `kg m²`.
+    /// Unit of the value, such as `kg m^2`.
     #[cfg_attr(feature = "service", schema(example = "kg m"))]
     pub unit: &'static str,
 }

@@ -104,7 +104,7 @@ pub struct BaseRow {
     pub value: Option<f64>,
     /// Standard deviation of the estimate, in `unit`; nothing where the log does not determine it.
     pub std_dev: Option<f64>,
-    /// Unit of the value, such as `kg m²`.
+    /// Unit of the value, such as `kg m^2`.
     pub unit: String,
 }
 
