@@ -62,6 +62,7 @@ pub struct ModelNoise {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelParameter {
     /// Name of the parameter, as the effect declares it.
+    /// Name within the effect, such as `stiffness`.
     pub name: String,
     /// In `unit`.
     pub value: f64,
