@@ -84,9 +84,9 @@ fn written_effect(robot: &Robot, term: &Term) -> requests::AddedEffect {
     let values = term.effect.reported(term.form, &term.coefficients, &term.shape);
     let infos = term.effect.parameters(term.form, robot, &term.joints);
     let parameter = |(info, value): (ParameterInfo, f64)| requests::ModelParameter {
-        name: info.name.into(),
+        name: info.name,
         value,
-        unit: info.unit.into(),
+        unit: info.unit,
         std_dev: None,
     };
     requests::AddedEffect {

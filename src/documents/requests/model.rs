@@ -61,7 +61,6 @@ pub struct ModelNoise {
 /// A value of an effect as it is reported.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelParameter {
-    /// Name of the parameter, as the effect declares it.
     /// Name within the effect, such as `stiffness`.
     pub name: String,
     /// In `unit`.
