@@ -71,7 +71,7 @@ mod tests {
             "noise": [], "log_report": [], "residual": null, "predictions": [
                 {"log": "a.csv", "joint": "J1", "time": [0.0, 1.0], "measured": [1.0, 2.0], "base": [1.1, 1.9], "physical": null, "declared": null}],
             "notes": [],
-            "provenance": {"version": "0.1.0", "request": {"robot": "x</pre><script>"}, "robot": {"name": "x"},
+            "provenance": {"version": "0.1.0", "request": {"robot": "x</pre><script>"}, "robot": {"name": "x", "joints": []},
                 "logs": [{"file": "a.csv", "role": "identification", "bytes": 3, "sha256": "ba78"}]}
         });
         serde_json::from_value(document).unwrap()
