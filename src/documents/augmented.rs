@@ -25,7 +25,7 @@ pub struct ReadModel {
     pub rivals: Vec<Vec<RivalTerm>>,
 }
 
-/// [`written_model`] as JSON.
+/// The model as `requests::AugmentedModel`, as JSON.
 pub fn augmented_value(model: &AugmentedModel, information: &DMatrix<f64>) -> Value {
     serde_json::to_value(written_model(model, information)).expect("plain numbers and words")
 }

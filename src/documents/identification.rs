@@ -355,7 +355,7 @@ pub struct LogDocument {
     pub rows: usize,
     /// Rows left after faulty ones were dropped.
     pub rows_used: usize,
-    /// Sample rate of the prepared log [Hz].
+    /// Sample rate of the prepared log (Hz).
     #[serde(deserialize_with = "number")]
     pub sample_rate_hz: f64,
     /// Duration of the log (s).

@@ -52,13 +52,13 @@ pub struct DesignDocument {
     pub coefficients: Option<Coefficients>,
     /// Position of every joint around which it moves [rad or m].
     pub offset: Option<Vec<f64>>,
-    /// Fundamental frequency f of the Fourier series [Hz].
+    /// Fundamental frequency f of the Fourier series (Hz).
     pub fundamental_hz: f64,
     /// Number of harmonics of the series.
     pub order: usize,
     /// Period `1/f` (s).
     pub period_s: f64,
-    /// Rate at which the regressor and the limits were sampled [Hz].
+    /// Rate at which the regressor and the limits were sampled (Hz).
     pub sample_rate_hz: f64,
     /// Periods that will be recorded, for `predicted` and the evidence.
     pub periods: f64,

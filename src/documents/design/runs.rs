@@ -30,7 +30,7 @@ pub struct FirstRunDocument {
     pub coefficients: Coefficients,
     /// Constant part q0 of every joint [rad or m].
     pub offset: Vec<f64>,
-    /// Fundamental frequency [Hz]; lower than that of the design for a slow first run.
+    /// Fundamental frequency (Hz); lower than that of the design for a slow first run.
     pub fundamental_hz: f64,
     /// Distance to every limit of the joints.
     pub margins: Vec<MarginDocument>,
@@ -47,7 +47,7 @@ pub struct FurtherDocument {
     pub coefficients: Coefficients,
     /// Constant part q0 of every joint [rad or m].
     pub offset: Vec<f64>,
-    /// Fundamental frequency [Hz].
+    /// Fundamental frequency (Hz).
     pub fundamental_hz: f64,
     /// Of this trajectory and all before it together.
     pub criteria: CriteriaDocument,

@@ -71,7 +71,7 @@ pub struct WarmStart {
     pub coefficients: crate::documents::Coefficients,
     /// Position of every joint around which it moves [rad or m].
     pub offset: Vec<f64>,
-    /// Fundamental frequency of that trajectory [Hz].
+    /// Fundamental frequency of that trajectory (Hz).
     pub fundamental_hz: f64,
 }
 

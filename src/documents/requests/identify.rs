@@ -219,6 +219,6 @@ pub enum PreprocessMethod {
 pub struct Filter {
     /// Order of the filter.
     pub order: u32,
-    /// Cut-off frequency, where the gain of one pass is −3 dB [Hz].
+    /// Cut-off frequency, where the gain of one pass is −3 dB (Hz).
     pub cutoff_hz: f64,
 }

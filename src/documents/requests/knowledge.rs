@@ -93,7 +93,7 @@ pub struct GivenTrajectory {
     pub coefficients: crate::documents::Coefficients,
     /// Position of every joint around which it moves [rad or m].
     pub offset: Vec<f64>,
-    /// Fundamental frequency [Hz].
+    /// Fundamental frequency (Hz).
     pub fundamental_hz: f64,
     /// Periods recorded.
     #[cfg_attr(feature = "service", schema(default = 1, minimum = 1))]

@@ -27,7 +27,7 @@ pub struct Model {
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub formats: Option<Vec<Missing>>,
-    /// Cut-off of the filter that the rows went through that it was identified from [Hz]; logs that it is held against go through none that is higher.
+    /// Cut-off of the filter that the rows went through that it was identified from (Hz); logs that it is held against go through none that is higher.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band_hz: Option<f64>,
 }

@@ -21,7 +21,7 @@ pub struct MotionRequest {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct Series {
-    /// Fundamental frequency [Hz].
+    /// Fundamental frequency (Hz).
     #[cfg_attr(feature = "service", schema(exclusive_minimum = 0))]
     pub fundamental_hz: f64,
     /// Fourier coefficients.

@@ -169,9 +169,9 @@ pub struct Joint {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct Capsule {
-    /// One end of the segment [m].
+    /// One end of the segment (m).
     pub from: [f64; 3],
-    /// The other end of the segment [m].
+    /// The other end of the segment (m).
     pub to: [f64; 3],
     /// Radius, above zero (m).
     pub radius: f64,
@@ -197,13 +197,13 @@ pub enum JointKind {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Mdh {
-    /// Angle between the z axes, about the x axis before [rad].
+    /// Angle between the z axes, about the x axis before (rad).
     pub alpha: f64,
-    /// Distance between the z axes, along the x axis before [m].
+    /// Distance between the z axes, along the x axis before (m).
     pub d: f64,
-    /// Angle between the x axes, about z [rad]; the zero position of a revolute joint.
+    /// Angle between the x axes, about z (rad); the zero position of a revolute joint.
     pub theta: f64,
-    /// Distance between the x axes, along z [m]; the zero position of a prismatic joint.
+    /// Distance between the x axes, along z (m); the zero position of a prismatic joint.
     pub r: f64,
     /// Where the numbers come from.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -282,7 +282,7 @@ pub struct Limits {
     pub acceleration: Option<f64>,
     /// Largest jerk [rad/s³ or m/s³].
     pub jerk: Option<f64>,
-    /// Largest torque [N·m] or force [N].
+    /// Largest torque [N·m] or force (N).
     pub effort: Option<f64>,
     /// Where the numbers come from.
     #[serde(skip_serializing_if = "Option::is_none")]

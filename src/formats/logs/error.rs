@@ -262,7 +262,7 @@ pub enum LogError {
     ImplausibleRate {
         /// Name of the file.
         file: String,
-        /// Sample rate by the time stamps [Hz].
+        /// Sample rate by the time stamps (Hz).
         rate_hz: f64,
     },
     /// The time stamps contradict the stated sample rate.
@@ -274,9 +274,9 @@ pub enum LogError {
     RateDiffers {
         /// Name of the file.
         file: String,
-        /// Sample rate by the time stamps [Hz].
+        /// Sample rate by the time stamps (Hz).
         rate_hz: f64,
-        /// Sample rate in the request [Hz].
+        /// Sample rate in the request (Hz).
         stated_hz: f64,
     },
     /// Values are beyond what an arm can have.

@@ -11,7 +11,7 @@ pub struct LogReport {
     pub rows_used: usize,
     /// Samples of the uniform record.
     pub samples: usize,
-    /// Sample rate [Hz].
+    /// Sample rate (Hz).
     pub rate_hz: f64,
     /// Duration (s).
     pub duration_s: f64,

@@ -88,7 +88,7 @@ pub struct TrajectoryFile<'a> {
     pub joints: &'a [String],
     /// The trajectory of one period.
     pub series: &'a FourierSeries,
-    /// Rows per second [Hz].
+    /// Rows per second (Hz).
     pub rate_hz: f64,
     /// Number of periods.
     pub periods: usize,
