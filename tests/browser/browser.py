@@ -96,6 +96,7 @@ def check(page, name):
     unknown = page.evaluate("""async () => { const known = new Set((await (await fetch('/assets/glossary.json')).json()).flatMap(topic => Object.keys(topic.terms)));
         return [...document.querySelectorAll('[data-term]')].map(e => e.dataset.term).filter(key => !known.has(key)).concat([...document.querySelectorAll('main th[title]')].map(e => e.title)) }""")
     assert not unknown, f"{name}: terms without an explanation: {unknown}"
+    check_helped(page, name)
     check_accessible(page, name)
     for label, titles in axes:
         assert label, f"{name}: a plot without a label for those who do not see it"
@@ -106,17 +107,32 @@ def check(page, name):
     return axes
 
 
+# Drop-downs whose entries are names of the user's own things, or units.
+PLAIN = {"Robot", "Log", "Joint", "Parameter", "Unit", "Identification", "With", "Angles in", "Over", "and", "Trajectory"}
+
+
+def check_helped(page, name):
+    """Every drop-down has help: on a term beside it, in a line under it, or in the head of its column."""
+    found = page.evaluate("""() => [...document.querySelectorAll('main select')].filter(e => e.offsetParent).map(e => {
+        const label = (e.labels[0]?.firstChild?.textContent ?? e.getAttribute('aria-label') ?? '').trim();
+        const part = e.closest('.field, .stacked, fieldset, tr, .row') ?? e.parentElement;
+        const table = e.closest('table');
+        return [label, Boolean(part.querySelector('[data-term], .help') ?? table?.querySelector('th [data-term]') ?? part.parentElement.querySelector('.labelled [data-term]'))]; })""")
+    bare = [label for label, helped in found if not helped and label not in PLAIN]
+    assert not bare, f"{name}: drop-downs without help: {bare}"
+
+
 def check_accessible(page, name):
-    """What axe-core finds by WCAG 2.1, levels A and AA; contrast in the dark theme as well. What plotly.js draws is named as one picture."""
+    """What axe-core finds by WCAG 2.1, levels A and AA; contrast in the other theme as well. What plotly.js draws is named as one picture."""
     context = {"exclude": [[".js-plotly-plot"]]}
     rules = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"], "resultTypes": ["violations"]}
     found = Axe().run(page, context, rules)
     assert not found.response["violations"], f"{name}: {described(found)}"
-    if page.viewport_size["width"] > 500:
-        page.evaluate("document.documentElement.dataset.theme = 'dark'")
-        found = Axe().run(page, context, {"runOnly": {"type": "rule", "values": ["color-contrast"]}, "resultTypes": ["violations"]})
-        page.evaluate("delete document.documentElement.dataset.theme")
-        assert not found.response["violations"], f"{name}, dark: {described(found)}"
+    other = page.evaluate("""() => { const other = matchMedia('(prefers-color-scheme: dark)').matches ? 'light' : 'dark';
+        document.documentElement.dataset.theme = other; return other; }""")
+    found = Axe().run(page, context, {"runOnly": {"type": "rule", "values": ["color-contrast"]}, "resultTypes": ["violations"]})
+    page.evaluate("delete document.documentElement.dataset.theme")
+    assert not found.response["violations"], f"{name}, {other}: {described(found)}"
 
 
 # Points of a printed page: its lower margin of 18 mm, and a heading with two lines below it.

@@ -31,11 +31,14 @@ impl Teller<'_> {
         let names: Vec<&str> = shown.iter().map(|&j| self.name(j)).collect();
         let several = names.len() > 1;
         let mut text = format!(
-            "{} {} {} {values} that the model{} cannot explain; {} {}: {}. ",
-            if several { "Joints" } else { "Joint" },
+            "{} on {} {} is {values}; {} {}: {}. ",
+            if first {
+                "The residual"
+            } else {
+                "With the effects above, the residual"
+            },
+            if several { "joints" } else { "joint" },
             listed(&names, "and"),
-            if several { "leave" } else { "leaves" },
-            if first { "" } else { " with the effects above" },
             subject(&f.effect, f.formula.as_ref(), &f.joints),
             self.how_much(f, &shown, &of),
             parameters(f),
@@ -50,7 +53,7 @@ impl Teller<'_> {
         );
         text += &covered(f);
         text += &self.others(f);
-        text += &survives(f);
+        text += &found_again(f);
         if is_rejected(f) {
             text += " It increases the held-out error: it is not in the model.";
             return text;
@@ -170,7 +173,8 @@ impl Teller<'_> {
             text += &format!(" The residual on {} is noise.", listed(&clean, "and"));
         }
         if !open.is_empty() {
-            text += &format!(" Above the noise, {} remain unexplained.", listed(&open, "and"));
+            let verb = if open.len() > 1 { "remain" } else { "remains" };
+            text += &format!(" Above the noise, {} {verb} unexplained.", listed(&open, "and"));
         }
         text
     }
@@ -189,22 +193,22 @@ fn covered(f: &Finding) -> String {
     }
 }
 
-/// Which changes of the data the effect survives, and which it does not.
-fn survives(f: &Finding) -> String {
-    let (survived, lost) = (changes(f, true), changes(f, false));
-    let and = listed(&survived, "and");
-    match (survived.is_empty(), lost.is_empty()) {
+/// In which changed copies of the data the effect is found again, and in which it is not.
+fn found_again(f: &Finding) -> String {
+    let (found, lost) = (changes(f, true), changes(f, false));
+    let and = listed(&found, "and");
+    match (found.is_empty(), lost.is_empty()) {
         (true, true) => String::new(),
-        (false, true) => format!(" It survives {and}."),
-        (true, false) => format!(" It is not confirmed with {}.", listed(&lost, "or")),
-        (false, false) => format!(" It survives {and}; it is not confirmed with {}.", listed(&lost, "or")),
+        (false, true) => format!(" It is found again with {and}."),
+        (true, false) => format!(" It is not found with {}.", listed(&lost, "or")),
+        (false, false) => format!(" It is found again with {and}, but not with {}.", listed(&lost, "or")),
     }
 }
 
-/// The changes of the data that the effect does, or does not, survive; two of a kind in one phrase.
-fn changes(f: &Finding, survives: bool) -> Vec<&'static str> {
+/// The changes of the data with which the effect is found again, or is not; two of a kind in one phrase.
+fn changes(f: &Finding, found: bool) -> Vec<&'static str> {
     use Perturbation::*;
-    let has = |p: Perturbation| f.survivals.iter().any(|s| s.perturbation == p && s.survives == survives);
+    let has = |p: Perturbation| f.survivals.iter().any(|s| s.perturbation == p && s.survives == found);
     let pair = |[first, second]: [Perturbation; 2], [one, other, both]: [&'static str; 3]| match (has(first), has(second)) {
         (true, true) => Some(both),
         (true, false) => Some(one),
@@ -225,7 +229,7 @@ fn changes(f: &Finding, survives: bool) -> Vec<&'static str> {
         pair([FirstHalf, SecondHalf], halves),
         pair([LowerCutoff, HigherCutoff], cutoffs),
         has(EverySecondRow).then_some("every second row"),
-        has(SixDigits).then_some("torques of six digits"),
+        has(SixDigits).then_some("torques rounded to six digits"),
     ]
     .into_iter()
     .flatten()

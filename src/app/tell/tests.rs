@@ -116,7 +116,7 @@ fn a_finding_is_reported_with_its_figures() {
     let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
     let name = &robot.joints()[1].name;
     let expected = format!(
-        "Joint {name} leaves 3.32 N·m that the model cannot explain; a joint spring explains it: stiffness 5.9963 ± 0.0057 N·m/rad \
+        "The residual on joint {name} is 3.32 N·m; a joint spring explains it: stiffness 5.9963 ± 0.0057 N·m/rad \
          and rest position 0.2011 ± 0.0010 rad. Held-out error 3.32 → 0.2 N·m (noise alone 0.2). The data do not exclude a constant torque \
          offset. A base tilt, an encoder offset and position ripple are excluded. The residual on {name} is noise."
     );
@@ -194,9 +194,9 @@ fn of_wrong_data_nothing_is_said_of_the_robot() {
     );
 }
 
-/// Two halves and two cut-offs are one phrase each, and what does not survive is said.
+/// Two halves and two cut-offs are one phrase each, and what is not found again is said.
 #[test]
-fn a_finding_says_which_changes_of_the_data_it_survives() {
+fn a_finding_says_with_which_changes_of_the_data_it_is_found_again() {
     use crate::diagnosis::{Perturbation, Survival};
     let robot = robot();
     let described = |survive: [bool; 6]| {
@@ -211,10 +211,10 @@ fn a_finding_says_which_changes_of_the_data_it_survives() {
         let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
         document["findings"][0]["sentence"].as_str().unwrap().to_string()
     };
-    let all = "It survives either half of the data alone, a cut-off a quarter lower or higher, every second row and torques of six digits.";
+    let all = "It is found again with either half of the data alone, a cut-off a quarter lower or higher, every second row and torques rounded to six digits.";
     assert!(described([true; 6]).contains(all), "{}", described([true; 6]));
-    let some = "It survives the second half of the data, every second row and torques of six digits; it is not confirmed with the first half of the data \
-                or a cut-off a quarter lower or higher.";
+    let some = "It is found again with the second half of the data, every second row and torques rounded to six digits, but not with the first half of \
+                the data or a cut-off a quarter lower or higher.";
     let sentence = described([true, true, false, true, false, false]);
     assert!(sentence.contains(some), "{sentence}");
 }

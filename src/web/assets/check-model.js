@@ -1,6 +1,6 @@
 // Holding an identified model against another log: what has changed since.
 import { Refused, explain, getJson, send } from './api.js';
-import { h, sentence } from './dom.js';
+import { h, said, sentence } from './dom.js';
 import { dataFault, findingParameters } from './finding.js';
 
 export function checkModel(result) {
@@ -35,8 +35,8 @@ export function checkModel(result) {
 export function changes(residual) {
   if (!residual) return null;
   const faults = residual.data_faults.map(dataFault);
-  const found = residual.findings.map((f) => h('div', { class: 'finding', 'data-effect': f.effect }, h('p', { class: 'sentence' }, f.sentence), findingParameters(f)));
+  const found = residual.findings.map((f) => h('div', { class: 'finding', 'data-effect': f.effect }, h('p', { class: 'sentence' }, said(f.sentence)), findingParameters(f)));
   const all = residual.findings.length || residual.remainder;
   return h('section', { class: 'card', id: 'changes', 'aria-labelledby': 'changes-title' }, h('h2', { id: 'changes-title' }, 'Changes since the model was identified'),
-    h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, all ? sentence(residual.summary) : 'No change found: the residual is noise.')), faults, found, residual.remainder ? h('p', {}, residual.remainder.sentence) : null);
+    h('p', {}, h('span', { class: `tag ${all ? 'warn' : 'good'}` }, all ? 'Changed' : 'Still holds'), ' ', h('strong', {}, said(all ? sentence(residual.summary) : 'No change found: the residual is noise.'))), faults, found, residual.remainder ? h('p', {}, said(residual.remainder.sentence)) : null);
 }

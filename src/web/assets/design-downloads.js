@@ -1,6 +1,6 @@
 // A trajectory for the controller: a slow first run, then as designed, in the format that the controller reads.
 import { download } from './api.js';
-import { fill, h, number } from './dom.js';
+import { fill, h, labelled, number, term } from './dom.js';
 
 /** Format of the interface: what reads it, ending of the file, and for robots of how many joints. */
 const FORMATS = {
@@ -17,13 +17,13 @@ export function downloads(result) {
   const format = h('select', { id: 'download-format' }, entries.map(([key, [name]]) => h('option', { value: key, selected: key === localStorage.getItem(KEPT) }, name)));
   const further = result.further ?? [];
   const which = further.length ? h('select', { id: 'download-which' }, [result, ...further].map((_, i) => h('option', { value: i }, `trajectory ${i + 1}`))) : null;
-  const whole = h('div', { class: 'three' }, h('label', { class: 'stacked' }, 'Format', format), field('rate', 'Samples per second', 1000, 1), field('periods', 'Periods', Math.max(result.request.periods ?? 1, 1), 1, { step: 1 }), which ? h('label', { class: 'stacked' }, 'Trajectory', which) : null);
+  const whole = h('div', { class: 'three' }, h('div', { class: 'stacked' }, labelled('Format', 'download-format', 'trajectory_format'), format), field('rate', 'Samples per second', 1000, 1), field('periods', 'Periods', Math.max(result.request.periods ?? 1, 1), 1, { step: 1 }), which ? h('label', { class: 'stacked' }, 'Trajectory', which) : null);
   const first = h('div', { class: 'three' }, field('share', 'First run: share of the amplitude (%)', FIRST.share, 1, { max: 100 }), field('slow', 'First run: times slower', FIRST.slow, 1, { max: 100 }));
   const way = h('div', { class: 'three' }, field('in', 'Run-in (s)', '', 0, { placeholder: 'none', max: 120 }), field('out', 'Run-out (s)', '', 0, { placeholder: 'none', max: 120 }),
     h('label', { class: 'stacked' }, 'Pose before and after (rad or m)', h('input', { id: 'download-from', placeholder: 'where the motion begins' })));
   const links = h('div', { class: 'actions' });
   const element = h('div', { id: 'downloads' }, h('h3', {}, 'Download for the controller'), whole,
-    h('details', {}, h('summary', {}, 'First run, run-in and run-out'), first, way, h('p', { class: 'help' }, 'A run-in is a way from a pose at rest into the motion, within the limits of the design; with a pose and no duration, a duration is chosen.')),
+    h('details', {}, h('summary', {}, 'First run, run-in and run-out'), first, way, h('p', { class: 'help' }, 'A ', term('run_in', 'run-in'), ' is a way from a pose at rest into the motion, within the limits of the design; with a pose and no duration, a duration is chosen.')),
     links, h('p', { class: 'help' }, 'Run the slow one first and watch it. Then run the motion as designed, several periods in a row: their repetition measures the noise.'), h('p', {}, identifyLink(result)));
   const entered = (id) => element.querySelector(`#download-${id}`).value.trim();
   const link = (label, slow) => {

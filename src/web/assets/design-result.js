@@ -5,7 +5,7 @@ import { CellView } from './cell-view.js';
 import { CRITERIA, title } from './criteria.js';
 import { courses } from './design-live.js';
 import { fourierSeries } from './expression.js';
-import { fill, figure, h, number, odds, perSecond, seconds, sentence, table, term, unit, words } from './dom.js';
+import { fill, figure, h, number, odds, perSecond, said, seconds, sentence, table, term, unit, words } from './dom.js';
 import { meshesOf } from './meshes.js';
 import { on } from './known-form.js';
 import { detectable } from './detectable.js';
@@ -30,7 +30,7 @@ const place = (label, flat) => h('div', { class: `plot${flat ? ' flat' : ''}`, '
 
 export async function showDesign(target, result) {
   if (!result.coefficients) {
-    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, words(result.status)), h('p', {}, sentence(result.reason))), startPosture(result)), notes(result));
+    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, words(result.status)), h('p', {}, said(sentence(result.reason)))), startPosture(result)), notes(result));
     return;
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };
@@ -54,7 +54,7 @@ function startPosture(result) {
 }
 
 function notes(result) {
-  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, sentence(n)))) : null;
+  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, said(sentence(n))))) : null;
 }
 
 function summary(result) {
@@ -63,7 +63,7 @@ function summary(result) {
   const tightest = [...result.margins].sort((a, b) => a.margin - b.margin)[0];
   const used = result.search;
   return section('summary', result.robot,
-    h('p', {}, h('span', { class: `tag ${kind}` }, words(result.status)), ' ', meaning),
+    h('p', {}, h('span', { class: `tag ${kind}` }, term('search_end', words(result.status))), ' ', meaning),
     h('dl', { class: 'figures' }, figure(term('condition_number', 'Condition number'), number(c.condition_number)), figure(term('i_optimality', 'Prediction error'), number(c.i_optimality, 3), 'N·m per unit of noise'), figure(term('period', 'Period'), number(result.period_s), 's'),
       tightest ? figure(term('limit_margin', 'Smallest margin to a limit'), `${number(100 * tightest.margin, 2)} %`, `${tightest.joint}, ${tightest.quantity}`) : null),
     h('p', { class: 'soft' }, `${result.order} harmonics, ${used.evaluations.toLocaleString()} evaluations in ${seconds(used.elapsed_s)}, seed ${used.seed}. ${c.minimised === 'rival_evidence' ? 'Maximised: expected difference in BIC between the rivals' : `Minimised: ${title(c.minimised)}`}.`),
@@ -123,7 +123,7 @@ function criteria(result) {
   const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'maximised' : 'minimised') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
   return section('criteria', [term('criterion', 'Criteria')], h('p', { class: 'soft' }, 'Improving one criterion worsens another. To compare, design again with another criterion and compare the two at the end of this page.'),
     table([{ head: 'Criterion', cell: (r) => h('strong', {}, term(r.key, r.name)) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'Meaning', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
-    advice ? h('p', { class: 'soft' }, `Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`) : null);
+    advice ? h('p', { class: 'soft' }, said(`Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`)) : null);
 }
 
 function clearances(result, played) {

@@ -81,6 +81,13 @@ export function words(code) {
 /** What the interface says in half a sentence, as one. */
 export const sentence = (text) => (text ? `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? '' : '.'}` : '');
 
+/** A text of the interface: terms in it get help on their first mention. */
+export function said(text) {
+  const place = h('span', {}, text ?? '');
+  if (text) import('./glossary.js').then((help) => help.mention(place));
+  return place;
+}
+
 /** Twice the log of odds, as odds. */
 export const odds = (evidence) => (evidence > 40 ? 'beyond doubt' : `odds of ${number(Math.exp(evidence / 2), 2)} to 1`);
 
@@ -89,6 +96,9 @@ export const term = (key, label) => h('button', { type: 'button', class: 'term',
 
 /** The same beside a label or a head that is a control itself. */
 export const mark = (key, label) => h('button', { type: 'button', class: 'term mark', 'data-term': key, 'aria-expanded': 'false', 'aria-label': `Explain: ${label}` }, '?');
+
+/** The label of the field `id`, with help on the term `key`. */
+export const labelled = (text, id, key) => h('span', { class: 'labelled' }, h('label', { for: id }, text), mark(key, text));
 
 /** A key figure: name over value. */
 export const figure = (name, value, note) =>

@@ -1,15 +1,21 @@
 // Parts of a finding that several pages show.
 import { formula } from './expression.js';
-import { figure, h, measured, number, sentence, table, term, unit, words } from './dom.js';
+import { figure, h, measured, number, said, sentence, table, term, unit, words } from './dom.js';
 
 /** The name of an effect, with help. */
 export const effectName = (code) => term(`effect_${code}`, words(code));
 
+/** The name of a fault of a log, with help. */
+export const faultName = (code) => term(`fault_${code}`, words(code));
+
+/** The name of a parameter of an effect; those of a law are symbols. */
+export const parameterName = (effect, name) => (effect === 'law' ? name : words(name));
+
 /** A fault of the data: what was seen, and what was done about it. */
 export function dataFault(fault) {
   const joints = fault.joints.length ? ` on ${fault.joints.join(', ')}` : '';
-  return h('article', { class: 'finding', 'data-fault': fault.code }, h('h3', {}, `${words(fault.code)}${joints} `, h('span', { class: 'tag bad' }, term('data_fault', 'fault of the data'))),
-    h('p', { class: 'sentence' }, sentence(fault.detail)), h('p', { class: 'soft' }, fault.remedy), findingParameters(fault));
+  return h('article', { class: 'finding', 'data-fault': fault.code }, h('h3', {}, faultName(fault.code), `${joints} `, h('span', { class: 'tag bad' }, term('data_fault', 'fault of the data'))),
+    h('p', { class: 'sentence' }, said(sentence(fault.detail))), h('p', { class: 'soft' }, said(fault.remedy)), findingParameters(fault));
 }
 
 /** Whether a finding is a part of the model, where it is not. */
@@ -47,7 +53,7 @@ export function lawFormulas({ law }) {
 export function findingParameters(finding) {
   if (!finding.parameters.length) return null;
   return table([
-    { head: 'Parameter', cell: (p) => (finding.law ? p.name : words(p.name)) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
+    { head: 'Parameter', cell: (p) => parameterName(finding.effect, p.name) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
   ], finding.parameters, { caption: 'Estimate ± standard deviation' });
 }
 

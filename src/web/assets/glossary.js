@@ -1,5 +1,5 @@
 // Help on terms: one glossary, read when a term is first asked for. A term is a button, so that mouse, touch and keyboard reach it.
-import { h } from './dom.js';
+import { h, term } from './dom.js';
 
 /** Milliseconds that the pointer rests before help opens, and that it has to reach the help before that closes. */
 const REST = 250;
@@ -7,10 +7,40 @@ const REST = 250;
 const GAP = 8;
 
 let reading = null;
-/** All terms by key: {name, text, topic, part}; `part` is the section of the help page on their topic. */
-export function glossary() {
-  reading ??= fetch('/assets/glossary.json').then((answer) => answer.json()).then((topics) => new Map(topics.flatMap(({ topic, part, terms }) => Object.entries(terms).map(([key, [name, text]]) => [key, { name, text, topic, part }]))));
+function topics() {
+  reading ??= fetch('/assets/glossary.json').then((answer) => answer.json());
   return reading;
+}
+
+/** All terms by key: {name, text, topic, part}; `part` is the section of the help page on their topic. */
+export const glossary = async () => new Map((await topics()).flatMap(({ topic, part, terms }) => Object.entries(terms).map(([key, [name, text]]) => [key, { name, text, topic, part }])));
+
+/** Phrases of the interface that are terms, the longest first: one expression, and the key of each. */
+let phrases = null;
+function mentioned() {
+  phrases ??= topics().then((all) => {
+    const keys = new Map(all.flatMap(({ mentions, aliases = {}, terms }) => [...Object.entries(aliases), ...(mentions ? Object.entries(terms).map(([key, [name]]) => [name.toLowerCase(), key]) : [])]));
+    const longest = [...keys.keys()].sort((a, b) => b.length - a.length);
+    return { keys, all: new RegExp(`(?<![\\w-])(${longest.join('|')})(?![\\w-])`, 'gi') };
+  });
+  return phrases;
+}
+
+/** Makes the first mention of every term in a text a button with its help. */
+export async function mention(place) {
+  const { keys, all } = await mentioned();
+  const text = place.textContent;
+  const seen = new Set();
+  const parts = [];
+  let from = 0;
+  for (const found of text.matchAll(all)) {
+    const key = keys.get(found[0].toLowerCase());
+    if (seen.has(key)) continue;
+    seen.add(key);
+    parts.push(text.slice(from, found.index), term(key, found[0]));
+    from = found.index + found[0].length;
+  }
+  if (parts.length) place.replaceChildren(...parts, text.slice(from));
 }
 
 let open = null;

@@ -1,8 +1,8 @@
 // The result of an identification.
 import { changes, checkModel } from './check-model.js';
 import { download, postJson, save, send, token } from './api.js';
-import { fill, figure, h, measured, number, sentence, shortNames, table, term, unit, words } from './dom.js';
-import { byGain, effectName, gain } from './finding.js';
+import { fill, figure, h, measured, number, said, sentence, shortNames, table, term, unit, words } from './dom.js';
+import { byGain, effectName, faultName, gain, parameterName } from './finding.js';
 import { step } from './log-preview.js';
 import { parameters } from './parameters.js';
 import { physical } from './physical.js';
@@ -10,6 +10,7 @@ import { MODELS, torquePlots } from './torque-plots.js';
 
 export const VERDICTS = {
   good: ['good', 'Good data'], poor_excitation: ['warn', 'Poor excitation'], unidentifiable: ['bad', 'Not identifiable'],
+  explains_nothing: ['bad', 'The model explains nothing'], data_fault: ['bad', 'Fault of the data'],
 };
 export const RESIDUAL = {
   nothing_missing: ['good', 'Nothing is missing: the residual is noise.'], explained: ['good', 'The residual is explained.'],
@@ -43,16 +44,18 @@ export function showValidation(target, result, made) {
 }
 
 function notes(result) {
-  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, sentence(n)))) : null;
+  return result.notes.length ? h('div', { class: 'notice' }, result.notes.map((n) => h('p', {}, said(sentence(n))))) : null;
 }
 
 function summary(result, effort) {
   const q = result.quality;
   const [kind, name] = VERDICTS[q.verdict] ?? ['', words(q.verdict)];
   const residual = result.residual;
-  const extra = q.columns - result.base_parameters.length;
-  return section('summary', result.robot, residual ? foundIn(result, effort) : null, h('p', {}, h('span', { class: `tag ${kind}` }, term('quality', name)), ' ', sentence(q.reason)),
-    h('dl', { class: 'figures' }, figure(term('base_parameters', 'Base parameters'), result.base_parameters.length), figure(term('rank', 'Determined'), `${q.rank} of ${q.columns}`, extra ? `${extra} of them of effects` : null), figure(term('scaled_condition_number', 'Condition number, columns scaled'), number(q.condition_number, 3)),
+  const all = result.base_parameters.length;
+  const known = result.base_parameters.filter((p) => p.value !== null).length;
+  const extra = q.columns - all;
+  return section('summary', result.robot, residual ? foundIn(result, effort) : null, h('p', {}, h('span', { class: `tag ${kind}` }, term('quality', name)), ' ', said(sentence(q.reason))),
+    h('dl', { class: 'figures' }, figure([term('base_parameters', 'Base parameters'), ' ', term('rank', 'determined')], `${known} of ${all}`), extra > 0 ? figure('Parameters of effects and offsets', `${Math.max(q.rank - known, 0)} of ${extra}`) : null, figure(term('scaled_condition_number', 'Condition number, columns scaled'), number(q.condition_number, 3)),
       result.feasibility ? figure(term('physical_fit', 'Physical fit'), number(result.feasibility.rms_ratio, 4), '× that of the base parameters') : null),
     files(result));
 }
@@ -64,14 +67,14 @@ function scope({ held_out: held }) {
 }
 
 function foundIn(result, effort) {
-  const { verdict, summary: said, findings, data_faults: faults } = result.residual;
+  const { verdict, summary: summed, findings, data_faults: faults } = result.residual;
   const [kind, text] = RESIDUAL[verdict] ?? ['', words(verdict)];
   const none = result.rms.validation.length ? null : ' There was no validation log.';
   const where = (joints) => (joints.length === result.joints.length && joints.length > 1 ? 'all joints' : joints.join(', '));
-  const one = (f) => h('li', {}, h('strong', {}, effectName(f.effect), ` on ${where(f.joints)}`), `: ${f.parameters.map((p) => `${words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}`.trim()).join(', ')}`, gain(f, effort[result.joints.indexOf(f.joints[0])] ?? effort[0]));
+  const one = (f) => h('li', {}, h('strong', {}, effectName(f.effect), ` on ${where(f.joints)}`), `: ${f.parameters.map((p) => `${f.law ? p.name : words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}`.trim()).join(', ')}`, gain(f, effort[result.joints.indexOf(f.joints[0])] ?? effort[0]));
   const ordered = byGain(findings).map(([f]) => f);
   const [small, large] = [ordered.filter((f) => f.held_out.change === 'same'), ordered.filter((f) => f.held_out.change !== 'same')];
-  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}`, id: 'verdict' }, h('p', {}, h('strong', {}, said ?? text)), h('p', {}, scope(result.residual), none), faults.map((f) => h('p', {}, sentence(f.detail), ' ', f.remedy)),
+  return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}`, id: 'verdict' }, h('p', {}, h('strong', {}, said(summed ?? text))), h('p', {}, said(scope(result.residual)), none), faults.map((f) => h('p', {}, said(`${sentence(f.detail)} ${f.remedy}`))),
     large.length ? h('ul', { class: 'list' }, large.map(one)) : null,
     small.length ? h('details', {}, h('summary', {}, `${small.length === 1 ? 'One effect' : `${small.length} effects`} without a significant change of the held-out error`), h('ul', { class: 'list' }, small.map(one))) : null,
     h('p', {}, h('a', { class: 'button primary', id: 'to-loop', href: `/loop?id=${result.id}` }, 'See the diagnosis')));
@@ -83,7 +86,7 @@ function effectsFound(result) {
   if (!rows.length) return null;
   return section('effects', [term('effect', 'Effects'), ' beside the declared model'], h('p', { class: 'soft' }, 'Estimated together with the base parameters.'), table([
     { head: 'Effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
-    { head: 'Parameter', cell: (r) => words(r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', term: 'in_model', cell: (r) => (!r.in_model ? 'no' : r.finding ? 'yes' : 'yes, not significant alone') },
+    { head: 'Parameter', cell: (r) => parameterName(r.effect, r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', term: 'in_model', cell: (r) => (!r.in_model ? 'no' : r.finding ? 'yes' : 'yes, not significant alone') },
   ], rows, { caption: 'Effects, with one standard deviation' }));
 }
 
@@ -130,8 +133,8 @@ function errors(result, effort) {
 
 function logs(result) {
   const one = (log) => h('div', {}, h('h3', {}, log.file), h('p', { class: 'soft' }, `${log.rows_used.toLocaleString()} of ${log.rows.toLocaleString()} rows, ${number(log.sample_rate_hz)} Hz, ${number(log.duration_s)} s, ${log.role}`),
-    log.findings.length ? h('div', { class: 'notice' }, log.findings.map((f) => h('p', {}, h('strong', {}, words(f.code)), `, ${f.count}: ${f.detail}`))) : null,
-    h('details', {}, h('summary', {}, 'Preparation'), table([{ head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => c.why }], log.choices, { caption: 'Decisions of the preparation' })));
+    log.findings.length ? h('div', { class: 'notice' }, log.findings.map((f) => h('p', {}, h('strong', {}, faultName(f.code)), `, ${f.count}: `, said(f.detail)))) : null,
+    h('details', {}, h('summary', {}, 'Preparation'), table([{ head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => said(c.why) }], log.choices, { caption: 'Decisions of the preparation' })));
   const origin = result.provenance ? h('details', {}, h('summary', {}, 'Reproduction'), table([{ head: 'File', cell: (l) => l.file }, { head: 'Bytes', number: true, cell: (l) => l.bytes.toLocaleString() }, { head: 'SHA-256', cell: (l) => h('span', { class: 'mono' }, l.sha256) }], result.provenance.logs, { caption: `dynident ${result.provenance.version}` }),
     h('pre', { tabindex: 0 }, JSON.stringify(result.provenance.request, null, 1))) : null;
   return section('logs', 'Logs', result.log_report.map(one), origin);

@@ -1,7 +1,7 @@
 // Lab: what runs now, what came out lately, which robots there are.
 import { explain, follow, getJson, send, summaryOf } from './api.js';
 import { reached } from './criteria.js';
-import { fill, find, h, number, seconds, table, time, words } from './dom.js';
+import { fill, find, h, number, said, seconds, table, time, words } from './dom.js';
 import { NAMES, page, state } from './job-words.js';
 import { on } from './known-form.js';
 import { invitation } from './tour.js';
@@ -35,10 +35,10 @@ function showJobs(jobs) {
 
 function results(jobs) {
   return table([
-    { head: 'Run', cell: (j) => h('a', { href: page(j) }, j.name ?? NAMES[j.kind] ?? j.kind), sort: (j) => j.kind },
+    { head: 'Run', term: 'run', cell: (j) => h('a', { href: page(j) }, j.name ?? NAMES[j.kind] ?? j.kind), sort: (j) => j.kind },
     { head: 'Robot', cell: (j) => names.get(j.id) ?? j.robot ?? '–', sort: (j) => names.get(j.id) ?? '' },
-    { head: 'Result', cell: (j) => outcome(j) },
-    { head: 'State', cell: state, sort: (j) => j.state },
+    { head: 'Result', term: 'run_result', cell: (j) => outcome(j) },
+    { head: 'State', term: 'run_state', cell: state, sort: (j) => j.state },
     { head: 'Ended', cell: (j) => time(j.finished_at ?? j.created_at), sort: (j) => j.finished_at ?? j.created_at },
   ], jobs, { caption: 'Newest first' });
 }
@@ -56,7 +56,8 @@ function remember(id, name, text) {
 
 function outcome(job) {
   if (job.error) return h('span', { class: 'soft' }, job.error.detail);
-  return outcomes.get(job.id) ?? h('span', { class: 'soft' }, reached(job.progress) || '–');
+  const known = outcomes.get(job.id);
+  return known ? said(known) : h('span', { class: 'soft' }, reached(job.progress) || '–');
 }
 
 /** Learns of results not seen yet, one after the other: some are megabytes. */
@@ -111,7 +112,7 @@ async function showRobots() {
   const { robots } = await getJson('/robots');
   fill(find('#robots'), table([
     { head: 'Name', cell: (r) => h('a', { href: `/robot?robot=${encodeURIComponent(r.id)}` }, r.name), sort: (r) => r.name },
-    { head: 'ID', cell: (r) => h('span', { class: 'mono' }, r.id), sort: (r) => r.id },
+    { head: 'ID', term: 'id', cell: (r) => h('span', { class: 'mono' }, r.id), sort: (r) => r.id },
     { head: 'Joints', number: true, cell: (r) => r.joints.length, sort: (r) => r.joints.length },
     { head: 'Remarks', hidden: true, cell: (r) => (r.shipped ? h('span', { class: 'tag' }, 'comes with dynident') : r.notes.length ? h('span', { class: 'tag warn', title: r.notes.join('\n') }, `${r.notes.length} notes`) : '') },
     { head: 'Design', hidden: true, cell: (r) => h('a', { href: `/design?robot=${encodeURIComponent(r.id)}` }, 'Design') },

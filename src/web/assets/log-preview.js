@@ -1,9 +1,10 @@
 // What was understood of logs before anything runs.
-import { fill, figure, h, number, perSecond, sentence, sinceStart, table, term, unit, words } from './dom.js';
+import { fill, figure, h, number, perSecond, said, sentence, sinceStart, table, term, unit, words } from './dom.js';
+import { faultName } from './finding.js';
 import { colour, plotLater } from './plot.js';
 
 export async function showPreview(target, seen) {
-  fill(target, seen.notes.length ? h('div', { class: 'notice' }, seen.notes.map((n) => h('p', {}, sentence(n)))) : null, seen.logs.map(logCard));
+  fill(target, seen.notes.length ? h('div', { class: 'notice' }, seen.notes.map((n) => h('p', {}, said(sentence(n))))) : null, seen.logs.map(logCard));
 }
 
 function logCard(log, index) {
@@ -21,7 +22,7 @@ function logCard(log, index) {
 export const step = (what) => (STEPS[what] ? term(STEPS[what], words(what)) : words(what));
 const STEPS = { decimation: 'decimation', period: 'period', averaging: 'period_log', method: 'preparation' };
 
-const problem = (f) => h('p', {}, h('strong', {}, words(f.code)), `: ${f.detail}`, f.lines?.length ? ` (lines ${f.lines.slice(0, 5).join(', ')}${f.count > 5 ? ' …' : ''})` : '');
+const problem = (f) => h('p', {}, h('strong', {}, faultName(f.code)), ': ', said(f.detail), f.lines?.length ? ` (lines ${f.lines.slice(0, 5).join(', ')}${f.count > 5 ? ' …' : ''})` : '');
 
 function columns(found) {
   const line = (name, list) => (list.length ? h('div', {}, h('strong', {}, `${name}: `), h('span', { class: 'mono' }, list.join(', '))) : null);
@@ -30,7 +31,7 @@ function columns(found) {
 
 function choices(list) {
   return h('details', {}, h('summary', {}, 'Preparation'), table([
-    { head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => c.why },
+    { head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => said(c.why) },
   ], list, { caption: 'Decisions of the preparation' }));
 }
 

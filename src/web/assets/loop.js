@@ -1,7 +1,7 @@
 // Diagnosis: verdict, findings, errors before and after, noise floor, rivals and the experiment that decides.
 import { explain, getJson, postJson } from './api.js';
 import { designButton } from './decide.js';
-import { fill, figure, find, h, number, odds, table, term, time, unit, words } from './dom.js';
+import { fill, figure, find, h, number, odds, said, table, term, time, unit, words } from './dom.js';
 import { byGain, changed, dataFault, effectName, findingParameters, gain, lawFormulas, outside } from './finding.js';
 import { RESIDUAL, reportLink } from './identify-result.js';
 import { colour, plotLater, plotly, variable } from './plot.js';
@@ -30,7 +30,7 @@ function summary({ result, report, effort: units }) {
   const heldOut = report.rms_before.held_out.length > 0;
   const sum = (list) => list.reduce((a, b) => a + b, 0);
   const of = (pair) => (heldOut ? pair.held_out : pair.identification);
-  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, words(report.verdict)), ' ', h('strong', { id: 'verdict' }, report.summary ?? text)),
+  return section('summary', result.robot, h('p', {}, h('span', { class: `tag ${kind}` }, term('verdict', words(report.verdict))), ' ', h('strong', { id: 'verdict' }, said(report.summary ?? text))),
     h('dl', { class: 'figures' }, figure(term('finding', 'Findings'), report.findings.length, `${report.findings.filter((f) => f.in_model).length} in the model`), figure(term('rms_error', 'Error without the effects'), number(sum(of(report.rms_before)), 3), `${effort}, summed over joints; ${heldOut ? 'held-out' : 'identification'} data`),
       figure('Error with the effects', number(sum(of(report.rms_after)), 3)), figure(term('noise_floor', 'Noise floor'), number(sum(report.noise_floor), 3))),
     heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no validation log: these are errors on the data that chose the effects. Blocks of the log were held out in turn instead, which is weaker evidence.')),
@@ -43,7 +43,7 @@ function findings(context) {
   const small = ([f]) => f.held_out.change === 'same';
   const folded = shown.filter(small).map(([, card]) => card);
   const cards = [...report.data_faults.map(dataFault), ...shown.filter((s) => !small(s)).map(([, card]) => card)];
-  if (folded.length) cards.push(h('details', { id: 'small-findings' }, h('summary', {}, `${folded.length === 1 ? 'One effect' : `${folded.length} effects`} without a significant change of the held-out error`), folded));
+  if (folded.length) cards.push(h('details', { id: 'small-findings', open: !cards.length }, h('summary', {}, `${folded.length === 1 ? 'One effect' : `${folded.length} effects`} without a significant change of the held-out error`), folded));
   if (report.remainder) cards.push(remainder(context));
   if (!cards.length) cards.push(h('p', {}, 'The residual is noise: these logs show no effect beyond the declared model.'));
   return section('findings', [term('finding', 'Findings')], h('div', {}, cards));
@@ -67,7 +67,7 @@ function finding(context, f, index) {
   ];
   const evidence = h('details', {}, h('summary', {}, 'Evidence'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence for the finding' }));
   return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, effectName(f.effect), ` on ${where(f.joints, context.result.joints)} `, outside(f)),
-    gain(f, context.effort[context.result.joints.indexOf(f.joints[0])] ?? 'N·m'), h('p', { class: 'sentence' }, f.sentence), f.note ? h('p', { class: 'soft' }, `Note: ${f.note}.`) : null, lawFormulas(f), findingParameters(f), evidence, survivals(f), rivals(context, f, index));
+    gain(f, context.effort[context.result.joints.indexOf(f.joints[0])] ?? 'N·m'), h('p', { class: 'sentence' }, said(f.sentence)), f.note ? h('p', { class: 'soft' }, said(`Note: ${f.note}.`)) : null, lawFormulas(f), findingParameters(f), evidence, survivals(f), rivals(context, f, index));
 }
 
 /** Whether it is found again when the data are changed a little. */
@@ -88,7 +88,7 @@ function rivals(context, f, index) {
 
 function remainder(context) {
   const r = context.report.remainder;
-  return h('article', { class: 'finding', 'data-effect': 'unexplained' }, h('h3', {}, term('remainder', 'Unexplained'), ` on ${where(r.joints, context.result.joints)}`), h('p', { class: 'sentence' }, r.sentence), h('p', { class: 'soft' }, r.note));
+  return h('article', { class: 'finding', 'data-effect': 'unexplained' }, h('h3', {}, term('remainder', 'Unexplained'), ` on ${where(r.joints, context.result.joints)}`), h('p', { class: 'sentence' }, said(r.sentence)), h('p', { class: 'soft' }, said(r.note)));
 }
 
 function bars({ result, report, effort }) {
@@ -121,7 +121,7 @@ function heldOutTable(report) {
   const held = report.held_out;
   if (held.verdict === 'not_tested') return null;
   const [kind, text] = HELD_OUT[held.verdict];
-  return h('div', { id: 'held-out' }, h('p', {}, h('span', { class: `tag ${kind}` }, text), ` Data held out: ${held.source}.`), table([
+  return h('div', { id: 'held-out' }, h('p', {}, h('span', { class: `tag ${kind}` }, text), [' ', said(`Held-out data: ${held.source}.`)]), table([
     { head: 'Joint', cell: (j) => j.joint, sort: (j) => j.joint }, { head: 'Declared model', term: 'declared_model', number: true, cell: (j) => number(j.before, 3), sort: (j) => j.before }, { head: 'With the effects', number: true, cell: (j) => number(j.after, 3), sort: (j) => j.after },
     { head: 'Noise floor', term: 'noise_floor', number: true, cell: (j) => number(j.floor, 3), sort: (j) => j.floor }, { head: 'Change', cell: (j) => h('span', { class: `tag ${{ better: 'good', worse: 'bad' }[j.change] ?? ''}` }, changed(j.change)) }, { head: 'p', term: 'p_value', number: true, cell: (j) => (j.p_value < 1e-12 ? '< 10⁻¹²' : number(j.p_value, 2)), sort: (j) => j.p_value },
   ], held.joints, { caption: 'Held-out RMS error per joint (N·m, or N for prismatic joints)' }));
@@ -130,7 +130,7 @@ function heldOutTable(report) {
 function floor({ result, report, effort }) {
   const rows = result.joints.map((name, j) => ({ name, j, floor: report.noise_floor[j], fit: report.lack_of_fit[j], after: report.lack_of_fit_after[j] }));
   const p = (v) => (v < 1e-12 ? '< 10⁻¹²' : number(v, 2));
-  return section('floor', 'Noise floor and lack of fit', h('p', { class: 'soft' }, `Noise from: ${report.noise_source}.`), table([
+  return section('floor', 'Noise floor and lack of fit', h('p', { class: 'soft' }, term('noise_source', 'Source of the noise'), `: ${report.noise_source}.`), table([
     { head: 'Joint', cell: (r) => r.name, sort: (r) => r.name }, { head: 'Noise floor', number: true, cell: (r) => `${number(r.floor, 3)} ${effort[r.j]}`, sort: (r) => r.floor, term: 'noise_floor' },
     { head: 'Residual RMS, averaged', term: 'residual', number: true, cell: (r) => number(r.fit.residual_rms, 3), sort: (r) => r.fit.residual_rms }, { head: 'From noise, averaged', number: true, cell: (r) => number(r.fit.expected_rms, 3), sort: (r) => r.fit.expected_rms },
     { head: 'Lack of fit', term: 'lack_of_fit', number: true, cell: (r) => number(r.fit.statistic, 3), sort: (r) => r.fit.statistic }, { head: 'p', term: 'p_value', number: true, cell: (r) => p(r.fit.p_value), sort: (r) => r.fit.p_value },

@@ -1,5 +1,5 @@
 // Base parameters with error bars and as a table that sorts.
-import { h, measured, number, table, term, unit } from './dom.js';
+import { h, measured, number, said, table, term, unit } from './dom.js';
 import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
 
@@ -18,7 +18,7 @@ export function parameters(result) {
   };
   kind.addEventListener('change', () => plot(chart, make));
   plotLater(chart, make);
-  const open = result.undetermined.length ? h('div', { class: 'notice' }, h('p', {}, h('strong', {}, 'Not determined by the log: '), result.undetermined.map((d) => d.text).join('; '))) : null;
+  const open = result.undetermined.length ? h('div', { class: 'notice' }, h('p', {}, h('strong', {}, 'Not determined by the log: '), said(result.undetermined.map((d) => d.text).join('; ')))) : null;
   return h('section', { class: 'card', id: 'parameters', 'aria-labelledby': 'parameters-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'parameters-title' }, term('base_parameters', 'Base parameters')), h('label', { class: 'inline' }, 'Unit', kind)), open, chart,
     table([
       { head: 'Parameter', cell: (p) => nameOf(p.name), sort: (p) => p.name },

@@ -1,10 +1,11 @@
 // The residual against the variable that explains it: before and after.
-import { fill, h, perSecond, sinceStart } from './dom.js';
-import { colour, plot } from './plot.js';
+import { fill, h, perSecond, sinceStart, term } from './dom.js';
+import { colour, plot, variable } from './plot.js';
 
 export function residualPlot(context) {
   const { result, report } = context;
-  const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, 'Residual over the variable that explains it'));
+  const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, [term('residual_over', 'Residual over the variable'), ' that explains it']),
+    h('p', { class: 'soft' }, 'Left the residual of the declared model, with what the effects found add to its prediction as small dots; right the residual with them.'));
   const series = result.predictions;
   if (!series.length || !series[0].declared) {
     card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
@@ -45,7 +46,12 @@ function suggestions(result, report) {
   const r = report.remainder;
   const most = r ? r.joints[r.rms.indexOf(Math.max(...r.rms))] : null;
   const left = r ? [{ joint: most, variable: named(r.depends_on[0] ?? ''), second: r.depends_on[1] ? named(r.depends_on[1]) : undefined }] : [];
-  const found = report.findings.filter((f) => f.against?.joint).map(({ against: { joint, variable } }) => ({ joint, variable: variable === 'time' ? 'time' : `${variable} ${joint}` }));
+  const over = ({ law, joints, against: { joint, variable } }) => {
+    if (!law?.variables.length) return { joint, variable: variable === 'time' ? 'time' : `${variable} ${joint}` };
+    const [first, second] = law.variables.map(named);
+    return { joint: joints[0], variable: first, second };
+  };
+  const found = report.findings.filter((f) => f.against?.joint).map(over);
   const worst = [...report.lack_of_fit].sort((a, b) => b.statistic - a.statistic)[0];
   return [...found, ...left, { joint: worst?.joint ?? result.joints[0], variable: 'time' }];
 }
@@ -73,7 +79,8 @@ function collect(context, series, log, joint, across, along) {
   const step = Math.max(1, Math.floor(one.time.length / 2500));
   const picked = (list) => list.filter((_, i) => i % step === 0);
   const rest = (model) => picked(one.measured.map((m, i) => m - model[i]));
-  return { joint, across, along, x: picked(of(across)), second: along === 'nothing else' ? null : picked(of(along)), before: rest(one.declared), after: rest(one.base) };
+  const added = picked(one.base.map((b, i) => b - one.declared[i]));
+  return { joint, across, along, added, x: picked(of(across)), second: along === 'nothing else' ? null : picked(of(along)), before: rest(one.declared), after: rest(one.base) };
 }
 
 function title(context, name) {
@@ -84,7 +91,7 @@ function title(context, name) {
   return `${name} (${units[kind]})`;
 }
 
-function scatter(context, { joint, across, x, before, after }) {
+function scatter(context, { joint, across, x, before, after, added }) {
   const unit = context.effort[context.result.joints.indexOf(joint)];
   const dots = (name, y, axis, tone) => ({ type: 'scatter', mode: 'markers', name, x, y, xaxis: axis ? 'x2' : 'x', yaxis: axis ? 'y2' : 'y', marker: { color: tone, size: 3.5, opacity: 0.55 }, hovertemplate: '%{x:.3g}, %{y:.3g}<extra></extra>' });
   const widest = 1.08 * Math.max(...before.map(Math.abs), ...after.map(Math.abs));
@@ -92,7 +99,9 @@ function scatter(context, { joint, across, x, before, after }) {
   const layout = narrow
     ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `without<br>effects (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `with<br>effects (${unit})` }, height: 480 }
     : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `residual (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
-  return { traces: [dots('declared model', before, 0, colour(1)), dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
+  const effects = { ...dots('what the effects add', added, 0, variable('--ink')), marker: { color: variable('--ink'), size: 2.5 } };
+  const shown = context.report.findings.some((f) => f.in_model) ? [effects] : [];
+  return { traces: [dots('declared model', before, 0, colour(1)), ...shown, dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
 }
 
 /** Over two variables: the residual as colour. Blue and brown, distinguishable by all, white for nothing left. */

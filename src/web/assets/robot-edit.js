@@ -2,7 +2,7 @@
 import { ArmView, HOW_TO_TURN } from './arm.js';
 import { explain, getJson, postJson, send, unmark } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
-import { fill, find, h, sentence, term } from './dom.js';
+import { fill, find, h, labelled, said, sentence, term } from './dom.js';
 import { jointDetails, suggestShape } from './robot-joint.js';
 import { Fields } from './robot-fields.js';
 import { tipChoice } from './robot-source.js';
@@ -24,7 +24,7 @@ export function editor({ id, start, saved, cancel }) {
   const picture = preview();
   const draw = () => fill(form, h('h2', { id: 'editor-title' }, id ? `Edit ${fields.doc.name}` : 'Describe the robot'), notes, start.ends?.length ? tipChoice(start.ends, start.tip, start.again) : null,
     general(fields), joints(fields, draw), h('div', { class: 'row spread' }, h('h3', {}, 'Links, ', term('capsule', 'shapes'), ' and bounds'), h('button', { type: 'button', onclick: () => { suggestShape(fields.doc); draw(); fields.changed(); } }, 'Suggest a shape')), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), asJson(fields, draw), trouble,
-    h('div', { class: 'row field' }, h('label', { class: 'inline', for: 'robot-id' }, 'ID'), (name.disabled = Boolean(id), name), h('span', { class: 'help' }, 'In requests and addresses: letters, digits, - and _.')),
+    h('div', { class: 'row field' }, labelled('ID', 'robot-id', 'id'), (name.disabled = Boolean(id), name), h('span', { class: 'help' }, 'In requests and addresses: letters, digits, - and _.')),
     h('div', { class: 'actions' }, h('button', { class: 'primary' }, 'Save robot'), h('button', { type: 'button', onclick: cancel }, 'Cancel')));
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
@@ -39,7 +39,7 @@ export function editor({ id, start, saved, cancel }) {
       explain(trouble, error, form);
     }
   });
-  const say = (more) => fill(notes, [...new Set([...remarks, ...more])].map((n) => h('div', { class: 'notice' }, h('p', {}, sentence(n)))));
+  const say = (more) => fill(notes, [...new Set([...remarks, ...more])].map((n) => h('div', { class: 'notice' }, h('p', {}, said(sentence(n))))));
   let waiting = null;
   const soon = () => { clearTimeout(waiting); waiting = setTimeout(check, 350); };
   async function check() {
@@ -87,11 +87,13 @@ function general(fields) {
     const list = () => fields.doc.friction ?? ['viscous', 'coulomb'];
     return h('label', { class: 'inline' }, h('input', { type: 'checkbox', checked: list().includes(kind), onchange: (e) => { fields.doc.friction = e.target.checked ? [...list(), kind] : list().filter((f) => f !== kind); fields.changed(); } }), words);
   };
-  return h('div', {}, h('div', { class: 'halves' }, h('div', { class: 'field' }, h('label', { for: 'robot-name' }, 'Name'), fields.text(['name'], { id: 'robot-name' })), h('div', { class: 'field' }, h('label', { for: 'mounting' }, 'Mounting'), mounting)),
+  return h('div', {}, h('div', { class: 'halves' }, h('div', { class: 'field' }, h('label', { for: 'robot-name' }, 'Name'), fields.text(['name'], { id: 'robot-name' })), h('div', { class: 'field' }, labelled('Mounting', 'mounting', 'mounting'), mounting)),
     h('div', { class: 'field', role: 'group', 'aria-label': 'Gravity in the base frame' }, h('span', { class: 'label' }, 'Gravity in the base frame (m/s²)'), h('div', { class: 'three' }, inputs)),
-    h('div', { class: 'row field', 'data-pointer': '/robot/friction' }, h('span', { class: 'label' }, 'Friction of every joint'), friction('viscous', 'viscous'), friction('coulomb', 'Coulomb')));
+    h('div', { class: 'row field', 'data-pointer': '/robot/friction' }, h('span', { class: 'label' }, term('friction', 'Friction'), ' of every joint'), friction('viscous', 'viscous'), friction('coulomb', 'Coulomb')));
 }
 
+/** Heads that are terms. */
+const HEADS = { Kind: 'joint_kind' };
 const LIMITS = [['velocity', 'velocity', '/s'], ['acceleration', 'acceleration', '/s²'], ['jerk', 'jerk', '/s³']];
 
 function joints(fields, draw) {
@@ -117,7 +119,7 @@ function joints(fields, draw) {
     const turn = { angle: joint.kind !== 'prismatic' };
     return h('tr', {}, h('th', { scope: 'row' }, joint.name), [0, 1].map((end) => number(j, ['limits', 'position', end], ['lowest position', 'highest position'][end], { ...turn, pair: true })), LIMITS.map(([key, words]) => number(j, ['limits', key], words, turn)), number(j, ['limits', 'effort'], joint.kind === 'prismatic' ? 'force' : 'torque', {}));
   };
-  const table = (label, head, rows) => h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, head.map((t) => h('th', { scope: 'col' }, t === 'Remove' ? h('span', { class: 'unseen' }, t) : t)))), h('tbody', {}, rows)));
+  const table = (label, head, rows) => h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, head.map((t) => h('th', { scope: 'col' }, t === 'Remove' ? h('span', { class: 'unseen' }, t) : HEADS[t] ? term(HEADS[t], t) : t)))), h('tbody', {}, rows)));
   const add = () => {
     const number = all.length + 1;
     all.push({ name: `J${number}`, kind: 'revolute', ...(dh ? { mdh: { alpha: 0, d: 0, theta: 0, r: 0 } } : { placement: { xyz: [0, 0, 0.1] } }), limits: {} });

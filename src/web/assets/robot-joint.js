@@ -15,7 +15,7 @@ export function jointDetails(fields, j, draw) {
   const tags = [joint.prior ? 'prior' : null, joint.geometry?.length ? `${joint.geometry.length} capsule${joint.geometry.length > 1 ? 's' : ''}` : null, joint.bounds ? 'bounds' : null].filter(Boolean);
   return h('details', { id: `joint-${j}` }, h('summary', {}, joint.name, ' ', tags.map((t) => [h('span', { class: 'tag' }, t), ' '])),
     h('div', { class: 'halves' }, labelled('Name of the link that the joint moves', fields.text(at('link'), { label: `${joint.name}: link` })),
-      labelled('Long axis of the link', h('select', { 'aria-label': `${joint.name}: long axis`, 'data-pointer': `/robot/joints/${j}/slender_axis`, onchange: (e) => { if (e.target.value) joint.slender_axis = e.target.value; else delete joint.slender_axis; fields.changed(); } },
+      h('div', { class: 'stacked' }, h('span', { class: 'labelled' }, 'Long axis of the link', mark('long_axis', 'Long axis of a link')), h('select', { 'aria-label': `${joint.name}: long axis`, 'data-pointer': `/robot/joints/${j}/slender_axis`, onchange: (e) => { if (e.target.value) joint.slender_axis = e.target.value; else delete joint.slender_axis; fields.changed(); } },
         ['', 'x', 'y', 'z'].map((a) => h('option', { value: a, selected: (joint.slender_axis ?? '') === a }, a || 'none'))))),
     prior(fields, joint, { group, number, labelled, slides, draw }), capsules(fields, joint, j, { number, draw }), bounds(fields, joint, { group, number, labelled, slides, draw }));
 }

@@ -1,6 +1,6 @@
 // Where a robot comes from: a file, pasted text, or a table of Denavit-Hartenberg parameters.
 import { explain, postJson, send } from './api.js';
-import { fill, find, h } from './dom.js';
+import { fill, find, h, labelled, term } from './dom.js';
 import { CONVENTIONS, robotOf } from './robot-dh.js';
 
 const RADIANS = Math.PI / 180;
@@ -80,7 +80,7 @@ async function show(place, robot, remarks, take, tip) {
 
 export function tipChoice(ends, tip, choose) {
   const select = h('select', { id: 'source-tip', class: 'narrow', onchange: () => choose(select.value || undefined) }, h('option', { value: '' }, 'the longest chain'), ends.map((name) => h('option', { value: name, selected: name === tip }, name)));
-  return h('div', { class: 'field' }, h('label', { for: 'source-tip' }, 'Last link of the chain (tip)'), select, h('p', { class: 'help' }, 'The file branches. Choose where the arm ends: the flange, or the link that carries the tool.'));
+  return h('div', { class: 'field' }, labelled('Last link of the chain (tip)', 'source-tip', 'tip'), select, h('p', { class: 'help' }, 'The file branches. Choose where the arm ends: the flange, or the link that carries the tool.'));
 }
 
 /** Links of a URDF file, those at ends first. */
@@ -113,7 +113,7 @@ function dhPanel(place, take) {
     const cell = (row, j, [key, shown]) => h('td', {}, h('input', { class: 'cell-number', value: value(row, key), inputmode: 'decimal', 'aria-label': `${row.name} ${shown}`, 'data-row': j, 'data-key': key, oninput: (e) => { row[key] = e.target.value; } }));
     const line = (row, j) => h('tr', {}, h('td', {}, h('input', { class: 'cell-name', value: row.name, 'aria-label': `Name of joint ${j + 1}`, oninput: (e) => { row.name = e.target.value; } })),
       h('td', {}, h('select', { class: 'narrow', 'aria-label': `Kind of joint ${j + 1}`, onchange: (e) => { row.kind = e.target.value; } }, ['revolute', 'prismatic'].map((k) => h('option', { value: k, selected: row.kind === k }, k)))), columns.map((c) => cell(row, j, c)));
-    fill(grid, h('table', { class: 'few' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t)))), h('tbody', {}, rows.map(line))));
+    fill(grid, h('table', { class: 'few' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t === 'Kind' ? term('joint_kind', t) : t)))), h('tbody', {}, rows.map(line))));
   };
   [count, convention, degrees].forEach((e) => e.addEventListener('change', draw));
   draw();
@@ -133,7 +133,7 @@ function dhPanel(place, take) {
     await text(place, JSON.stringify(robotOf(name.value, numbers, convention.value)), take);
   };
   return h('div', {}, h('div', { class: 'halves' }, h('div', { class: 'field' }, h('label', { for: 'dh-name' }, 'Name'), name), h('div', { class: 'field' }, h('label', { for: 'dh-count' }, 'Joints'), count),
-    h('div', { class: 'field' }, h('label', { for: 'dh-convention' }, 'Convention'), convention), h('div', { class: 'field' }, h('label', { for: 'dh-unit' }, 'Angles in'), degrees)), help, grid,
+    h('div', { class: 'field' }, labelled('Convention', 'dh-convention', 'dh_convention'), convention), h('div', { class: 'field' }, h('label', { for: 'dh-unit' }, 'Angles in'), degrees)), help, grid,
   h('p', { class: 'help' }, 'θ (or, for a prismatic joint, d) is the offset that the joint’s own position is added to. Numbers may be written as 0.5, 1/2, pi/2 or -90.'), h('div', { class: 'actions' }, h('button', { type: 'button', class: 'primary', onclick: go }, 'Use this table')));
 }
 

@@ -3,7 +3,7 @@ import { ArmView, HOW_TO_TURN, poses } from './arm.js';
 import { download, explain, getJson, postJson, send, summaryOf } from './api.js';
 import { shapeOf } from './cell-view.js';
 import { meshesOf, meshPart } from './meshes.js';
-import { fill, find, h, measured, number, perSecond, sentence, table, term, time, unit, words } from './dom.js';
+import { fill, find, h, measured, number, perSecond, said, sentence, table, term, time, unit, words } from './dom.js';
 import { editor } from './robot-edit.js';
 import { sourceForm } from './robot-source.js';
 import { nameOf, typeset } from './expression.js';
@@ -42,7 +42,7 @@ async function show(robot) {
   const history = h('div', {}, h('p', { class: 'soft' }, 'Looking …'));
   const parts = [['kinematics', 'Kinematics'], ['limits', 'Limits'], ['base', 'Base parameters'], ['history', 'History']];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
-    drawn.notes.length ? h('div', { class: 'notice' }, drawn.notes.map((n) => h('p', {}, sentence(n)))) : null,
+    drawn.notes.length ? h('div', { class: 'notice' }, drawn.notes.map((n) => h('p', {}, said(sentence(n))))) : null,
     kinematics(robot, drawn), limits(drawn), section('base', [term('base_parameters', 'Base parameters')], base), section('history', 'Designs and identifications', history));
   getJson(`/robots/${encodeURIComponent(robot.id)}/base-parameters`).then((b) => fill(base, baseTable(b))).catch((e) => explain(base, e));
   showHistory(history, robot).catch((e) => explain(history, e));
@@ -100,10 +100,10 @@ function slider(joint, value, tell) {
 function limits(drawn) {
   const bound = (value, text) => (value === null ? '–' : `${number(value)} ${text}`);
   return section('limits', 'Joints and limits', table([
-    { head: 'Joint', cell: (j) => j.name, sort: (j) => j.name }, { head: 'Kind', cell: (j) => j.kind },
+    { head: 'Joint', cell: (j) => j.name, sort: (j) => j.name }, { head: 'Kind', term: 'joint_kind', cell: (j) => j.kind },
     { head: 'Position', number: true, cell: (j) => (j.position_limits ? `${number(j.position_limits[0])} … ${number(j.position_limits[1])} ${j.position_unit}` : '–') },
     { head: 'Velocity', number: true, cell: (j) => bound(j.velocity_limit, perSecond(j.position_unit, 1)), sort: (j) => j.velocity_limit }, { head: 'Acceleration', number: true, cell: (j) => bound(j.acceleration_limit, perSecond(j.position_unit, 2)), sort: (j) => j.acceleration_limit },
-    { head: 'Jerk', number: true, cell: (j) => bound(j.jerk_limit, perSecond(j.position_unit, 3)), sort: (j) => j.jerk_limit }, { head: 'Torque', number: true, cell: (j) => bound(j.effort_limit, unit(j.effort_unit)), sort: (j) => j.effort_limit },
+    { head: 'Jerk', term: 'jerk', number: true, cell: (j) => bound(j.jerk_limit, perSecond(j.position_unit, 3)), sort: (j) => j.jerk_limit }, { head: 'Torque', number: true, cell: (j) => bound(j.effort_limit, unit(j.effort_unit)), sort: (j) => j.effort_limit },
     { head: 'Prior mass (kg)', number: true, cell: (j) => (j.prior ? number(j.prior.mass) : '–'), sort: (j) => j.prior?.mass, term: 'prior' },
   ], drawn.joints, { caption: 'A dash: not limited, or not known' }));
 }
@@ -125,8 +125,8 @@ async function runs(robot, kind) {
 async function showHistory(place, robot) {
   const [designs, identified] = await Promise.all([runs(robot, 'excitation'), runs(robot, 'identification')]);
   fill(place, identified.length ? across(identified) : h('p', { class: 'soft' }, 'No identifications yet.'), designs.length ? table([
-    { head: 'Design', cell: (r) => h('a', { href: `/design?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Condition number', number: true, cell: (r) => number(r.result.condition_number), sort: (r) => r.result.condition_number },
-    { head: 'Period', number: true, cell: (r) => `${number(r.result.period_s)} s`, sort: (r) => r.result.period_s }, { head: 'Limits', cell: (r) => r.result.request.constraints?.form ?? 'paper' }, { head: 'Ended', cell: (r) => words(r.result.status) },
+    { head: 'Design', cell: (r) => h('a', { href: `/design?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Condition number', term: 'condition_number', number: true, cell: (r) => number(r.result.condition_number), sort: (r) => r.result.condition_number },
+    { head: 'Period', term: 'period', number: true, cell: (r) => `${number(r.result.period_s)} s`, sort: (r) => r.result.period_s }, { head: 'Limits', term: 'limits_form', cell: (r) => r.result.request.constraints?.form ?? 'paper' }, { head: 'Ended', term: 'search_end', cell: (r) => words(r.result.status) },
   ], designs, { caption: 'Designs' }) : null);
 }
 
@@ -144,8 +144,8 @@ function across(identified) {
   name.addEventListener('change', () => plot(chart, make));
   plotLater(chart, make);
   return h('div', {}, h('h3', {}, 'A parameter across identifications'), h('label', { class: 'inline' }, 'Parameter', name), chart, table([
-    { head: 'Identification', cell: (r) => h('a', { href: `/identification?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Data', cell: (r) => words(r.result.quality.verdict), sort: (r) => r.result.quality.verdict },
-    { head: 'Logs', cell: (r) => r.result.log_report.map((l) => l.file).join(', ') }, { head: 'Residual', cell: (r) => (r.result.residual ? h('a', { href: `/loop?id=${r.job.id}` }, words(r.result.residual.verdict)) : '–') },
+    { head: 'Identification', cell: (r) => h('a', { href: `/identification?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Data', term: 'quality', cell: (r) => words(r.result.quality.verdict), sort: (r) => r.result.quality.verdict },
+    { head: 'Logs', cell: (r) => r.result.log_report.map((l) => l.file).join(', ') }, { head: 'Residual', term: 'verdict', cell: (r) => (r.result.residual ? h('a', { href: `/loop?id=${r.job.id}` }, words(r.result.residual.verdict)) : '–') },
   ], identified, { caption: 'Identifications' }));
 }
 

@@ -42,10 +42,10 @@ function show() {
     return;
   }
   fill(find('#list'), table([
-    { head: 'Select', hidden: true, cell: select }, { head: 'Name', cell: named, sort: (j) => j.name ?? '' }, { head: 'Kind', cell: (j) => NAMES[j.kind] ?? j.kind, sort: (j) => j.kind }, { head: 'Robot', cell: (j) => (robots.has(j.robot) ? h('a', { href: `/robot?robot=${encodeURIComponent(j.robot)}` }, j.robot) : j.robot ?? '–'), sort: (j) => j.robot ?? '' },
+    { head: 'Select', hidden: true, cell: select }, { head: 'Name', term: 'run', cell: named, sort: (j) => j.name ?? '' }, { head: 'Kind', term: 'run_kind', cell: (j) => NAMES[j.kind] ?? j.kind, sort: (j) => j.kind }, { head: 'Robot', cell: (j) => (robots.has(j.robot) ? h('a', { href: `/robot?robot=${encodeURIComponent(j.robot)}` }, j.robot) : j.robot ?? '–'), sort: (j) => j.robot ?? '' },
     { head: 'Logs', cell: (j) => h('div', { class: 'logs' }, j.logs?.length ? j.logs.join(', ') : '–'), sort: (j) => j.logs?.[0] ?? '' },
-    { head: 'State', cell: state, sort: (j) => j.state }, { head: 'Started', cell: (j) => h('span', { class: 'nowrap' }, time(j.started_at ?? j.created_at)), sort: (j) => j.started_at ?? j.created_at }, { head: 'Duration', number: true, cell: (j) => (lasted(j) === null ? '–' : seconds(lasted(j))), sort: lasted },
-    { head: 'Owner', cell: (j) => j.owner ?? '–', sort: (j) => j.owner ?? '' }, { head: 'Actions', hidden: true, cell: actions },
+    { head: 'State', term: 'run_state', cell: state, sort: (j) => j.state }, { head: 'Started', cell: (j) => h('span', { class: 'nowrap' }, time(j.started_at ?? j.created_at)), sort: (j) => j.started_at ?? j.created_at }, { head: 'Duration', term: 'run_duration', number: true, cell: (j) => (lasted(j) === null ? '–' : seconds(lasted(j))), sort: lasted },
+    { head: 'Owner', term: 'run_owner', cell: (j) => j.owner ?? '–', sort: (j) => j.owner ?? '' }, { head: 'Actions', hidden: true, cell: actions },
   ], jobs, { caption: `${jobs.length} run${jobs.length > 1 ? 's' : ''}${next ? ', and older ones' : ''}` }));
 }
 

@@ -1,5 +1,5 @@
 // Measured and predicted torque on top of each other, the residual below, one joint at a time.
-import { fill, h, number, sinceStart } from './dom.js';
+import { fill, h, mark, number, sinceStart } from './dom.js';
 import { colour, plotLong, variable } from './plot.js';
 
 export const MODELS = { base: 'identified model (base parameters)', physical: 'identified model (physical parameters)', declared: 'declared model, without the effects' };
@@ -43,7 +43,7 @@ export function torquePlots(result, effort, { models: called = MODELS, first = 0
   };
   const holder = h('div');
   [log, joint, model].forEach((c) => c.addEventListener('change', draw));
-  card.append(h('div', { class: 'row' }, h('label', { class: 'inline' }, 'Log', log), h('label', { class: 'inline' }, 'Joint', joint), h('label', { class: 'inline' }, 'Predicted by', model)), holder, text);
+  card.append(h('div', { class: 'row' }, h('label', { class: 'inline' }, 'Log', log), h('label', { class: 'inline' }, 'Joint', joint), h('label', { class: 'inline' }, 'Predicted by', model), mark('model_kind', 'Model that predicts')), holder, text);
   queueMicrotask(draw);
   return card;
 }

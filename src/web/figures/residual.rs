@@ -48,11 +48,12 @@ fn panel(residual: &ResidualDocument, name: &str, [before, after]: [&Vec<Option<
 /// Points of a cloud: more than this is ink on ink.
 const CLOUD: usize = 1500;
 
-/// What the declared model leaves on a finding's joint and what the model with the effects found leaves, against the variable that the finding is a
-/// function of (its `against`). `None` where the document has no series to draw.
+/// The residual of the declared model on a finding's joint, with what the effects add to its prediction, and that of the model with the effects found,
+/// against the variable that the finding is a function of (its `against`). `None` where the document has no series to draw.
 pub fn finding_figure(document: &IdentifyDocument, finding: &EffectFinding) -> Option<Figure> {
-    let (name, variable) = (finding.against.joint.as_ref()?, finding.against.variable.as_str());
+    let name = finding.against.joint.as_ref()?;
     let at = document.joints.iter().position(|j| j == name)?;
+    let variable = variable_of(finding, at);
     let own = document
         .predictions
         .iter()
@@ -78,23 +79,41 @@ pub fn finding_figure(document: &IdentifyDocument, finding: &EffectFinding) -> O
         "tau" => format!("tau {name} ({})", unit(effort)),
         _ => "time (s)".into(),
     };
-    let panel = |label: &str, predicted: &[f64], colour: usize| Panel {
-        y: format!("residual of {name} ({})", unit(effort)),
-        series: vec![Series {
-            name: label.into(),
-            mark: Mark::Point,
-            colour,
-            points: left(predicted),
-        }],
+    let declared = own.declared.as_deref().unwrap_or_default();
+    let points = |name: &str, colour: usize, points| Series {
+        name: name.into(),
+        mark: Mark::Point,
+        colour,
+        points,
     };
+    let panel = |series: Vec<Series>| Panel {
+        y: format!("residual of {name} ({})", unit(effort)),
+        series,
+    };
+    let added = own.base.iter().zip(declared).map(|(with, without)| with - without);
+    let added = across.iter().copied().zip(added).step_by(step).collect();
     Some(Figure {
         title: String::new(),
         x,
         places: Vec::new(),
         panels: vec![
-            panel("declared model", own.declared.as_deref().unwrap_or_default(), 1),
-            panel("with the effects found", &own.base, 0),
+            panel(vec![
+                points("declared model", 1, left(declared)),
+                points("what the effects add", 6, added),
+            ]),
+            panel(vec![points("with the effects found", 0, left(&own.base))]),
         ],
         size: (900, 400),
     })
+}
+
+/// What of joint `at` a finding is drawn over: `q`, `qd`, `qdd`, `tau` or `time`; a law's own variable of this joint.
+fn variable_of(finding: &EffectFinding, at: usize) -> &str {
+    let variables = finding.law.iter().flat_map(|law| &law.variables);
+    let own = |name: &String| {
+        let number = name.trim_start_matches(|c: char| c.is_ascii_alphabetic()).parse::<usize>();
+        let kind = ["qdd", "qd", "q"].into_iter().find(|kind| name.starts_with(kind));
+        kind.filter(|_| number == Ok(at + 1))
+    };
+    variables.filter_map(own).next().unwrap_or(&finding.against.variable)
 }

@@ -107,6 +107,26 @@ mod tests {
         }
     }
 
+    /// The parameters of effects are no base parameters, and pure numbers have no unit.
+    #[test]
+    fn parameters_are_counted_by_kind() {
+        let mut result = result();
+        (result.quality.rank, result.quality.columns) = (3, 4);
+        let effect = json!([{"effect": "torque_gain", "joints": ["J1"], "in_model": true, "finding": true,
+            "parameters": [{"name": "gain", "value": 1.5, "unit": "1", "std_dev": 0.25}]}]);
+        result.effects = serde_json::from_value(effect).unwrap();
+        let page = report(&result, &Circumstances::default());
+        assert!(
+            page.contains("Base parameters determined</td><td class=\"n\">1 of 2"),
+            "{page}"
+        );
+        assert!(
+            page.contains("effects and offsets determined</td><td class=\"n\">2 of 2"),
+            "{page}"
+        );
+        assert!(page.contains("0.2500</td><td></td><td>yes</td>"), "{page}");
+    }
+
     #[test]
     fn a_result_with_little_in_it_has_a_report() {
         let result = serde_json::from_value(json!({"robot": "r"})).unwrap();

@@ -37,20 +37,40 @@ pub(super) fn summary(page: &mut Html, result: &IdentifyDocument) {
         ),
     );
     let row = |name: &str, value: String| vec![name.to_string(), value];
-    let rows = [
-        row(
-            "Base parameters determined",
-            format!("{} of {}", text(&q.rank), text(&q.columns)),
-        ),
+    let [base, further] = determined(result);
+    let mut rows = vec![row("Base parameters determined", base)];
+    rows.extend(
+        Some(further)
+            .filter(|f| !f.is_empty())
+            .map(|f| row("Parameters of effects and offsets determined", f)),
+    );
+    rows.extend([
         row("Condition number, columns scaled", text(&q.condition_number)),
         row("Estimator", text(&result.estimator)),
         row(
             "Physical fit: residual of the physical over that of the base parameters",
             text(&result.feasibility.as_ref().map(|f| f.rms_ratio)),
         ),
-    ];
+    ]);
     page.table("Key figures", &["Quantity", "#Value"], rows.into_iter());
     result.notes.iter().for_each(|note| page.paragraph("soft", note));
+}
+
+/// How many base parameters the logs determine, and how many parameters beside them, where the fit has some.
+fn determined(result: &IdentifyDocument) -> [String; 2] {
+    let base = &result.base_parameters;
+    let known = base.iter().filter(|p| p.value.is_some()).count();
+    let (rank, columns) = (result.quality.rank, result.quality.columns);
+    let further = columns.saturating_sub(base.len());
+    let of = |known: usize, all: usize| format!("{known} of {all}");
+    [
+        of(known, base.len()),
+        if further > 0 {
+            of(rank.saturating_sub(known), further)
+        } else {
+            String::new()
+        },
+    ]
 }
 
 /// What the diagnosis came to, faults of the data, and every finding in its sentence.
