@@ -1,5 +1,6 @@
 """From an empty server to a closed loop with one click, and the tour from there to one's own robot."""
 
+import re
 import time
 
 from browser import arguments, browser_page, check, check_accessible, picture, settle
@@ -58,6 +59,9 @@ def main():
         taken = time.monotonic() - begun
         assert taken < LONGEST_S, taken
         assert "A4" in page.locator(".finding[data-effect=joint_spring]").first.inner_text()
+        # The error on the second log is that of the noise.
+        after, noise = map(float, re.search(r"→ ([\d.]+) N·m \(noise alone ([\d.]+)\)", page.locator(".finding .sentence").first.inner_text()).groups())
+        assert 0.8 < after / noise < 1.2, (after, noise)
         settle(page)
         check(page, "tour")
         picture(page, options, "tour")

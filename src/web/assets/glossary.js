@@ -37,8 +37,12 @@ export async function mention(place) {
     const key = keys.get(found[0].toLowerCase());
     if (seen.has(key)) continue;
     seen.add(key);
-    parts.push(text.slice(from, found.index), term(key, found[0]));
-    from = found.index + found[0].length;
+    // Brackets and stops stay on the line of the term.
+    const [open] = /\S*$/.exec(text.slice(from, found.index));
+    const end = found.index + found[0].length;
+    const [close] = /^[^\s\w]*/.exec(text.slice(end));
+    parts.push(text.slice(from, found.index - open.length), h('span', open || close ? { class: 'nowrap' } : {}, open, term(key, found[0]), close));
+    from = end + close.length;
   }
   if (parts.length) place.replaceChildren(...parts, text.slice(from));
 }

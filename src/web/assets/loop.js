@@ -175,8 +175,8 @@ async function begin() {
     fill(find('#result'), section('none', 'Nothing yet', h('p', {}, 'There is no identification. '), h('a', { class: 'button primary', href: '/identification' }, 'Identify from a log')));
     return;
   }
+  plotly();
   await show(chosen);
 }
 
-plotly();
 begin().catch((e) => explain(find('#trouble'), e));

@@ -25,7 +25,8 @@ export function player({ joints, gravity, motion }, space, { shape = [], clearan
   let begun = null;
   const step = (now) => {
     if (begun === null || !canvas.isConnected) return;
-    const at = ((now - begun) / 1000) % motion.time[last];
+    // The time of a frame may be before that of the click that began it.
+    const at = (Math.max(now - begun, 0) / 1000) % motion.time[last];
     show(Math.round((at / motion.time[last]) * last));
     requestAnimationFrame(step);
   };
