@@ -42,7 +42,7 @@ def browser_page(options):
         if options.assets:
             context.route(f"{options.server}/**", lambda route: from_disk(route, options))
         page = context.new_page()
-        page.set_default_timeout(60_000)
+        page.set_default_timeout(120_000)
         page.trouble = []
         page.folder = Path(folder)
         page.on("pageerror", lambda e: page.trouble.append(f"script: {e}"))
