@@ -165,6 +165,10 @@ fn prop_base_parameters_beside_all_effects_of_all_sizes_are_calibrated() {
                 let phi = mean_over_log(&robot, &hidden, bodies(&robot, seed));
                 let (sum, n) = standardised(&outcome, &phi);
                 let found = outcome.report.findings.iter().any(|f| f.effect == code);
+                if !found {
+                    let findings: Vec<_> = outcome.report.findings.iter().map(|f| (f.effect.clone(), f.joints.clone(), f.in_model, f.parameters.iter().map(|p| p.value).collect::<Vec<_>>())).collect();
+                    println!("not named, seed {seed}: {hidden:?}; {:?}: {findings:?}", outcome.report.verdict);
+                }
                 // A gain that nothing shows stays in the friction of its joint: it is that of the reading.
                 if found || code != "torque_gain" {
                     errors.push((sum / n as f64).sqrt());

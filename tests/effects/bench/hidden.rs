@@ -39,8 +39,12 @@ impl Hidden {
     /// Any joint on which the effect can be seen, any sign, any shape.
     pub fn random(code: &'static str, robot: &Robot, rng: &mut impl Rng) -> Self {
         let joints = robot.joint_count();
-        // Gravity does not see where the first joint's encoder begins, and its base inertia holds its rotor's.
-        let first = usize::from(["encoder_offset", "rotor_inertia"].contains(&code));
+        // Gravity does not see where the first joint's encoder begins. The base inertias of the first two joints hold their rotors'.
+        let first = match code {
+            "encoder_offset" => 1,
+            "rotor_inertia" => 2,
+            _ => 0,
+        };
         let joint = rng.random_range(first..joints);
         let apart = rng.random_range(1..joints);
         let other = match code {
