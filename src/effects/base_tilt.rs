@@ -62,6 +62,10 @@ impl Effect for BaseTilt {
         world.gravity = tilted(scene.robot.gravity(), theta);
     }
 
+    fn keeps_motion(&self) -> bool {
+        true
+    }
+
     fn turns_gravity(&self) -> bool {
         true
     }

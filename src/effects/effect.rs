@@ -229,6 +229,11 @@ pub trait Effect: Sync + Send {
         false
     }
 
+    /// Whether a distortion leaves the motion as it is: it turns gravity or scales torques.
+    fn keeps_motion(&self) -> bool {
+        false
+    }
+
     /// Whether gravity has another direction in the world that a distortion makes: base parameters that gravity along an axis hides can then be seen.
     fn turns_gravity(&self) -> bool {
         false

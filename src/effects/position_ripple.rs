@@ -1,6 +1,6 @@
 //! Torque that repeats with the position: gear teeth, magnets, sensors.
 
-use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint};
+use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span};
 use crate::model::Robot;
 
 /// `tau_j += A sin(N q) + B cos(N q)`, N in cycles per 2π rad (per 2π m for a sliding joint), not only integers.
@@ -48,11 +48,9 @@ impl Effect for PositionRipple {
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
-        let cycles = shape[0];
-        vec![
-            own_joint(scene, joints[0], |[q, _, _]| (cycles * q).sin()),
-            own_joint(scene, joints[0], |[q, _, _]| (cycles * q).cos()),
-        ]
+        let angle = |s: usize| shape[0] * scene.motion.get(joints[0], s)[0];
+        let (sine, cosine) = (0..scene.samples()).map(|s| angle(s).sin_cos()).unzip();
+        vec![Column::on(joints[0], sine), Column::on(joints[0], cosine)]
     }
 
     /// Of phase zero.

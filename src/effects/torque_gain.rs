@@ -42,6 +42,10 @@ impl Effect for TorqueGain {
         world.gain[joints[0]] *= 1.0 + theta[0];
     }
 
+    fn keeps_motion(&self) -> bool {
+        true
+    }
+
     fn steps(&self) -> &'static [f64] {
         &[1e-4]
     }

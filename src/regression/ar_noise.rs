@@ -90,10 +90,15 @@ impl NoiseModel {
         Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom))
     }
 
-    /// Levinson's recursion, the order chosen by the Bayesian information criterion.
+    /// Levinson's recursion, the order chosen by the Bayesian information criterion, with a little white noise added (white-noise correction; Kay, Modern
+    /// Spectral Estimation, 1988). Where a log was filtered before it was recorded its noise has next to no power, and no model of a few terms says how little:
+    /// differences there would be magnified by orders of magnitude and taken for effects.
     fn from_covariance(source: NoiseSource, covariance: &[f64], freedom: f64) -> Self {
         let variance = covariance[0].max(f64::MIN_POSITIVE.sqrt());
-        let r: Vec<f64> = covariance.iter().map(|c| c / covariance[0].max(f64::MIN_POSITIVE)).collect();
+        let floored = covariance[0].max(f64::MIN_POSITIVE) * (1.0 + SETTINGS.whitening_floor);
+        let r: Vec<f64> = std::iter::once(1.0)
+            .chain(covariance[1..].iter().map(|c| c / floored))
+            .collect();
         let mut best = (0.0, Vec::new(), 1.0);
         let (mut a, mut error): (Vec<f64>, f64) = (Vec::new(), 1.0);
         for order in 1..r.len() {
@@ -111,7 +116,13 @@ impl NoiseModel {
             }
         }
         let (_, autoregression, share) = best;
-        let innovation = (variance * share).sqrt();
+        // Without terms nothing was added.
+        let added = if autoregression.is_empty() {
+            0.0
+        } else {
+            SETTINGS.whitening_floor
+        };
+        let innovation = (variance * (1.0 + added) * share).sqrt();
         Self {
             source,
             std_dev: variance.sqrt(),

@@ -9,7 +9,7 @@ use crate::parameters::{Layout, ParameterKind};
 use crate::regression::settings::SETTINGS;
 
 /// Torques along a motion, n × N.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Torques {
     pub rigid: Vec<Vec<f64>>,
     pub declared: Vec<Vec<f64>>,

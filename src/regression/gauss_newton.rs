@@ -4,11 +4,11 @@ use super::ar_noise::{NoiseModel, NoiseSource};
 use super::model::AugmentedModel;
 use super::normal_equations::{Block, Data, System};
 use crate::regression::settings::SETTINGS;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 impl Data<'_> {
-    /// Gauss-Newton from `model` until a step takes less than `settled_to_report` (or `settled_to_compare`) off the sum of squares. A step that makes the fit
-    /// worse is halved.
+    /// Gauss-Newton from `model` until a step takes less than `settled_to_report` (or `settled_to_compare`) off the sum of squares, or makes the fit worse
+    /// however short it is.
     pub fn fit(&self, model: AugmentedModel) -> System {
         let mut here = self.linearise(model);
         let mut cost = self.cost(&here);
@@ -16,26 +16,32 @@ impl Data<'_> {
         for _ in 0..SETTINGS.gauss_newton_steps {
             let step = &here.covariance * &here.gradient;
             let decrease = here.gradient.dot(&step);
-            let mut factor = 1.0;
-            let (there, lower) = loop {
-                let there = self.linearise(here.model.moved(&(&step * factor)));
-                let lower = self.cost(&there);
-                // Rows at reversals come and go with a distortion; their share of the sum is not a worse fit.
-                if lower <= cost * (1.0 + 1e-9) || factor < 0.1 || here.model.terms.is_empty() {
-                    break (there, lower);
-                }
-                factor *= 0.5;
-            };
-            let settled = decrease < self.settled || (cost - lower).abs() < (1e-7 * cost).max(self.settled / rows);
-            if lower > cost * 1.001 && !here.model.terms.is_empty() {
+            let linear = here.model.terms.is_empty();
+            if decrease < self.settled && !linear {
                 break;
             }
+            let Some((there, lower)) = self.shortened(&here, &step, cost) else {
+                break;
+            };
+            let settled = decrease < self.settled || (cost - lower).abs() < (1e-7 * cost).max(self.settled / rows);
             (here, cost) = (there, lower);
-            if settled || here.model.terms.is_empty() && decrease < 1.0 {
+            if settled || linear && decrease < 1.0 {
                 break;
             }
         }
         here
+    }
+
+    /// The fit after `step`, or after the largest of its halves that does not make it worse, and its cost. `None` where a sixteenth does: the derivatives of a
+    /// distortion are differences over steps in which friction reverses, and near the least cost they point elsewhere. A linear model takes every step.
+    fn shortened(&self, here: &System, step: &DVector<f64>, cost: f64) -> Option<(System, f64)> {
+        let linear = here.model.terms.is_empty();
+        (0..SETTINGS.step_halvings + 1).find_map(|k| {
+            let there = self.linearise(here.model.moved(&(step * 0.5f64.powi(k))));
+            let lower = self.cost(&there);
+            // Rows at reversals come and go with a distortion; their share of the sum is not a worse fit.
+            (linear || lower <= cost * (1.0 + 1e-9)).then_some((there, lower))
+        })
     }
 
     /// What a fit knows of its parameters, as an inverse covariance: the normal matrix with the prior's part, the rows of a joint that keeps more

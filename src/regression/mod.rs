@@ -41,6 +41,7 @@ pub(crate) use block_jackknife::{TimeBlock, jackknife_sum, left_out, time_blocks
 pub(crate) use column_cache::{ColumnKey, Shaped};
 pub(crate) use dataset::spans;
 pub use dataset::{Stretch, Unfiltered};
+pub(crate) use declared_torque::Torques;
 pub use errors::PredictionErrors;
 pub(crate) use errors::{raw_residual, squares};
 pub(crate) use estimate::estimated;

@@ -3,6 +3,7 @@
 use super::ar_noise::{NoiseModel, NoiseSource};
 use super::column_cache::ColumnStore;
 use super::dataset::Stretch;
+use super::declared_torque::Torques;
 use super::jacobian::{Evaluated, ShapedRows};
 use super::model::{AugmentedModel, Term};
 use super::product::transposed_product;
@@ -74,6 +75,8 @@ pub(crate) struct System {
     pub noise_is_measured: bool,
     /// Motion and torques thinned out, per stretch: enough to find what is worth fitting.
     pub(crate) coarse: OnceLock<Vec<Thinned>>,
+    /// Torques along the undistorted motion of the coarse forms, per stretch.
+    pub(crate) undistorted: OnceLock<Vec<Torques>>,
 }
 
 impl<'a> Data<'a> {
@@ -205,6 +208,7 @@ impl<'a> Data<'a> {
             gradient,
             noise_is_measured,
             coarse: OnceLock::new(),
+            undistorted: OnceLock::new(),
         }
     }
 
@@ -362,6 +366,7 @@ impl System {
             gradient: DVector::zeros(size),
             noise_is_measured: self.noise_is_measured,
             coarse: OnceLock::new(),
+            undistorted: OnceLock::new(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What a further block of columns would gain beside a model: its own columns are projected out.
 
 use super::dataset::Stretch;
+use super::declared_torque::Torques;
 use super::jacobian::Evaluated;
 use super::normal_equations::{Data, System, Thinned};
 use super::product::transposed_product;
@@ -52,6 +53,12 @@ impl System {
             };
             data.stretches.iter().zip(&self.evaluated).map(thin).collect()
         })
+    }
+
+    /// Torques of the declared model along the coarse forms of the stretches, as they were measured: what distortions are compared with.
+    pub(crate) fn undistorted(&self, data: &Data) -> &[Torques] {
+        let of = |s: &Stretch| self.model.torques(&s.coarse_form().motion, &self.model.robot, None);
+        self.undistorted.get_or_init(|| data.stretches.iter().map(of).collect())
     }
 
     /// Whitens columns over the motion of `stretches` (not shaped yet), one list per stretch.

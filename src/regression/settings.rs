@@ -5,6 +5,9 @@
 pub struct Settings {
     /// Sensor and filter dynamics of a few poles; more is decided against by the criterion anyway.
     pub noise_terms: usize,
+    /// Least density of noise, as a share of its mean over all frequencies. Sensors and filters leave 20 dB between passband and stopband (noise that keeps 0.7 of
+    /// itself from sample to sample: 15 dB); what twelve terms say of 30 dB and more is chance.
+    pub whitening_floor: f64,
     /// Samples of a motion that the effect of its errors is evaluated at: the mean square over 64 is good to a quarter, and a period's
     /// motion has hardly more independent ones.
     pub motion_error_samples: usize,
@@ -46,6 +49,8 @@ pub struct Settings {
     pub settled_to_compare: f64,
     /// Reweighted linear columns settle in 3 to 5 steps, distortions of any sensible size in fewer than 10.
     pub gauss_newton_steps: usize,
+    /// Halvings of a step that makes the fit worse. What a sixteenth of it does not mend is the direction.
+    pub step_halvings: i32,
     /// Runs per stretch when the persistence of a residual is measured: a fiftieth of a motion is short beside its course.
     pub persistence_runs: usize,
     /// Stretches of time that scores are summed over. Each has to be longer than the residual's memory (a tenth to half a second of logs of some
@@ -80,6 +85,7 @@ pub struct Settings {
 /// What every fit uses.
 pub const SETTINGS: Settings = Settings {
     noise_terms: 12,
+    whitening_floor: 1e-3,
     motion_error_samples: 64,
     negligible_variance: 1e-3,
     jackknife_blocks: 16,
@@ -97,6 +103,7 @@ pub const SETTINGS: Settings = Settings {
     settled_to_report: 1e-4,
     settled_to_compare: 1e-2,
     gauss_newton_steps: 15,
+    step_halvings: 4,
     persistence_runs: 50,
     score_blocks: 40,
     huber_knee: 1.345,
