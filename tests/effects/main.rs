@@ -11,6 +11,7 @@ mod laws;
 mod measured;
 mod mountings;
 mod one_model;
+mod recorded_filter;
 mod rivals;
 mod unsteady;
 mod without_periods;

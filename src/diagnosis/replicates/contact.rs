@@ -1,14 +1,15 @@
-//! Something that touched the arm: an interval of time in which all joints together deviate from the median period.
+//! Something that touched the arm: an interval of time in which all joints together deviate from the other periods.
 
-use super::period_finding::{BetweenFinding, Explained, median_period, start_rows};
+use super::period_finding::{BetweenFinding, Explained, Seams, beside_others, others, start_rows};
 use crate::diagnosis::report::ReportedParameter;
 use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::by_code;
 use crate::model::Robot;
 use crate::regression::{NoiseModel, Stretch};
+use std::ops::Range;
 
-/// Running sums over all periods one after the other, per joint: of whitened deviations from the median period times the whitened unit level, and of the square of
+/// Running sums over all periods one after the other, per joint: of whitened deviations from the mean of the other periods times the whitened unit level, and of the square of
 /// that.
 struct Sums {
     deviations: Vec<Vec<f64>>,
@@ -17,7 +18,7 @@ struct Sums {
 
 impl Sums {
     /// Over the rows in `keep`, per joint.
-    fn over(stretch: &Stretch, noise: &[NoiseModel], keep: impl Fn(usize) -> Vec<bool>) -> Self {
+    fn over(stretch: &Stretch, noise: &[NoiseModel], seams: &Seams, keep: impl Fn(usize) -> Vec<bool>) -> Self {
         let (rows, n) = (stretch.rows(), stretch.joints());
         let length = stretch.periods.len() * rows;
         let mut sums = Self {
@@ -25,12 +26,10 @@ impl Sums {
             levels: vec![vec![0.0; length + 1]; n],
         };
         for j in 0..n {
-            let keep = noise[j].whitened_rows(&keep(j), stretch.periodic);
+            let keep = seams.whitened_rows(&noise[j], keep(j));
             let unit = noise[j].whiten(&vec![1.0; rows], &keep, 1);
-            let median = median_period(stretch, j);
-            for (p, period) in stretch.periods.iter().enumerate() {
-                let deviation: Vec<f64> = period[j].iter().zip(&median).map(|(t, m)| t - m).collect();
-                let white = noise[j].whiten(&deviation, &keep, 1);
+            for p in 0..stretch.periods.len() {
+                let white = noise[j].whiten(&beside_others(stretch, p, j), &keep, 1);
                 for s in 0..rows {
                     let at = p * rows + s;
                     sums.deviations[j][at + 1] = sums.deviations[j][at] + unit[s] * white[s];
@@ -65,15 +64,15 @@ impl Sums {
     }
 }
 
-/// The interval of time in which the deviations of all joints from the median period are least like noise.
+/// The interval of time in which the deviations of all joints from the other periods are least like noise.
 ///
 /// It is found on rows that move, since the torque that friction locks in at rest differs from one period to the next; where it begins or ends at rest is seen on
 /// the rows at rest.
-pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
+pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], seams: &Seams) -> Option<Explained> {
     let (count, rows, n) = (stretch.periods.len(), stretch.rows(), stretch.joints());
     let length = count * rows;
     // At a reversal a jump of friction that comes a sample later in one period is no touch.
-    let moving = Sums::over(stretch, noise, |j| stretch.kept(&stretch.motion, j));
+    let moving = Sums::over(stretch, noise, seams, |j| stretch.kept(&stretch.motion, j));
     let (mut best, mut windows) = ((0.0, 0, 0), 0.0);
     let shortest = shortest(stretch);
     let mut width = shortest;
@@ -88,10 +87,10 @@ pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel
         width = width * 3 / 2;
     }
     let (gain, from, to) = sharpened(best, length, shortest, &|from, to| moving.statistic(from, to));
-    // The median over P periods has π/2 of the variance of their mean.
-    let fair = gain / (1.0 + 0.5 * std::f64::consts::PI / count as f64);
+    // The mean over the P - 1 others has its noise too.
+    let fair = gain / (1.0 + 1.0 / (count - 1) as f64);
     let p_value = chance(fair, n) * windows;
-    let all = Sums::over(stretch, noise, |j| stretch.kept_or_resting(&stretch.motion, j));
+    let all = Sums::over(stretch, noise, seams, |j| stretch.kept_or_resting(&stretch.motion, j));
     let (_, from, to) = sharpened((all.statistic(from, to), from, to), length, shortest, &|from, to| {
         all.statistic(from, to)
     });
@@ -108,40 +107,33 @@ pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel
     let joints: Vec<usize> = (0..n).filter(feels).collect();
     let reported_level = |j: usize| level_beside(stretch, &noise[j], j, [from, to]);
     let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &reported_level);
-    Some((finding, without_interval(stretch, from, to)))
+    let filled = filled(stretch, [from, to]);
+    let periods = without_rows(stretch, &filled);
+    Some((
+        BetweenFinding {
+            filled: Some(filled),
+            ..finding
+        },
+        periods,
+    ))
 }
 
-/// Level of one joint in an interval beside the mean of the periods that were not touched then, with its standard deviation. The median that the interval
-/// was found by has the touched period among it, and leans towards it.
+/// Level of one joint in an interval beside the mean of the periods that were not touched then, with its standard deviation.
 fn level_beside(stretch: &Stretch, noise: &NoiseModel, joint: usize, [from, to]: [usize; 2]) -> (f64, f64) {
     let rows = stretch.rows();
-    let keep = noise.whitened_rows(&stretch.kept_or_resting(&stretch.motion, joint), stretch.periodic);
+    let keep = noise.whitened_rows(&stretch.kept_or_resting(&stretch.motion, joint), false);
     let unit = noise.whiten(&vec![1.0; rows], &keep, 1);
     let (mut sum, mut level, mut fewest) = (0.0, f64::MIN_POSITIVE, stretch.periods.len());
     for p in from / rows..=(to - 1) / rows {
         let inside = from.saturating_sub(p * rows)..(to - p * rows).min(rows);
-        let deviation: Vec<f64> = (0..rows)
-            .map(|s| {
-                let (others, count) = others(stretch, p, joint, s);
-                fewest = fewest.min(count);
-                stretch.periods[p][joint][s] - others
-            })
-            .collect();
-        let white = noise.whiten(&deviation, &keep, 1);
+        fewest = (0..rows).map(|s| others(stretch, p, joint, s).1).fold(fewest, usize::min);
+        let white = noise.whiten(&beside_others(stretch, p, joint), &keep, 1);
         for s in inside {
             sum += unit[s] * white[s];
             level += unit[s] * unit[s];
         }
     }
     (sum / level, ((1.0 + 1.0 / fewest as f64) / level).sqrt())
-}
-
-/// Mean of the other periods in a row, and of how many. The start of the first one is none of them: it has been filled.
-fn others(stretch: &Stretch, period: usize, joint: usize, row: usize) -> (f64, usize) {
-    let start = row < start_rows(stretch);
-    let measured = (0..stretch.periods.len()).filter(|&o| o != period && !(o == 0 && start));
-    let (sum, count) = measured.fold((0.0, 0), |(sum, count), o| (sum + stretch.periods[o][joint][row], count + 1));
-    (sum / count as f64, count)
 }
 
 /// The same in rows.
@@ -204,17 +196,22 @@ fn contact_finding(
         gain,
         p_value,
         first_row: Some(from),
+        filled: None,
         rms: None,
     }
 }
 
-/// The periods with the interval filled by the mean of the other periods, with a margin of a tenth for edges that are not sharp.
-fn without_interval(stretch: &Stretch, from: usize, to: usize) -> Vec<Vec<Vec<f64>>> {
-    let (count, rows) = (stretch.periods.len(), stretch.rows());
+/// The rows of an interval with a margin of a tenth, for edges that are not sharp.
+fn filled(stretch: &Stretch, [from, to]: [usize; 2]) -> Range<usize> {
     let margin = (to - from) / 10 + 2;
+    from.saturating_sub(margin)..(to + margin).min(stretch.periods.len() * stretch.rows())
+}
+
+/// The periods with these rows filled by the mean of the other periods.
+fn without_rows(stretch: &Stretch, filled: &Range<usize>) -> Vec<Vec<Vec<f64>>> {
     let mut periods = stretch.periods.clone();
-    for at in from.saturating_sub(margin)..(to + margin).min(count * rows) {
-        let (p, s) = (at / rows, at % rows);
+    for at in filled.clone() {
+        let (p, s) = (at / stretch.rows(), at % stretch.rows());
         for j in 0..stretch.joints() {
             periods[p][j][s] = others(stretch, p, j, s).0;
         }

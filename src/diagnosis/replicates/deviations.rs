@@ -26,7 +26,7 @@ pub(crate) struct Deviations<'a> {
 
 impl<'a> Deviations<'a> {
     pub fn of(stretch: &'a Stretch, noise: &'a NoiseModel, joint: usize, first: usize) -> Self {
-        let all = noise.whitened_rows(&stretch.kept(&stretch.motion, joint), stretch.periodic);
+        let all = noise.whitened_rows(&stretch.kept(&stretch.motion, joint), false);
         let mut later = all.clone();
         let reach = (first + noise.autoregression.len()).min(later.len());
         later[..reach].fill(false);

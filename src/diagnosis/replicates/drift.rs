@@ -1,6 +1,6 @@
 //! Friction of one joint that drifts over a log as the joint warms up, from what the periods deviate from their mean.
 
-use super::period_finding::{BetweenFinding, Explained, start_rows};
+use super::period_finding::{BetweenFinding, Explained, Seams, start_rows};
 use crate::diagnosis::report::ReportedParameter;
 use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
@@ -9,13 +9,13 @@ use crate::model::Robot;
 use crate::regression::{NoiseModel, Stretch, deviation, reduce};
 use nalgebra::{DMatrix, DVector};
 
-pub(crate) fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
+pub(crate) fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], seams: &Seams) -> Option<Explained> {
     let length = length_of(stretch)?;
     let courses = SETTINGS.replicates.drift_courses;
     let tries = (courses.len() * robot.joint_count()) as f64;
     let mut best: Option<(f64, usize, f64)> = None;
     for j in 0..robot.joint_count() {
-        let at = |course: f64| drift_fit(stretch, noise, j, course * length);
+        let at = |course: f64| drift_fit(stretch, noise, seams, j, course * length);
         for course in courses {
             let (gain, _, _) = at(course);
             if best.is_none_or(|b| gain > b.0) {
@@ -24,9 +24,9 @@ pub(crate) fn best_drift(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel])
         }
     }
     let (_, j, coarse) = best?;
-    let drift = refined_drift(stretch, noise, j, coarse);
+    let drift = refined_drift(stretch, noise, seams, j, coarse);
     let p_value = chance(drift.gain, 3) * tries;
-    let finding = drift_finding(robot, stretch, noise, &drift, p_value);
+    let finding = drift_finding(robot, stretch, noise, seams, &drift, p_value);
     let Drift { course, solution, .. } = drift;
     let mut periods = stretch.periods.clone();
     let mean = mean_course(stretch, course);
@@ -75,7 +75,7 @@ struct Drift {
 
 /// Golden section on the logarithm of the time constant, a factor of three to either side: thirty steps leave 1e-6 of it, a hundredth of the standard
 /// deviation of the strongest drift.
-fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], joint: usize, coarse: f64) -> Drift {
+fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], seams: &Seams, joint: usize, coarse: f64) -> Drift {
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = (
         (coarse / SETTINGS.replicates.course_ratio).ln(),
@@ -83,11 +83,11 @@ fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], joint: usize, coarse: 
     );
     for _ in 0..30 {
         let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-        let gain = |x: f64| drift_fit(stretch, noise, joint, x.exp()).0;
+        let gain = |x: f64| drift_fit(stretch, noise, seams, joint, x.exp()).0;
         if gain(a) > gain(b) { high = b } else { low = a }
     }
     let course = (0.5 * (low + high)).exp();
-    let (gain, solution, covariance) = drift_fit(stretch, noise, joint, course);
+    let (gain, solution, covariance) = drift_fit(stretch, noise, seams, joint, course);
     Drift {
         joint,
         gain,
@@ -98,10 +98,16 @@ fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], joint: usize, coarse: 
 }
 
 /// Least squares of the whitened deviations of all periods on friction times the course, whose mean over the periods is taken out.
-fn drift_fit(stretch: &Stretch, noise: &[NoiseModel], j: usize, constant: f64) -> (f64, DVector<f64>, DMatrix<f64>) {
+fn drift_fit(
+    stretch: &Stretch,
+    noise: &[NoiseModel],
+    seams: &Seams,
+    j: usize,
+    constant: f64,
+) -> (f64, DVector<f64>, DMatrix<f64>) {
     let count = stretch.periods.len();
     let rows = stretch.rows();
-    let keep = noise[j].whitened_rows(&stretch.kept(&stretch.motion, j), stretch.periodic);
+    let keep = seams.whitened_rows(&noise[j], stretch.kept(&stretch.motion, j));
     let speed = stretch.motion.velocities(j);
     // The start of the first period is filled with the others' mean: it says nothing, and is no part of the mean there.
     let start = start_rows(stretch);
@@ -147,13 +153,20 @@ fn spread_of_tried(stretch: &Stretch) -> f64 {
 
 /// Changes of friction from the start of the log to its end, with the time constant that they were fitted with (variable projection: the gain
 /// falls by one at one standard deviation of it, and the coefficients move with it).
-fn drift_finding(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], drift: &Drift, p_value: f64) -> BetweenFinding {
+fn drift_finding(
+    robot: &Robot,
+    stretch: &Stretch,
+    noise: &[NoiseModel],
+    seams: &Seams,
+    drift: &Drift,
+    p_value: f64,
+) -> BetweenFinding {
     let (j, course) = (drift.joint, drift.course);
     let last = stretch.periods.len() - 1;
     let swing = |constant: f64| course_at(stretch, last, stretch.rows() - 1, constant) - 1.0;
     // A tenth of the time constant to both sides is where the gain is still a parabola.
     let step = 0.1 * course;
-    let sides = [course - step, course + step].map(|t| (drift_fit(stretch, noise, j, t), swing(t)));
+    let sides = [course - step, course + step].map(|t| (drift_fit(stretch, noise, seams, j, t), swing(t)));
     let curvature = 2.0 * drift.gain - sides[0].0.0 - sides[1].0.0;
     // Where the gain hardly falls, at an end of the courses tried, the course is anywhere among those tried.
     let of_course = (step * (2.0 / curvature.max(f64::MIN_POSITIVE)).sqrt()).min(spread_of_tried(stretch));
@@ -182,6 +195,7 @@ fn drift_finding(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], drift: 
         gain: drift.gain,
         p_value,
         first_row: None,
+        filled: None,
         rms: None,
     }
 }

@@ -5,7 +5,8 @@ use crate::diagnosis::report::{
 };
 use crate::diagnosis::settings::SETTINGS;
 use crate::model::Robot;
-use crate::regression::Stretch;
+use crate::regression::{NoiseModel, Stretch};
+use std::ops::Range;
 
 /// Drift or contact, with its fit.
 #[derive(Debug, Clone)]
@@ -17,6 +18,8 @@ pub(crate) struct BetweenFinding {
     pub(crate) p_value: f64,
     /// First row of an interval, counted over all periods.
     pub(crate) first_row: Option<usize>,
+    /// Rows that are filled in without it, counted alike.
+    pub(crate) filled: Option<Range<usize>>,
     pub rms: Option<(RmsPair, RmsPair)>,
 }
 
@@ -68,6 +71,44 @@ pub(crate) fn start_rows(stretch: &Stretch) -> usize {
 }
 
 pub(crate) type Explained = (BetweenFinding, Vec<Vec<Vec<f64>>>);
+
+/// Rows at which periods have been put together: where the first begins to count, and both ends of what was filled in. Noise does not go on over them, and a
+/// whitening filter would make much of the jump.
+#[derive(Debug, Clone)]
+pub(crate) struct Seams(Vec<usize>);
+
+impl Seams {
+    /// Of a stretch whose start is filled.
+    pub fn of_start(stretch: &Stretch) -> Self {
+        Self(vec![start_rows(stretch)])
+    }
+
+    /// Those at both ends of rows counted over all periods.
+    pub fn add(&mut self, rows: &Range<usize>, of_period: usize) {
+        self.0.extend([rows.start % of_period, rows.end % of_period]);
+    }
+
+    /// Rows whose whitened deviation stands on rows that were measured one after the other. A period does not go on at its own start.
+    pub fn whitened_rows(&self, noise: &NoiseModel, mut keep: Vec<bool>) -> Vec<bool> {
+        self.0.iter().for_each(|&row| keep[row] = false);
+        noise.whitened_rows(&keep, false)
+    }
+}
+
+/// Deviation of one period from the mean of the others. Of filtered noise it is as smooth as the noise; that from a median would have kinks.
+pub(crate) fn beside_others(stretch: &Stretch, period: usize, joint: usize) -> Vec<f64> {
+    let others = |s: usize| others(stretch, period, joint, s).0;
+    let values = stretch.periods[period][joint].iter().enumerate();
+    values.map(|(s, t)| t - others(s)).collect()
+}
+
+/// Mean of the other periods in a row, and of how many. The start of the first one is none of them: it has been filled.
+pub(crate) fn others(stretch: &Stretch, period: usize, joint: usize, row: usize) -> (f64, usize) {
+    let start = row < start_rows(stretch);
+    let measured = (0..stretch.periods.len()).filter(|&o| o != period && !(o == 0 && start));
+    let (sum, count) = measured.fold((0.0, 0), |(sum, count), o| (sum + stretch.periods[o][joint][row], count + 1));
+    (sum / count as f64, count)
+}
 
 pub(crate) fn median_period(stretch: &Stretch, j: usize) -> Vec<f64> {
     (0..stretch.rows())

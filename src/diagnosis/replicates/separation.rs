@@ -9,7 +9,7 @@ use super::contact::{best_contact, shortest};
 use super::drift::best_drift;
 use super::instability::{TakenOut, Unsteady};
 use super::level_search::{best_level, without_slow};
-use super::period_finding::{BetweenFinding, Explained, median_period, start_rows};
+use super::period_finding::{BetweenFinding, Explained, Seams, median_period, start_rows};
 use crate::diagnosis::settings::SETTINGS;
 use crate::model::Robot;
 use crate::regression::{NoiseModel, Stretch};
@@ -77,9 +77,10 @@ fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<B
     let mut taken = TakenOut::default();
     let (mut named, most_levels) = (0, 2 * stretch.joints());
     leave_out_start(stretch);
+    let mut seams = Seams::of_start(stretch);
     while named < SETTINGS.replicates.most_findings && taken.count() < most_levels {
         let Some(noise) = robust_noise(stretch) else { break };
-        let best = best_named(robot, stretch, &noise).filter(|(f, _)| f.p_value < limit);
+        let best = best_named(robot, stretch, &noise, &seams).filter(|(f, _)| f.p_value < limit);
         let least = best
             .as_ref()
             .map_or(f64::NEG_INFINITY, |(f, _)| f.evidence() + SETTINGS.nonparametric.preference);
@@ -91,6 +92,9 @@ fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<B
                 named += 1;
                 // What goes on from the start is still the start: it is left out, and is nothing that somebody did to the arm.
                 let start = start_rows(stretch) + shortest(stretch);
+                if let Some(filled) = &finding.filled {
+                    seams.add(filled, stretch.rows());
+                }
                 if finding.first_row.is_none_or(|first| first > start) {
                     found.push(finding);
                 }
@@ -103,10 +107,10 @@ fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<B
 }
 
 /// Drift or contact, whichever explains more.
-fn best_named(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel]) -> Option<Explained> {
+fn best_named(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], seams: &Seams) -> Option<Explained> {
     let determined = |(finding, _): &Explained| finding.is_determined();
-    let drift = best_drift(robot, stretch, noise).filter(determined);
-    let contact = best_contact(robot, stretch, noise).filter(determined);
+    let drift = best_drift(robot, stretch, noise, seams).filter(determined);
+    let contact = best_contact(robot, stretch, noise, seams).filter(determined);
     match (drift, contact) {
         (Some(d), Some(c)) => Some(if d.0.gain > c.0.gain { d } else { c }),
         (d, c) => d.or(c),
