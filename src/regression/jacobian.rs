@@ -1,7 +1,6 @@
 //! What the augmented model predicts along a motion, and how that changes with every parameter.
 
 use super::dataset::Stretch;
-use super::declared_torque::Torques;
 use super::model::{AugmentedModel, Term};
 use crate::dynamics::{Coulomb, Motion};
 use crate::effects::{Column, Scene};
@@ -52,10 +51,8 @@ impl AugmentedModel {
     pub(crate) fn evaluate(&self, stretch: &Stretch, base: Option<&ShapedRows>) -> Evaluated {
         let distorted = self.terms.iter().any(Term::is_distortion);
         // Along the measured motion of a distorted model they are asked for by what bends with the load alone.
-        let plain = match distorted && !self.terms.iter().any(|t| t.effect.distorts_by_load()) {
-            true => Torques::default(),
-            false => self.torques(&stretch.motion, &self.robot, None),
-        };
+        let needed = !distorted || self.terms.iter().any(|t| t.effect.distorts_by_load());
+        let plain = self.measured_torques(stretch, needed);
         let world = self.world(stretch, &plain, None);
         let robot = self.robot.with_gravity(world.gravity);
         let (mut jacobian, here) = match base {
