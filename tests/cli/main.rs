@@ -420,7 +420,7 @@ fn an_identification_is_a_table_pictures_and_a_report() {
     let table = stdout(&output);
     for needed in [
         "residual: explained",
-        "Joint J2 leaves",
+        "The residual on joint J2 is",
         "a joint spring explains it",
         "stiffness",
         "noise floor",
