@@ -46,14 +46,6 @@ impl AugmentedModel {
         ColumnSet::new(&self.robot, &Layout::standard(&self.robot), &self.base.kept)
     }
 
-    /// Torques along the motion of a stretch as it was measured, where they are needed.
-    pub(crate) fn measured_torques(&self, stretch: &Stretch, needed: bool) -> Torques {
-        match needed {
-            true => self.torques(&stretch.motion, &self.robot, None),
-            false => Torques::default(),
-        }
-    }
-
     /// Rigid and declared torque along `motion`, from rows where they are there already.
     pub(crate) fn torques(&self, motion: &Motion, robot: &Robot, rows: Option<(&ColumnSet, &RowBlocks)>) -> Torques {
         let layout = Layout::standard(robot);

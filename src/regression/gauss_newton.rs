@@ -23,7 +23,7 @@ impl Data<'_> {
             let Some((there, lower)) = self.shortened(&here, &step, cost) else {
                 break;
             };
-            let settled = decrease < self.settled || (cost - lower).abs() < (1e-7 * cost).max(self.settled / rows);
+            let settled = (cost - lower).abs() < (1e-7 * cost).max(self.settled / rows);
             (here, cost) = (there, lower);
             if settled || linear && decrease < 1.0 {
                 break;

@@ -52,7 +52,10 @@ impl AugmentedModel {
         let distorted = self.terms.iter().any(Term::is_distortion);
         // Along the measured motion of a distorted model they are asked for by what bends with the load alone.
         let needed = !distorted || self.terms.iter().any(|t| t.effect.distorts_by_load());
-        let plain = self.measured_torques(stretch, needed);
+        let plain = match needed {
+            true => self.torques(&stretch.motion, &self.robot, None),
+            false => Default::default(),
+        };
         let world = self.world(stretch, &plain, None);
         let robot = self.robot.with_gravity(world.gravity);
         let (mut jacobian, here) = match base {

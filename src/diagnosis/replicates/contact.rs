@@ -9,8 +9,8 @@ use crate::model::Robot;
 use crate::regression::{NoiseModel, Stretch};
 use std::ops::Range;
 
-/// Running sums over all periods one after the other, per joint: of whitened deviations from the mean of the other periods times the whitened unit level, and of the square of
-/// that.
+/// Running sums over all periods one after the other, per joint: of whitened deviations from the mean of the other periods times the whitened unit level,
+/// and of the square of that.
 struct Sums {
     deviations: Vec<Vec<f64>>,
     levels: Vec<Vec<f64>>,
@@ -107,15 +107,8 @@ pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel
     let joints: Vec<usize> = (0..n).filter(feels).collect();
     let reported_level = |j: usize| level_beside(stretch, &noise[j], j, [from, to]);
     let finding = contact_finding(robot, stretch, &joints, [from, to], fair, p_value, &reported_level);
-    let filled = filled(stretch, [from, to]);
-    let periods = without_rows(stretch, &filled);
-    Some((
-        BetweenFinding {
-            filled: Some(filled),
-            ..finding
-        },
-        periods,
-    ))
+    let periods = without_rows(stretch, filled(stretch, [from, to]));
+    Some((finding, periods))
 }
 
 /// Level of one joint in an interval beside the mean of the periods that were not touched then, with its standard deviation.
@@ -196,7 +189,7 @@ fn contact_finding(
         gain,
         p_value,
         first_row: Some(from),
-        filled: None,
+        filled: Some(filled(stretch, [from, to])),
         rms: None,
     }
 }
@@ -208,9 +201,9 @@ fn filled(stretch: &Stretch, [from, to]: [usize; 2]) -> Range<usize> {
 }
 
 /// The periods with these rows filled by the mean of the other periods.
-fn without_rows(stretch: &Stretch, filled: &Range<usize>) -> Vec<Vec<Vec<f64>>> {
+fn without_rows(stretch: &Stretch, filled: Range<usize>) -> Vec<Vec<Vec<f64>>> {
     let mut periods = stretch.periods.clone();
-    for at in filled.clone() {
+    for at in filled {
         let (p, s) = (at / stretch.rows(), at % stretch.rows());
         for j in 0..stretch.joints() {
             periods[p][j][s] = others(stretch, p, j, s).0;

@@ -102,12 +102,15 @@ pub(crate) fn beside_others(stretch: &Stretch, period: usize, joint: usize) -> V
     values.map(|(s, t)| t - others(s)).collect()
 }
 
-/// Mean of the other periods in a row, and of how many. The start of the first one is none of them: it has been filled.
+/// Mean of the other periods in a row, and of how many, from the mean of all. The start of the first one is none of them: it has been filled.
 pub(crate) fn others(stretch: &Stretch, period: usize, joint: usize, row: usize) -> (f64, usize) {
-    let start = row < start_rows(stretch);
-    let measured = (0..stretch.periods.len()).filter(|&o| o != period && !(o == 0 && start));
-    let (sum, count) = measured.fold((0.0, 0), |(sum, count), o| (sum + stretch.periods[o][joint][row], count + 1));
-    (sum / count as f64, count)
+    let of = |p: usize| stretch.periods[p][joint][row];
+    let all = stretch.periods.len();
+    let sum = all as f64 * stretch.torque[joint][row] - of(period);
+    match period > 0 && row < start_rows(stretch) {
+        true => ((sum - of(0)) / (all - 2) as f64, all - 2),
+        false => (sum / (all - 1) as f64, all - 1),
+    }
 }
 
 pub(crate) fn median_period(stretch: &Stretch, j: usize) -> Vec<f64> {
