@@ -1,6 +1,8 @@
 //! Something that touched the arm: an interval of time in which all joints together deviate from the other periods.
 
-use super::period_finding::{BetweenFinding, Explained, Seams, beside_others, others, start_rows};
+use super::period_finding::{
+    BetweenFinding, Explained, Seams, all_beside_median, all_beside_others, beside_others, others, start_rows,
+};
 use crate::diagnosis::report::ReportedParameter;
 use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
@@ -9,8 +11,10 @@ use crate::model::Robot;
 use crate::regression::{NoiseModel, Stretch};
 use std::ops::Range;
 
-/// Running sums over all periods one after the other, per joint: of whitened deviations from the mean of the other periods times the whitened unit level,
-/// and of the square of that.
+/// Deviations of all periods of a joint from a reference.
+type Deviations = fn(&Stretch, usize) -> Vec<Vec<f64>>;
+
+/// Running sums over all periods one after the other, per joint: of whitened deviations times the whitened unit level, and of the square of that.
 struct Sums {
     deviations: Vec<Vec<f64>>,
     levels: Vec<Vec<f64>>,
@@ -18,7 +22,13 @@ struct Sums {
 
 impl Sums {
     /// Over the rows in `keep`, per joint.
-    fn over(stretch: &Stretch, noise: &[NoiseModel], seams: &Seams, keep: impl Fn(usize) -> Vec<bool>) -> Self {
+    fn over(
+        stretch: &Stretch,
+        noise: &[NoiseModel],
+        seams: &Seams,
+        deviations: Deviations,
+        keep: impl Fn(usize) -> Vec<bool>,
+    ) -> Self {
         let (rows, n) = (stretch.rows(), stretch.joints());
         let length = stretch.periods.len() * rows;
         let mut sums = Self {
@@ -28,8 +38,8 @@ impl Sums {
         for j in 0..n {
             let keep = seams.whitened_rows(&noise[j], keep(j));
             let unit = noise[j].whiten(&vec![1.0; rows], &keep, 1);
-            for p in 0..stretch.periods.len() {
-                let white = noise[j].whiten(&beside_others(stretch, p, j), &keep, 1);
+            for (p, deviation) in deviations(stretch, j).iter().enumerate() {
+                let white = noise[j].whiten(deviation, &keep, 1);
                 for s in 0..rows {
                     let at = p * rows + s;
                     sums.deviations[j][at + 1] = sums.deviations[j][at] + unit[s] * white[s];
@@ -66,13 +76,17 @@ impl Sums {
 
 /// The interval of time in which the deviations of all joints from the other periods are least like noise.
 ///
+/// It has to stand out from the mean of the others and from the median of all. Filtered noise is smooth, and the median of it is not: its kinks look like touches. An
+/// odd period is half of the mean of the two others of three, and looks like a touch of each.
+///
 /// It is found on rows that move, since the torque that friction locks in at rest differs from one period to the next; where it begins or ends at rest is seen on
 /// the rows at rest.
 pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], seams: &Seams) -> Option<Explained> {
     let (count, rows, n) = (stretch.periods.len(), stretch.rows(), stretch.joints());
     let length = count * rows;
     // At a reversal a jump of friction that comes a sample later in one period is no touch.
-    let moving = Sums::over(stretch, noise, seams, |j| stretch.kept(&stretch.motion, j));
+    let on_moving_rows = |from: Deviations| Sums::over(stretch, noise, seams, from, |j| stretch.kept(&stretch.motion, j));
+    let moving = on_moving_rows(all_beside_others);
     let (mut best, mut windows) = ((0.0, 0, 0), 0.0);
     let shortest = shortest(stretch);
     let mut width = shortest;
@@ -87,10 +101,14 @@ pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel
         width = width * 3 / 2;
     }
     let (gain, from, to) = sharpened(best, length, shortest, &|from, to| moving.statistic(from, to));
-    // The mean over the P - 1 others has its noise too.
-    let fair = gain / (1.0 + 1.0 / (count - 1) as f64);
+    // The mean over the P - 1 others has its noise too; the median over P periods has π/2 of the variance of their mean.
+    let beside_mean = gain / (1.0 + 1.0 / (count - 1) as f64);
+    let beside_median = on_moving_rows(all_beside_median).statistic(from, to) / (1.0 + 0.5 * std::f64::consts::PI / count as f64);
+    let fair = beside_mean.min(beside_median);
     let p_value = chance(fair, n) * windows;
-    let all = Sums::over(stretch, noise, seams, |j| stretch.kept_or_resting(&stretch.motion, j));
+    let all = Sums::over(stretch, noise, seams, all_beside_others, |j| {
+        stretch.kept_or_resting(&stretch.motion, j)
+    });
     let (_, from, to) = sharpened((all.statistic(from, to), from, to), length, shortest, &|from, to| {
         all.statistic(from, to)
     });

@@ -95,11 +95,23 @@ impl Seams {
     }
 }
 
-/// Deviation of one period from the mean of the others. Of filtered noise it is as smooth as the noise; that from a median would have kinks.
+/// Deviation of one period from the mean of the others. Of filtered noise it is as smooth as the noise.
 pub(crate) fn beside_others(stretch: &Stretch, period: usize, joint: usize) -> Vec<f64> {
     let others = |s: usize| others(stretch, period, joint, s).0;
     let values = stretch.periods[period][joint].iter().enumerate();
     values.map(|(s, t)| t - others(s)).collect()
+}
+
+/// Deviation of every period from the mean of the others.
+pub(crate) fn all_beside_others(stretch: &Stretch, joint: usize) -> Vec<Vec<f64>> {
+    (0..stretch.periods.len()).map(|p| beside_others(stretch, p, joint)).collect()
+}
+
+/// Deviation of every period from the median of all, which a single odd period does not move.
+pub(crate) fn all_beside_median(stretch: &Stretch, joint: usize) -> Vec<Vec<f64>> {
+    let median = median_period(stretch, joint);
+    let of = |period: &Vec<Vec<f64>>| period[joint].iter().zip(&median).map(|(t, m)| t - m).collect();
+    stretch.periods.iter().map(of).collect()
 }
 
 /// Mean of the other periods in a row, and of how many, from the mean of all. The start of the first one is none of them: it has been filled.
