@@ -1,10 +1,10 @@
 //! The admissible coefficients of one joint as a convex set around rest, and its gauge: the factor by which a motion exceeds
 //! the limit that it exceeds most.
 
+use super::extremes::{CertifiedExtremes, SampledBases};
 use super::problem::{Form, ProblemSpec, Start};
 use crate::model::Limits;
-use crate::trajectory::harmonic;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Limits of one joint, in the form asked for.
 #[derive(Debug, Clone)]
@@ -14,11 +14,11 @@ pub(super) enum JointSet {
 }
 
 impl JointSet {
-    /// `rest`: position around which coefficients scale, strictly inside the position limits.
-    pub fn new(limits: &Limits, rest: f64, spec: &ProblemSpec) -> Self {
+    /// `rest`: position around which coefficients scale, strictly inside the position limits. `bases`: those of `spec`, for all its joints.
+    pub fn new(limits: &Limits, rest: f64, spec: &ProblemSpec, bases: &SampledBases) -> Self {
         match spec.form {
             Form::Paper => Self::Paper(TriangleBounds::new(limits, rest, spec)),
-            Form::Exact => Self::Exact(CertifiedExtremes::new(limits, rest, spec)),
+            Form::Exact => Self::Exact(CertifiedExtremes::new(limits, rest, bases)),
         }
     }
 
@@ -105,118 +105,12 @@ impl TriangleBounds {
     }
 }
 
-/// True extremes over time, from samples, with a certificate for what lies between them.
-///
-/// A trigonometric polynomial of degree L that is at most m at N equispaced points of its period is at most `m / cos(π L / N)`
-/// everywhere (Ehlich & Zeller 1964). N is chosen so that this adds less than 0.01 %.
-#[derive(Debug, Clone)]
-pub(super) struct CertifiedExtremes {
-    order: usize,
-    quantities: Vec<Quantity>,
-    inverse_cosine: f64,
-}
-
-/// One limited quantity, `lower ≤ Σ c_i basis_i(t) ≤ upper` with lower < 0 < upper.
-#[derive(Debug, Clone)]
-struct Quantity {
-    /// Values of every coefficient's basis function, `points × (2L + 1)`, row after row.
-    basis: Vec<f64>,
-    lower: f64,
-    upper: f64,
-}
-
-impl CertifiedExtremes {
-    fn new(limits: &Limits, rest: f64, spec: &ProblemSpec) -> Self {
-        let order = spec.order;
-        // 1/cos(x) − 1 ≈ x²/2 < 1e-4 for x = πL/N < 0.0141.
-        let points = 224 * order;
-        let omega = TAU * spec.fundamental_hz;
-        let basis = |derivative: usize| {
-            let mut values = Vec::with_capacity(points * (2 * order + 1));
-            for k in 0..points {
-                let t = k as f64 / (points as f64 * spec.fundamental_hz);
-                let of = |l: usize, which: usize| {
-                    let chosen = harmonic(omega, l, t)[which];
-                    // The jerk is minus the frequency squared times the velocity.
-                    if derivative == 3 {
-                        -(omega * l as f64).powi(2) * chosen[1]
-                    } else {
-                        chosen[derivative]
-                    }
-                };
-                (1..=order).for_each(|l| values.push(of(l, 0)));
-                (1..=order).for_each(|l| values.push(of(l, 1)));
-                values.push(if derivative == 0 { 1.0 } else { 0.0 });
-            }
-            values
-        };
-        let mut quantities = Vec::new();
-        if let Some([low, high]) = limits.position {
-            quantities.push(Quantity {
-                basis: basis(0),
-                lower: low - rest,
-                upper: high - rest,
-            });
-        }
-        for (derivative, limit) in [(1, limits.velocity), (2, limits.acceleration), (3, limits.jerk)] {
-            if let Some(limit) = limit {
-                quantities.push(Quantity {
-                    basis: basis(derivative),
-                    lower: -limit,
-                    upper: limit,
-                });
-            }
-        }
-        Self {
-            order,
-            quantities,
-            inverse_cosine: 1.0 / (PI * order as f64 / points as f64).cos(),
-        }
-    }
-
-    fn gauge(&self, c: &[f64], gradient: &mut [f64]) -> f64 {
-        let size = 2 * self.order + 1;
-        let mut largest = 0.0;
-        gradient.fill(0.0);
-        for quantity in &self.quantities {
-            let rows = quantity.basis.chunks_exact(size);
-            let (mut low, mut high) = (
-                (f64::INFINITY, &quantity.basis[..0]),
-                (f64::NEG_INFINITY, &quantity.basis[..0]),
-            );
-            for row in rows {
-                let value: f64 = row.iter().zip(c).map(|(r, c)| r * c).sum();
-                if value < low.0 {
-                    low = (value, row);
-                }
-                if value > high.0 {
-                    high = (value, row);
-                }
-            }
-            // Between the samples it reaches at most middle ± half / cos(πL/N).
-            let (middle, half) = (0.5 * (high.0 + low.0), 0.5 * (high.0 - low.0) * self.inverse_cosine);
-            let (of_high, of_low) = (0.5 * (1.0 + self.inverse_cosine), 0.5 * (1.0 - self.inverse_cosine));
-            for (value, limit, w_high, w_low) in [
-                (middle + half, quantity.upper, of_high, of_low),
-                (middle - half, quantity.lower, of_low, of_high),
-            ] {
-                if value / limit > largest {
-                    largest = value / limit;
-                    for i in 0..size {
-                        gradient[i] = (w_high * high.1[i] + w_low * low.1[i]) / limit;
-                    }
-                }
-            }
-        }
-        largest
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::excitation::problem::{Criterion, Knowledge, Problem};
     use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
+    use crate::trajectory::harmonic;
     use nalgebra::Vector3;
 
     fn spec(form: Form, start: Start) -> ProblemSpec {
@@ -272,7 +166,8 @@ mod tests {
             (Form::Exact, Start::Zero),
             (Form::Exact, Start::Free),
         ] {
-            let set = JointSet::new(&LIMITS, 0.2, &spec(form, start));
+            let spec = spec(form, start);
+            let set = JointSet::new(&LIMITS, 0.2, &spec, &SampledBases::of(&spec));
             let mut g = vec![0.0; 11];
             let mut unused = g.clone();
             for seed in 0..50 {
@@ -293,7 +188,7 @@ mod tests {
     #[test]
     fn prop_certified_extremes_are_never_below_a_dense_sampling() {
         let spec = spec(Form::Exact, Start::Free);
-        let set = JointSet::new(&LIMITS, 0.2, &spec);
+        let set = JointSet::new(&LIMITS, 0.2, &spec, &SampledBases::of(&spec));
         let mut unused = vec![0.0; 11];
         for seed in 0..20 {
             let c = coefficients(seed);

@@ -10,6 +10,7 @@ mod descent;
 mod eigen;
 mod epoch;
 mod evaluator;
+mod extremes;
 mod gauge;
 mod margins;
 mod moves;

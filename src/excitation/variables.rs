@@ -8,6 +8,7 @@
 //! Where limits along the path ([`super::path`]) may ask for less than full motion, the inside of the set has to be reached too: then the
 //! motion is `x / (1 + g^4)^(1/4)`, which approaches the surface as x grows.
 
+use super::extremes::SampledBases;
 use super::gauge::JointSet;
 use super::problem::{Problem, Start};
 use crate::trajectory::FourierSeries;
@@ -47,16 +48,17 @@ impl Variables {
         let spec = problem.spec();
         let order = spec.order;
         let harmonics: Vec<Vec<usize>> = (0..problem.robot().joint_count()).map(|j| problem.harmonics_of(j)).collect();
-        let bases: Vec<DMatrix<f64>> = harmonics.iter().map(|h| null_space(order, h, spec.start)).collect();
-        let per_joint = bases.iter().map(DMatrix::ncols).max().unwrap_or(0);
+        let spaces: Vec<DMatrix<f64>> = harmonics.iter().map(|h| null_space(order, h, spec.start)).collect();
+        let per_joint = spaces.iter().map(DMatrix::ncols).max().unwrap_or(0);
         let limits = problem.robot().joints().iter().map(|j| j.limits);
         let rest: Vec<f64> = (0..problem.robot().joint_count()).map(|j| problem.rest_position(j)).collect();
-        let sets = limits.zip(&rest).map(|(l, &q)| JointSet::new(&l, q, spec)).collect();
+        let bases = SampledBases::of(spec);
+        let sets = limits.zip(&rest).map(|(l, &q)| JointSet::new(&l, q, spec, &bases)).collect();
         Self {
             joints: rest.len(),
             order,
             per_joint,
-            null_spaces: bases.into_iter().map(|b| b.resize_horizontally(per_joint, 0.0)).collect(),
+            null_spaces: spaces.into_iter().map(|b| b.resize_horizontally(per_joint, 0.0)).collect(),
             lowest: harmonics.iter().map(|h| [h[0], h[1]]).collect(),
             rest,
             sets,
