@@ -25,6 +25,7 @@ test:
 	target/tools/bin/cargo-deny --locked check licenses sources bans
 	cargo clippy --release --locked --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps
+	cargo check --release --locked -p dynident-core
 	cargo check --release --locked --lib --no-default-features
 	cargo test --release --locked
 

@@ -71,30 +71,18 @@
 
 #![warn(missing_docs)]
 
-pub mod app;
-pub mod cancel;
+#[doc(inline)]
+pub use dynident_core::{
+    cancel, diagnosis, dynamics, effects, excitation, identification, model, parameters, preparation, regression, simulate,
+    solver, spatial, trajectory,
+};
+#[doc(inline)]
+pub use dynident_io::{app, documents, formats};
+
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod diagnosis;
 pub mod docs;
-pub mod documents;
-pub mod dynamics;
-pub mod effects;
-pub mod excitation;
-pub mod formats;
-pub mod identification;
-pub mod model;
-pub mod parameters;
-pub mod preparation;
-pub mod regression;
 #[cfg(feature = "service")]
 pub mod service;
-pub mod simulate;
-pub mod solver;
-pub mod spatial;
-pub mod trajectory;
 #[cfg(feature = "figures")]
 pub mod web;
-
-// Links the library that the semidefinite solver calls.
-use openblas_src as _;

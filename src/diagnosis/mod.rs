@@ -36,7 +36,7 @@ pub use next_design::{EffectColumns, information_over};
 pub use options::DiagnosisOptions;
 pub use outcome::{Diagnosis, Estimates};
 pub use pipeline::diagnose;
-pub(crate) use report::is_determined;
+pub use report::is_determined;
 pub use report::{
     AtRest, Change, Covered, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
     NotTested, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,

@@ -22,7 +22,7 @@ fn axes(gravity: Vector3<f64>) -> [usize; 2] {
 }
 
 /// Gravity in the frame of the base turned by `angles` (rad), two as the effect has.
-pub(crate) fn tilted(gravity: Vector3<f64>, angles: &[f64]) -> Vector3<f64> {
+pub fn tilted(gravity: Vector3<f64>, angles: &[f64]) -> Vector3<f64> {
     let mut turns = [0.0; 3];
     axes(gravity).iter().zip(angles).for_each(|(&at, &angle)| turns[at] = angle);
     Rotation3::from_euler_angles(turns[0], turns[1], turns[2]).inverse() * gravity

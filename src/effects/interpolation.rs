@@ -67,9 +67,9 @@ pub(super) fn derivatives(signal: &[f64], interval: f64, periodic: bool) -> [Vec
 
 /// Half the window (s): a second derivative through it falls to half at 8 Hz. Elastic joints of arms resonate at 5 to 20 Hz; beyond that links do not follow,
 /// and the quasi-static law, which would amplify what is there, has no meaning. At 2 Hz, four times the fastest harmonic of a usual excitation, 4 % are lost.
-pub(crate) const REACH: f64 = 0.06;
+pub const REACH: f64 = 0.06;
 /// Samples to both sides at least: a cubic needs fewer.
-pub(crate) const FEWEST: i64 = 3;
+pub const FEWEST: i64 = 3;
 
 #[cfg(test)]
 mod tests {

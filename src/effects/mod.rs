@@ -32,11 +32,11 @@ mod torque_offset;
 mod transmission_coupling;
 mod unexplained;
 
-pub(crate) use base_tilt::tilted;
+pub use base_tilt::tilted;
 pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, Travel, World};
 pub(crate) use effect::{own_joint, times_position_unit};
 pub use formula::Formula;
-pub(crate) use interpolation::{FEWEST, REACH};
+pub use interpolation::{FEWEST, REACH};
 pub use law::Law;
 pub use payload::consistent_payload;
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};

@@ -3,7 +3,7 @@
 /// `digits` significant digits, without trailing zeros, with a power of ten where there would be many zeros.
 ///
 /// ```
-/// use dynident::formats::significant;
+/// use dynident_io::formats::significant;
 /// assert_eq!(significant(-0.196_4, 2), "−0.2");
 /// assert_eq!(significant(2.5e-7, 2), "2.5·10⁻⁷");
 /// ```
@@ -30,7 +30,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// `value ± deviation` to the second digit of the deviation.
 ///
 /// ```
-/// assert_eq!(dynident::formats::measured(5.996_31, 0.005_71), "5.9963 ± 0.0057");
+/// assert_eq!(dynident_io::formats::measured(5.996_31, 0.005_71), "5.9963 ± 0.0057");
 /// ```
 pub fn measured(value: f64, deviation: f64) -> String {
     let decimals = 1 - deviation.log10().floor() as i32;

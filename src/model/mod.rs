@@ -31,10 +31,10 @@ pub use link_tree::{CarriedLinks, ChainEnds};
 pub use mjcf::{from_mjcf, from_mjcf_shaped, mjcf_meshes};
 pub use notes::Notes;
 pub use robot::{Friction, Robot};
-pub(crate) use urdf::INERTIA_ENTRIES;
+pub use urdf::INERTIA_ENTRIES;
 pub use urdf::{
     NewBody, UrdfRobot, body_complaint, from_urdf, from_urdf_rounded, from_urdf_shaped, urdf_carried, urdf_meshes,
     urdf_with_bodies,
 };
 pub use words::{decimals, readable, scientific, shortest};
-pub(crate) use xml::XmlText;
+pub use xml::XmlText;

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// The text of a robot file, ready to be parsed.
-pub(crate) struct XmlText {
+pub struct XmlText {
     text: String,
     /// Where every line starts.
     lines: Vec<usize>,

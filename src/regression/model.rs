@@ -41,7 +41,7 @@ impl std::fmt::Debug for Term {
 
 impl Term {
     /// A constant torque on one joint [N·m or N].
-    pub(crate) fn constant(joint: usize, size: f64) -> Self {
+    pub fn constant(joint: usize, size: f64) -> Self {
         Self {
             coefficients: vec![size],
             ..Self::offset(joint)
@@ -183,7 +183,7 @@ impl AugmentedModel {
 }
 
 /// Standard deviations of what a term reports, from the covariance of its coefficients and free shapes.
-pub(crate) fn reported(term: &Term, covariance: &DMatrix<f64>) -> Vec<(f64, f64)> {
+pub fn reported(term: &Term, covariance: &DMatrix<f64>) -> Vec<(f64, f64)> {
     let k = term.coefficients.len();
     let point: Vec<f64> = term
         .coefficients

@@ -75,7 +75,28 @@ fn disturbed(motion: &Motion, joint: usize, order: usize, size: f64) -> Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
     use crate::preparation::MotionError;
+    use nalgebra::Vector3;
+
+    /// A planar arm with friction.
+    fn two_links() -> Robot {
+        let joint = |name: &str, d: f64| {
+            let mdh = Mdh {
+                alpha: 0.0,
+                d,
+                theta: 0.0,
+                r: 0.0,
+            };
+            Joint::from_mdh(name, JointKind::Revolute, mdh)
+        };
+        let friction = Friction {
+            viscous: true,
+            coulomb: true,
+        };
+        let gravity = Vector3::new(0.0, -9.81, 0.0);
+        Robot::new("two links", gravity, vec![joint("q1", 0.0), joint("q2", 0.4)], friction).unwrap()
+    }
 
     /// A joint that turns back at samples where its velocity is exactly zero, or a rounding error on either side of it.
     #[test]
@@ -94,9 +115,7 @@ mod tests {
                 motion_error: vec![error; 2],
                 ..Stretch::of_motion(motion, 0.01, true)
             };
-            let robot = crate::documents::NamedRobots::named(&crate::documents::shipped::Shipped, "planar_two_link")
-                .unwrap()
-                .robot;
+            let robot = two_links();
             let mut model = AugmentedModel::declared(&robot);
             model.values.fill(1.0);
             let variance = motion_error_variance(

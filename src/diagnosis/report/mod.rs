@@ -10,7 +10,8 @@ pub(crate) use detection_limits::{nuisance, undetected};
 pub(crate) use findings::{FindingInputs, between_findings, findings};
 pub(crate) use lack_of_fit::{at_rest, fits, rms};
 pub use parameter::ReportedParameter;
-pub(crate) use parameter::{is_determined, joint_names};
+pub use parameter::is_determined;
+pub(crate) use parameter::joint_names;
 pub use result::{
     AtRest, Change, Covered, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
     NotTested, Remainder, ResidualReport, Rival, RmsPair, Undetected, Verdict,

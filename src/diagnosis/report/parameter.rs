@@ -18,7 +18,7 @@ pub struct ReportedParameter {
 }
 
 /// Whether a deviation is one: the data say something of its value.
-pub(crate) fn is_determined(std_dev: f64) -> bool {
+pub fn is_determined(std_dev: f64) -> bool {
     std_dev.abs() < SETTINGS.selection.undetermined
 }
 

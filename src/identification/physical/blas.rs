@@ -11,6 +11,8 @@ static ONCE: Once = Once::new();
 /// of a server.
 pub(super) fn single_threaded_blas() {
     ONCE.call_once(|| {
+        // The system's library, which the solver's calls are resolved from too.
+        #[link(name = "openblas")]
         unsafe extern "C" {
             fn openblas_set_num_threads(count: c_int);
         }

@@ -100,7 +100,7 @@ fn read_pose(origin: &Element) -> Result<Transform, ModelError> {
 }
 
 /// Entries of an inertia tensor as URDF and SDF name them, with row and column.
-pub(crate) const INERTIA_ENTRIES: [(&str, usize, usize); 6] = [
+pub const INERTIA_ENTRIES: [(&str, usize, usize); 6] = [
     ("ixx", 0, 0),
     ("ixy", 0, 1),
     ("ixz", 0, 2),

@@ -19,7 +19,7 @@ use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
 
 pub use self::collision::urdf_meshes;
-pub(crate) use self::inertial::INERTIA_ENTRIES;
+pub use self::inertial::INERTIA_ENTRIES;
 pub use self::inertial::body_complaint;
 pub(super) use self::numbers::Element;
 pub use self::patch::{NewBody, urdf_carried, urdf_with_bodies};
