@@ -30,18 +30,25 @@ fn run_alone(script: &str) {
     drive(script, &[]);
 }
 
+/// The slowest script takes a minute; a browser that hangs on a machine five times slower is a failure with a stack trace of the script, not a suite without end.
+const LONGEST_S: &str = "300";
+
 fn drive(script: &str, arguments: &[&str]) {
     let server = Server::start();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
-    let output = Command::new(python())
+    let output = Command::new("timeout")
+        .args(["--signal=ABRT", "--kill-after=10", LONGEST_S])
+        .arg(python())
+        .args(["-X", "faulthandler"])
         .arg(folder.join(script))
         .args(["--server", &server.url(""), "--program", env!("CARGO_BIN_EXE_dynident")])
         .args(arguments)
         .output()
-        .expect("python starts");
+        .expect("timeout and python start");
     assert!(
         output.status.success(),
-        "{}\n{}",
+        "{script}: {}\n{}\n{}",
+        output.status,
         String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr)
     );
