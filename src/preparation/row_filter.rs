@@ -1,6 +1,6 @@
 //! What torque and regressor columns go through on their way into least squares.
 
-use crate::preparation::filter::{LowPass, Padding, zero_phase_all};
+use crate::preparation::filter::{LowPass, Padding, zero_phase_rows};
 
 /// Filter, ends and decimation. Parallel filtering has the same filter in both places; the paper filters torque alone.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,13 +51,13 @@ impl RowFilter {
     }
 
     fn pass(&self, filter: Option<&LowPass>, records: &[&[f64]]) -> Vec<Vec<f64>> {
-        let pick = |y: &[f64]| self.rows(y.len()).map(|s| y[s]).collect();
+        let Some(samples) = records.first().map(|x| x.len()) else {
+            return Vec::new();
+        };
+        let rows = self.rows(samples);
         match filter {
-            Some(filter) => {
-                let filtered = zero_phase_all(filter, records, self.padding, filter.settling_samples());
-                filtered.iter().map(|y| pick(y)).collect()
-            }
-            None => records.iter().map(|x| pick(x)).collect(),
+            Some(filter) => zero_phase_rows(filter, records, self.padding, filter.settling_samples(), rows),
+            None => records.iter().map(|x| rows.clone().map(|s| x[s]).collect()).collect(),
         }
     }
 }

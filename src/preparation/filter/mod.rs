@@ -4,6 +4,7 @@ mod butterworth;
 mod zero_phase;
 
 pub use butterworth::{FilterError, LowPass, Section};
+pub(crate) use zero_phase::zero_phase_rows;
 pub use zero_phase::{Padding, zero_phase, zero_phase_all};
 
 /// Central differences of samples `step` apart; one-sided at the ends.

@@ -28,10 +28,7 @@ pub fn zero_phase(filter: &LowPass, x: &[f64], padding: Padding, pad: usize) -> 
     }
     let pad = pad.min(x.len() - 1);
     let mut y = padded(x, pad);
-    forwards(&filter.sections, &mut y);
-    y.reverse();
-    forwards(&filter.sections, &mut y);
-    y.reverse();
+    in_groups(&filter.sections, &mut y, TOGETHER);
     y[pad..pad + x.len()].to_vec()
 }
 
@@ -42,29 +39,49 @@ pub fn zero_phase(filter: &LowPass, x: &[f64], padding: Padding, pad: usize) -> 
 /// When the lengths differ.
 pub fn zero_phase_all(filter: &LowPass, records: &[&[f64]], padding: Padding, pad: usize) -> Vec<Vec<f64>> {
     let samples = records.first().map_or(0, |x| x.len());
+    zero_phase_rows(filter, records, padding, pad, 0..samples)
+}
+
+/// The samples `rows` of [`zero_phase_all`].
+///
+/// # Panics
+/// When the lengths differ.
+pub(crate) fn zero_phase_rows(
+    filter: &LowPass,
+    records: &[&[f64]],
+    padding: Padding,
+    pad: usize,
+    rows: impl Iterator<Item = usize> + Clone,
+) -> Vec<Vec<f64>> {
+    let samples = records.first().map_or(0, |x| x.len());
+    let alone = |x: &[f64]| {
+        let y = zero_phase(filter, x, padding, pad);
+        rows.clone().map(|s| y[s]).collect()
+    };
     if samples < 2 || padding == Padding::Periodic {
-        return records.iter().map(|x| zero_phase(filter, x, padding, pad)).collect();
+        return records.iter().map(|x| alone(x)).collect();
     }
     let pad = pad.min(samples - 1);
     let group = |some: &[&[f64]]| match some {
-        [one] => vec![zero_phase(filter, one, padding, pad)],
-        _ => side_by_side(filter, some, pad),
+        [one] => vec![alone(one)],
+        _ => side_by_side(filter, some, pad, rows.clone()),
     };
     records.chunks(LANES).flat_map(group).collect()
 }
 
 /// Up to eight records of the same length; lanes without a record repeat the last one.
-fn side_by_side(filter: &LowPass, records: &[&[f64]], pad: usize) -> Vec<Vec<f64>> {
+fn side_by_side(filter: &LowPass, records: &[&[f64]], pad: usize, rows: impl Iterator<Item = usize> + Clone) -> Vec<Vec<f64>> {
     let (samples, last) = (records[0].len(), records.len() - 1);
     assert!(records.iter().all(|x| x.len() == samples), "records of one length");
-    let padded: Vec<Vec<f64>> = records.iter().map(|x| padded(x, pad)).collect();
-    let pack = |s: usize| Pack(std::array::from_fn(|lane| padded[lane.min(last)][s]));
-    let mut y: Vec<Pack> = (0..samples + 2 * pad).map(pack).collect();
-    forwards_packs(&filter.sections, &mut y);
-    y.reverse();
-    forwards_packs(&filter.sections, &mut y);
-    y.reverse();
-    let lane = |lane: usize| y[pad..pad + samples].iter().map(|v| v.0[lane]).collect();
+    let lanes: [&[f64]; LANES] = std::array::from_fn(|lane| &records[lane.min(last)][..samples]);
+    let at = |s: usize| Pack(lanes.map(|x| x[s]));
+    let beyond = |end: usize, s: usize| Pack(lanes.map(|x| 2.0 * x[end] - x[s]));
+    let mut y = Vec::with_capacity(samples + 2 * pad);
+    y.extend((1..=pad).rev().map(|s| beyond(0, s)));
+    y.extend((0..samples).map(at));
+    y.extend((1..=pad).map(|i| beyond(samples - 1, samples - 1 - i)));
+    both_ways(&filter.sections, &mut y);
+    let lane = |lane: usize| rows.clone().map(|s| y[pad + s].0[lane]).collect();
     (0..records.len()).map(lane).collect()
 }
 
@@ -93,31 +110,38 @@ const TOGETHER: usize = 4;
 const PACKS_TOGETHER: usize = 2;
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
-fn forwards_packs(sections: &[Section], x: &mut [Pack]) {
+fn both_ways(sections: &[Section], x: &mut [Pack]) {
     in_groups(sections, x, PACKS_TOGETHER);
 }
 
-fn forwards(sections: &[Section], x: &mut [f64]) {
-    in_groups(sections, x, TOGETHER);
-}
-
-/// Direct form II transposed, from the steady state of the first sample.
+/// Forwards through all sections, then backwards.
 #[inline(always)]
 fn in_groups<R: Real>(sections: &[Section], x: &mut [R], most: usize) {
-    let steady = x[0];
+    let first = x[0];
     for some in sections.chunks(most) {
-        match some {
-            [a] => together(&[a], x, steady),
-            [a, b] => together(&[a, b], x, steady),
-            [a, b, c] => together(&[a, b, c], x, steady),
-            [a, b, c, d] => together(&[a, b, c, d], x, steady),
-            _ => unreachable!("chunks of at most four"),
-        }
+        group(some, x.iter_mut(), first);
+    }
+    let last = x[x.len() - 1];
+    for some in sections.chunks(most) {
+        group(some, x.iter_mut().rev(), last);
     }
 }
 
+/// At most four sections, from the steady state of the first sample.
 #[inline(always)]
-fn together<R: Real, const K: usize>(sections: &[&Section; K], x: &mut [R], steady: R) {
+fn group<'a, R: Real + 'a>(sections: &[Section], x: impl Iterator<Item = &'a mut R>, steady: R) {
+    match sections {
+        [a] => together(&[a], x, steady),
+        [a, b] => together(&[a, b], x, steady),
+        [a, b, c] => together(&[a, b, c], x, steady),
+        [a, b, c, d] => together(&[a, b, c, d], x, steady),
+        _ => unreachable!("chunks of at most four"),
+    }
+}
+
+/// Direct form II transposed.
+#[inline(always)]
+fn together<'a, R: Real + 'a, const K: usize>(sections: &[&Section; K], x: impl Iterator<Item = &'a mut R>, steady: R) {
     // Every section passes a constant unchanged, so all of them see the same steady input.
     let mut states = sections.map(
         |Section {
@@ -128,7 +152,7 @@ fn together<R: Real, const K: usize>(sections: &[&Section; K], x: &mut [R], stea
             (R::splat(b1 - a1) * steady + s2, s2)
         },
     );
-    for v in x.iter_mut() {
+    for v in x {
         for (section, (s1, s2)) in sections.iter().zip(&mut states) {
             let ([b0, b1, b2], [a1, a2]) = (section.b.map(R::splat), section.a.map(R::splat));
             let y = b0 * *v + *s1;
