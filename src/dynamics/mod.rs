@@ -29,5 +29,6 @@ pub use chain::Chain;
 pub use energy::{Energy, energy};
 pub use inverse::{inverse_dynamics, inverse_dynamics_batch};
 pub use kinematics::forward_kinematics;
+pub(crate) use real::sines_and_cosines;
 pub use real::{LANES, Pack, Real};
 pub use regressor::{ColumnSet, RowBlocks, regressor};

@@ -1,6 +1,7 @@
 //! Torque that repeats with the position: gear teeth, magnets, sensors.
 
 use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span};
+use crate::dynamics::sines_and_cosines;
 use crate::model::Robot;
 
 /// `tau_j += A sin(N q) + B cos(N q)`, N in cycles per 2π rad (per 2π m for a sliding joint), not only integers.
@@ -48,8 +49,8 @@ impl Effect for PositionRipple {
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
-        let angle = |s: usize| shape[0] * scene.motion.get(joints[0], s)[0];
-        let (sine, cosine) = (0..scene.samples()).map(|s| angle(s).sin_cos()).unzip();
+        let angles: Vec<f64> = scene.motion.positions(joints[0]).iter().map(|q| shape[0] * q).collect();
+        let (sine, cosine) = sines_and_cosines(&angles);
         vec![Column::on(joints[0], sine), Column::on(joints[0], cosine)]
     }
 
