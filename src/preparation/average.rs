@@ -122,6 +122,26 @@ impl Periods {
     }
 }
 
+/// Variance of the mean of K ≥ 2 periods that each Fourier line 0 … N/2 carries, `E|X_l|²/N`, by the scatter of the `unfolded` periods about their `mean`: for white
+/// noise the constant `σ²/K`. Unusable samples count as equal to the mean.
+pub(crate) fn mean_spectrum(periods: &Periods, unfolded: &[f64], mean: &[f64], usable: &[bool], cancel: &CancelFlag) -> Vec<f64> {
+    let (k, n) = (periods.count, periods.samples);
+    let mut lines = vec![0.0; n / 2 + 1];
+    for (period, usable) in unfolded.chunks_exact(n).zip(usable.chunks_exact(n)) {
+        cancel.leave_if_set();
+        let values = period.iter().zip(mean).zip(usable);
+        let deviation = values.map(|((v, m), &used)| if used { v - m } else { 0.0 }).collect();
+        lines
+            .iter_mut()
+            .zip(forward_of(deviation))
+            .for_each(|(sum, x)| *sum += x.norm_sqr());
+    }
+    // Mean over periods with K − 1 degrees of freedom is the noise of one period; the average has 1/K of it.
+    let scale = 1.0 / ((k - 1) as f64 * k as f64 * n as f64);
+    lines.iter_mut().for_each(|v| *v *= scale);
+    lines
+}
+
 /// Torques of the single periods, and the noise that their scatter shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scatter {
@@ -147,30 +167,18 @@ impl Scatter {
         usable: Vec<bool>,
         cancel: &CancelFlag,
     ) -> Self {
-        let (k, n) = (periods.count, periods.samples);
+        let n = periods.samples;
         let of_joint = |(tau, mean): (&Vec<f64>, &Vec<f64>)| {
             let used = usable.iter().filter(|&&u| u).count() as f64;
             // Every sample of the period spends one degree of freedom on its mean.
             let freedom = (used - n as f64).max(1.0);
             let std_dev = (periods.scatter_square(tau, mean, &usable) / freedom).sqrt();
-            let mut lines = vec![0.0; n / 2 + 1];
-            for (period, usable) in tau.chunks_exact(n).zip(usable.chunks_exact(n)) {
-                cancel.leave_if_set();
-                let values = period.iter().zip(mean).zip(usable);
-                let deviation = values.map(|((v, m), &used)| if used { v - m } else { 0.0 }).collect();
-                lines
-                    .iter_mut()
-                    .zip(forward_of(deviation))
-                    .for_each(|(sum, x)| *sum += x.norm_sqr());
-            }
-            // Mean over periods with K − 1 degrees of freedom is the noise of one period; the average has 1/K of it.
-            let scale = 1.0 / ((k - 1) as f64 * k as f64 * n as f64);
-            lines.iter_mut().for_each(|v| *v *= scale);
+            let lines = mean_spectrum(periods, tau, mean, &usable, cancel);
             (std_dev, lines)
         };
         let (std_dev, spectrum) = torque.par_iter().zip(mean).map(of_joint).unzip();
         Self {
-            periods: k,
+            periods: periods.count,
             torque,
             usable,
             std_dev,

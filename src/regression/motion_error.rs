@@ -13,7 +13,7 @@ use crate::regression::settings::SETTINGS;
 /// of the periods shows it. Errors of different joints and of different derivatives are taken for independent.
 ///
 /// The errors lie below the motion's highest frequency, where the model's columns lie as well: their variance is spread over few of the spectrum's lines, and counts by
-/// the density there ([`MotionError::density`](crate::preparation::MotionError)).
+/// the density there ([`MotionError`](crate::preparation::MotionError)).
 pub(crate) fn motion_error_variance(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
     let nothing = vec![0.0; model.robot.joint_count()];
     let repeating = stretches.iter().filter(|s| s.periods.len() >= 2);
@@ -37,7 +37,7 @@ fn of_stretch(model: &AugmentedModel, stretch: &Stretch) -> Vec<f64> {
         let clear = clear_of_reversals(stretch.motion.velocities(joint), stretch.periodic);
         for (order, size) in error.std_dev.iter().enumerate().filter(|(_, size)| **size > 0.0) {
             let off = disturbed(&motion, joint, order, *size);
-            let weight = stretch.repetitions() as f64 * (error.density(order) / samples_per_row).max(1.0);
+            let weight = stretch.repetitions() as f64 * (error.density[order] / samples_per_row).max(1.0);
             let sign = |m: &Motion, s: usize| Coulomb::Sign.value(m.velocities(joint)[s]);
             let rows: Vec<usize> = (0..at.len())
                 .filter(|&s| clear[at[s]] && sign(&motion, s) == sign(&off, s))
@@ -109,7 +109,7 @@ mod tests {
             });
             let error = MotionError {
                 std_dev: [1e-15; 3],
-                band: 0.01,
+                density: [1.0; 3],
             };
             let stretch = Stretch {
                 motion_error: vec![error; 2],

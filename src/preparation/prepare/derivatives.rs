@@ -9,7 +9,7 @@ use crate::preparation::filter::{
     LowPass, central_difference, central_difference_periodic, fourth_order_difference, fourth_order_difference_periodic,
     zero_phase,
 };
-use crate::preparation::fourier_fit::{FourierFit, fourier_fit};
+use crate::preparation::fourier_fit::fourier_fit;
 use crate::preparation::motion_error::MotionError;
 use crate::preparation::options::{Choice, FilterSpec, Method};
 use rayon::prelude::*;
@@ -42,14 +42,14 @@ impl Chain<'_> {
                 log: self.log.name.clone(),
             });
         };
-        let variance = |j: usize| record.position_variance.as_ref().map(|v| v[j]);
+        let noise = |j: usize| record.position_noise.as_ref().map(|v| &v[j]);
         let fits: Vec<_> = record
             .q
             .par_iter()
             .enumerate()
             .map(|(j, q)| {
                 self.cancel.leave_if_set();
-                fourier_fit(q, periods.period_s, variance(j), record.order)
+                fourier_fit(q, periods.period_s, noise(j), record.order)
             })
             .collect();
         let motion = Motion::from_fn(fits.len(), record.usable.len(), |j, s| {
@@ -64,7 +64,7 @@ impl Chain<'_> {
         }
         let highest = fits.iter().map(|f| f.highest).max().unwrap_or(0);
         let kept: Vec<usize> = fits.iter().map(|f| f.kept).collect();
-        let worst = fits.iter().map(|f| f.std_dev[2]).fold(0.0, f64::max);
+        let worst = fits.iter().map(|f| f.error.std_dev[2]).fold(0.0, f64::max);
         choices.push(Choice::new(
             "derivatives",
             format!("Fourier fit, harmonics per joint {kept:?}, highest {highest} ({:.2} Hz)", highest as f64 / periods.period_s),
@@ -73,12 +73,7 @@ impl Chain<'_> {
                  {worst:.2e} rad/s² (m/s²) of noise in the accelerations"
             ),
         ));
-        let samples = record.usable.len() as f64;
-        let error = |f: &FourierFit| MotionError {
-            std_dev: f.std_dev,
-            band: f.highest as f64 / samples,
-        };
-        Ok((motion, fits.iter().map(error).collect()))
+        Ok((motion, fits.into_iter().map(|f| f.error).collect()))
     }
 
     fn by_filter(

@@ -12,6 +12,7 @@ use crate::dynamics::Motion;
 use crate::model::INPUT_LIMITS;
 use crate::preparation::Log;
 use crate::preparation::filter::{LowPass, Padding};
+use crate::preparation::fourier_fit::PositionNoise;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -125,8 +126,8 @@ struct Record<'a> {
     periods: Option<Periods>,
     /// Highest harmonic of the excitation, where known.
     order: Option<usize>,
-    /// Variance of the mean positions, where periods scatter.
-    position_variance: Option<Vec<f64>>,
+    /// Noise of the mean positions, where periods scatter.
+    position_noise: Option<Vec<PositionNoise>>,
     scatter: Option<Scatter>,
 }
 

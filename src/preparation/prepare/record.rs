@@ -2,8 +2,9 @@
 
 use super::{Chain, Record};
 use crate::model::shortest;
-use crate::preparation::average::{Periods, Scatter};
+use crate::preparation::average::{Periods, Scatter, mean_spectrum};
 use crate::preparation::error::PreprocessError;
+use crate::preparation::fourier_fit::PositionNoise;
 use crate::preparation::options::{Choice, Period};
 use crate::preparation::period::{detect_period_until, repeats_with};
 use crate::preparation::spectrum::forward;
@@ -109,7 +110,7 @@ impl<'a> Chain<'a> {
             usable: self.log.usable.clone(),
             periods: None,
             order: None,
-            position_variance: None,
+            position_noise: None,
             scatter: None,
         }
     }
@@ -127,16 +128,19 @@ impl<'a> Chain<'a> {
                 .collect::<Vec<_>>()
         };
         let (q, tau) = (mean(&self.log.q), mean(&self.log.tau));
-        let position_variance = (k > 1).then(|| {
-            let variance = |(x, mean): (&Vec<f64>, &Vec<f64>)| {
+        let position_noise = (k > 1).then(|| {
+            let noise = |(x, mean): (&Vec<f64>, &Vec<f64>)| {
                 self.cancel.leave_if_set();
-                let sum = periods.scatter_square(&periods.unfold(x), mean, &usable);
-                let single = sum / ((k - 1) * n) as f64;
+                let unfolded = periods.unfold(x);
+                let single = periods.scatter_square(&unfolded, mean, &usable) / ((k - 1) * n) as f64;
                 // An encoder without noise rounds every period alike, and so their mean.
                 let alike = step_of(x, &self.log.usable).map_or(0.0, |step| rounded_alike(step, single.sqrt()));
-                single / k as f64 + alike
+                let mut spectrum = mean_spectrum(&periods, &unfolded, mean, &usable, self.cancel);
+                spectrum.iter_mut().for_each(|s| *s += alike);
+                let variance = single / k as f64 + alike;
+                PositionNoise { variance, spectrum }
             };
-            self.log.q.par_iter().zip(&q).map(variance).collect()
+            self.log.q.par_iter().zip(&q).map(noise).collect()
         });
         let torque = || self.log.tau.par_iter().map(|x| periods.unfold(x).into_owned()).collect();
         let scatter = (k > 1).then(|| Scatter::new(&periods, torque(), &tau, usable.clone(), self.cancel));
@@ -161,7 +165,7 @@ impl<'a> Chain<'a> {
             usable: (0..n).map(|i| (i..k * n).step_by(n).any(|s| usable[s])).collect(),
             periods: Some(periods),
             order,
-            position_variance,
+            position_noise,
             scatter,
         }
     }
