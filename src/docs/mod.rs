@@ -17,3 +17,6 @@ pub mod formats {}
 
 #[doc = include_str!("service.md")]
 pub mod service {}
+
+#[doc = include_str!("performance.md")]
+pub mod performance {}
