@@ -12,6 +12,13 @@ from urllib.parse import urlsplit
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import sync_playwright
 
+from watch import watch
+
+# --no-sandbox: containers run as root. No GPU: the same pictures everywhere. Containers have little shared memory.
+FLAGS = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage"]
+# Milliseconds that Playwright waits for one thing, and seconds that a program may take.
+LONGEST_WAIT = 120_000
+LONGEST_RUN_S = 120
 # Of text on its ground in both themes (WCAG 2, level AA).
 LEAST_CONTRAST = 4.5
 PAIRS = [("--ink", "--ground"), ("--ink", "--card"), ("--soft", "--card"), ("--soft", "--ground"), ("--soft", "--sunk"), ("--accent", "--card"),
@@ -19,6 +26,8 @@ PAIRS = [("--ink", "--ground"), ("--ink", "--card"), ("--soft", "--card"), ("--s
 
 
 def arguments():
+    """The options of a script, which is watched from here on."""
+    watch()
     parser = argparse.ArgumentParser()
     parser.add_argument("--server", required=True)
     parser.add_argument("--program", required=True)
@@ -29,20 +38,23 @@ def arguments():
     return parser.parse_args()
 
 
+def launch(playwright, *flags):
+    return playwright.chromium.launch(executable_path="/usr/bin/chromium", args=[*FLAGS, *flags])
+
+
 @contextlib.contextmanager
 def browser_page(options):
     """A page that fails on errors of scripts and on anything it asks of another server."""
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
-        # --no-sandbox: containers run as root. No GPU: the same pictures everywhere.
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"])
+        browser = launch(playwright)
         phone = options.width < 500
         # A phone in the dark theme, a laptop in the light one.
         context = browser.new_context(viewport={"width": options.width, "height": options.height}, is_mobile=phone, has_touch=phone, accept_downloads=True, color_scheme="dark" if phone else "light",
                                       reduced_motion="reduce")
         if options.assets:
             context.route(f"{options.server}/**", lambda route: from_disk(route, options))
+        context.set_default_timeout(LONGEST_WAIT)
         page = context.new_page()
-        page.set_default_timeout(120_000)
         page.trouble = []
         page.folder = Path(folder)
         page.on("pageerror", lambda e: page.trouble.append(f"script: {e}"))
@@ -71,7 +83,9 @@ def from_disk(route, options):
 def settle(page):
     """Every plot of the page is scrolled to and drawn."""
     page.evaluate("""async (longest) => {
-        const frame = () => new Promise(requestAnimationFrame);
+        const frame = () => new Promise((done, failed) => {
+            const late = setTimeout(() => failed(new Error(`no frame within ${longest} ms`)), longest);
+            requestAnimationFrame(() => { clearTimeout(late); done(); }); });
         const open = () => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.closest('[hidden]') === null && !p.querySelector('.main-svg'));
         // Two frames, so that what observes the window has seen this part; again where plots came in meanwhile.
         for (const begun = performance.now(); ;) {
@@ -199,5 +213,5 @@ def simulate(options, robot, request, out):
     """A log of a virtual robot."""
     document = out.with_suffix(".request.json")
     document.write_text(json.dumps(request))
-    subprocess.run([options.program, "simulate", "--robot", robot, "--request", str(document), "--out", str(out)], check=True, capture_output=True)
+    subprocess.run([options.program, "simulate", "--robot", robot, "--request", str(document), "--out", str(out)], check=True, capture_output=True, timeout=LONGEST_RUN_S)
     return out

@@ -2,7 +2,7 @@
 
 import subprocess
 
-from browser import arguments, browser_page, check, check_accessible, settle, simulate
+from browser import LONGEST_RUN_S, arguments, browser_page, check, check_accessible, settle, simulate
 
 NOISE = [0.3, 0.2]
 
@@ -17,7 +17,7 @@ def pictures(options, path, folder):
     out = folder / f"pictures-{path.stem}"
     command = [options.program, "identify", "--robot", "planar_two_link", "--log", str(path), "--validation", str(path), "--out", str(folder / "result.json"),
                "--report", str(folder / "report.html"), "--plots", str(out)]
-    ran = subprocess.run(command, capture_output=True, text=True)
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_RUN_S)
     assert ran.returncode == 0, ran.stderr
     assert len(list(out.iterdir())) >= 3 and (folder / "report.html").stat().st_size > 10_000
 

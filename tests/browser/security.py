@@ -6,7 +6,7 @@ import json
 import threading
 import urllib.request
 
-from browser import arguments
+from browser import arguments, launch
 from playwright.sync_api import sync_playwright
 
 DESIGN = {"robot": "planar_two_link", "fourier": {"order": 2, "fundamental_hz": 0.2}, "sample_rate_hz": 20, "search": {"seed": 1, "max_evaluations": 50, "starts": 1}}
@@ -147,7 +147,7 @@ def main():
         rules = "MAP evil.example 127.0.0.1, MAP other.example 127.0.0.1"
         # What newer versions of the browser refuse by themselves is allowed here: others do not.
         trusting = "LocalNetworkAccessChecks,BlockInsecurePrivateNetworkRequests,PrivateNetworkAccessForNavigations"
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu", f"--host-resolver-rules={rules}", f"--disable-features={trusting}"])
+        browser = launch(playwright, f"--host-resolver-rules={rules}", f"--disable-features={trusting}")
         # Another port of this machine, another name of it, another site.
         for site in ["127.0.0.1", "localhost", "other.example"]:
             page = browser.new_page()

@@ -1,6 +1,6 @@
 """What every page weighs on its first visit, as it is sent, and when its first content is on the screen."""
 
-from browser import arguments
+from browser import arguments, launch
 from playwright.sync_api import sync_playwright
 
 # kB as sent: pages of forms and lists, and those with 3-D views (three.js); plots are read when a result is drawn.
@@ -27,7 +27,7 @@ def visit(browser, address):
 def main():
     options = arguments()
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"])
+        browser = launch(playwright)
         for path, heaviest in PAGES.items():
             visits = [visit(browser, options.server + path) for _ in range(3)]
             weight, first = visits[0][0], min(v[1] for v in visits)
