@@ -88,9 +88,8 @@ def settle(page):
             requestAnimationFrame(() => { clearTimeout(late); done(); }); });
         const open = () => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.closest('[hidden]') === null && !p.querySelector('.main-svg'));
         // Two frames, so that what observes the window has seen this part; again where plots came in meanwhile.
-        for (const begun = performance.now(); ;) {
-            for (let y = 0; y < document.documentElement.scrollHeight; y += innerHeight - 50) { window.scrollTo(0, y); await frame(); await frame(); }
-            if (!open().length) break;
+        for (const begun = performance.now(); open().length;) {
+            for (const plot of open()) { plot.scrollIntoView({behavior: 'instant', block: 'center'}); await frame(); await frame(); }
             if (performance.now() - begun > longest) throw new Error(`not drawn: ${open().map(p => p.dataset.label)}`);
         }
         window.scrollTo(0, 0); }""", 60_000)
@@ -143,25 +142,40 @@ def check_helped(page, name):
 
 def check_accessible(page, name):
     """What axe-core finds by WCAG 2.1, levels A and AA; contrast in the other theme as well. What plotly.js draws is named as one picture."""
-    context = {"exclude": [[".js-plotly-plot"]]}
     rules = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"], "resultTypes": ["violations"]}
-    found = violations(page, context, rules)
+    found = violations(page, rules)
     assert not found, f"{name}: {found}"
     other = page.evaluate("""() => { const other = matchMedia('(prefers-color-scheme: dark)').matches ? 'light' : 'dark';
         document.documentElement.dataset.theme = other; return other; }""")
-    found = violations(page, context, {"runOnly": {"type": "rule", "values": ["color-contrast"]}, "resultTypes": ["violations"]})
+    found = violations(page, {"runOnly": {"type": "rule", "values": ["color-contrast"]}, "resultTypes": ["violations"]}, ONE_PER_COLOURS)
     page.evaluate("delete document.documentElement.dataset.theme")
     assert not found, f"{name}, {other}: {found}"
+
+
+# One part with text of its own for every combination of size, weight, colour, and grounds below it: looking at all of a long page again takes seconds.
+ONE_PER_COLOURS = """() => {
+    const [dressed, grounds] = [new Map(), new Map()];
+    const ground = (e) => {
+        if (!e) return '';
+        if (!grounds.has(e)) { const s = getComputedStyle(e); grounds.set(e, `${ground(e.parentElement)} ${s.backgroundColor} ${s.backgroundImage} ${s.opacity}`.replaceAll(' rgba(0, 0, 0, 0) none 1', '')); }
+        return grounds.get(e); };
+    for (const e of document.querySelectorAll('body *')) {
+        if (!e.checkVisibility() || !(e.matches('input, select, textarea') || [...e.childNodes].some(n => n.nodeType === 3 && n.data.trim()))) continue;
+        const s = getComputedStyle(e);
+        const key = `${s.color} ${s.fontSize} ${s.fontWeight} ${ground(e)}`;
+        if (!dressed.has(key)) dressed.set(key, e);
+    }
+    return [...dressed.values()]; }"""
 
 
 AXE = Axe().axe_script
 
 
-def violations(page, context, rules):
-    """What axe-core finds; its program is read once per page."""
+def violations(page, rules, parts="() => document"):
+    """What axe-core finds in parts of the page; its program is read once per page."""
     if not page.evaluate("'axe' in window"):
         page.evaluate(AXE)
-    found = page.evaluate("([context, rules]) => axe.run(context, rules)", [context, rules])
+    found = page.evaluate(f"rules => axe.run({{include: ({parts})(), exclude: ['.js-plotly-plot']}}, rules)", rules)
     return [(v["id"], v["help"], [n["html"][:140] for n in v["nodes"][:4]]) for v in found["violations"]]
 
 
