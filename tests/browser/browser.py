@@ -115,6 +115,7 @@ def check(page, name):
         return [...document.querySelectorAll('[data-term]')].map(e => e.dataset.term).filter(key => !known.has(key)).concat([...document.querySelectorAll('main th[title]')].map(e => e.title)) }""")
     assert not unknown, f"{name}: terms without an explanation: {unknown}"
     check_helped(page, name)
+    check_heads(page, name)
     check_accessible(page, name)
     for label, titles in axes:
         assert label, f"{name}: a plot without a label for those who do not see it"
@@ -138,6 +139,20 @@ def check_helped(page, name):
         return [label, Boolean(part.querySelector('[data-term], .help') ?? table?.querySelector('th [data-term]') ?? part.parentElement.querySelector('.labelled [data-term]'))]; })""")
     bare = [label for label, helped in found if not helped and label not in PLAIN]
     assert not bare, f"{name}: drop-downs without help: {bare}"
+
+
+# Heads of tables that need no help, without their units.
+PLAIN_HEADS = {"Joint", "Joints", "Robot", "Log", "Logs", "Run", "Name", "Unit", "File", "Bytes", "Link", "Parameter", "Value", "Value so far", "Sum", "At", "On", "With", "From", "Link of", "Step", "Choice", "Reason",
+               "Column", "Series", "First values", "Data", "Limit", "Allowed", "Reached", "Required", "Position", "Positions", "Velocity", "Acceleration", "Torque", "Torques", "Top speed", "Prior mass",
+               "Mass", "Centre of mass x", "Centre of mass y", "Centre of mass z", "x", "y", "z", "from", "to", "velocity", "acceleration", "torque", "Criterion", "Meaning", "Choose it when", "Limitation",
+               "Design", "This one", "The other", "With the effects", "Evidence", "Started", "Ended", "Identification"}
+
+
+def check_heads(page, name):
+    """Every head of a column has help, or is a plain word or a name that the user gave."""
+    bare = page.evaluate("""() => [...document.querySelectorAll('main th[scope=col]')].filter(e => !e.querySelector('[data-term], .unseen') && e.dataset.own === undefined).map(e => e.textContent.trim().replace(/ \\(.*\\)$/, ''))""")
+    unknown = sorted({head for head in bare if head not in PLAIN_HEADS})
+    assert not unknown, f"{name}: heads without help: {unknown}"
 
 
 def check_accessible(page, name):

@@ -102,7 +102,7 @@ function evidence(result) {
     h('p', { class: 'soft' }, r.nested ? `${words(on(special))} is a special case of ${on(general)}: if it is the true one both fit on any motion, the additional parameter of the other is estimated as zero within the deviations under “Accuracy”, and the odds for the simpler one grow slowly. ${cases.length === 1 ? 'The difference in BIC is given for the other case.' : 'The difference in BIC for it is that against the other with values that are physically possible.'} ` : 'The difference in BIC is given for either being the true one; the smaller of the two counts. ', 'Right of the dashed line (20 to 1) the wrong one is excluded.'),
     r.decides ? null : h('div', { class: 'notice' }, h('p', {}, 'This motion does not separate them. Record more periods, search longer, or allow a start at rest anywhere; otherwise the two differ by less than the noise.')),
     chart,
-    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], stages, { caption: 'Expected difference in BIC, with the odds' })),
+    h('details', {}, h('summary', {}, 'As a table'), table([{ head: 'Data', cell: (t) => t[1] }, ...cases.map(([key, cause]) => ({ head: `If it is ${on(cause)}`, term: 'rival_evidence', number: true, cell: ([k]) => `${number(of(k)[key], 3)}: ${odds(of(k)[key])}` }))], stages, { caption: 'Expected difference in BIC, with the odds' })),
     goingOn(result));
 }
 
@@ -129,7 +129,7 @@ function criteria(result) {
 function clearances(result, played) {
   if (!result.clearances?.length) return null;
   return section('clearances', [term('clearance', 'Clearances')], table([
-    { head: 'Link of', cell: (c) => c.joint, sort: (c) => c.joint }, { head: 'From', cell: (c) => c.from, sort: (c) => c.from }, { head: 'Least distance', number: true, cell: (c) => `${number(c.least, 3)} m`, sort: (c) => c.least },
+    { head: 'Link of', cell: (c) => c.joint, sort: (c) => c.joint }, { head: 'From', cell: (c) => c.from, sort: (c) => c.from }, { head: 'Least distance', term: 'clearance', number: true, cell: (c) => `${number(c.least, 3)} m`, sort: (c) => c.least },
     { head: 'Proven above', number: true, cell: (c) => `${number(c.certified, 3)} m`, sort: (c) => c.certified, term: 'proven' },
     { head: 'Required', number: true, cell: (c) => `${number(c.asked, 3)} m`, sort: (c) => c.asked }, { head: 'At', number: true, cell: (c) => `${number(c.at_s)} s`, sort: (c) => c.at_s }, { head: 'Show', hidden: true, cell: (c) => h('button', { type: 'button', class: 'link', 'aria-label': `Show ${c.joint} and ${c.from}`, onclick: () => played.goTo(c) }, 'Show') },
   ], result.clearances, { caption: 'Between links, and from obstacles', sort: { column: 2, way: 'ascending' } }));
@@ -150,7 +150,7 @@ function margins(result) {
     { head: 'Joint', cell: (m) => m.joint, sort: (m) => m.joint }, { head: 'Limit', cell: (m) => `${m.quantity}, ${m.side}`, sort: (m) => m.quantity },
     { head: 'Allowed', number: true, cell: (m) => `${number(m.limit)} ${unit(m.unit)}`, sort: (m) => m.limit }, { head: 'Reached', number: true, cell: (m) => number(m.peak), sort: (m) => m.peak },
     { head: 'Proven below', number: true, cell: (m) => number(m.certified_peak), sort: (m) => m.certified_peak, term: 'proven' },
-    { head: 'At', number: true, cell: (m) => `${number(m.at_s)} s`, sort: (m) => m.at_s }, { head: 'Left', number: true, cell: (m) => `${number(100 * m.margin, 3)} %`, sort: (m) => m.margin },
+    { head: 'At', number: true, cell: (m) => `${number(m.at_s)} s`, sort: (m) => m.at_s }, { head: 'Left', term: 'limit_margin', number: true, cell: (m) => `${number(100 * m.margin, 3)} %`, sort: (m) => m.margin },
   ], result.margins, { caption: 'Margins to both sides of every limit', sort: { column: 6, way: 'ascending' } })));
 }
 
@@ -174,9 +174,9 @@ function accuracy(result, known) {
   return section('accuracy', [term('std_dev', 'Predicted accuracy'), ' of the parameters'],
     h('p', { class: 'soft' }, `Standard deviations from one period, with torque noise of ${noise.map((n) => number(n, 3)).join(', ')} N·m (N for prismatic joints). ${relative ? 'Relative to the values known beforehand.' : ''} Ten periods make them smaller by √10.`),
     chart, h('details', {}, h('summary', {}, 'As a table'), table([
-      { head: 'Parameter', cell: (r) => h('span', { title: r.expression }, r.name), sort: (r) => r.name },
-      { head: 'Standard deviation', number: true, cell: (r) => `${number(r.deviation, 3)} ${r.unit}`, sort: (r) => r.deviation },
-      { head: 'Of its value', number: true, cell: (r) => (r.relative === null || r.relative === undefined ? '–' : `${number(r.relative, 3)} %`), sort: (r) => r.relative },
+      { head: 'Parameter', term: 'base_parameters', cell: (r) => h('span', { title: r.expression }, r.name), sort: (r) => r.name },
+      { head: 'Standard deviation', term: 'std_dev', number: true, cell: (r) => `${number(r.deviation, 3)} ${r.unit}`, sort: (r) => r.deviation },
+      { head: 'Of its value', term: 'relative_std_dev', number: true, cell: (r) => (r.relative === null || r.relative === undefined ? '–' : `${number(r.relative, 3)} %`), sort: (r) => r.relative },
     ], rows, { caption: 'Predicted standard deviations' })), effectAccuracy(result));
 }
 
@@ -184,8 +184,8 @@ function accuracy(result, known) {
 function effectAccuracy(result) {
   const rows = (result.effects ?? []).flatMap((e) => e.parameters.map((p) => ({ effect: words(on(e)), ...p })));
   return rows.length ? table([
-    { head: 'Effect', cell: (r) => r.effect }, { head: 'Parameter', cell: (r) => words(r.name) }, { head: 'Value so far', number: true, cell: (r) => `${number(r.value)} ${unit(r.unit === '1' ? '' : r.unit)}` },
-    { head: 'Standard deviation', number: true, cell: (r) => number(r.std_dev, 2) },
+    { head: 'Effect', term: 'effect', cell: (r) => r.effect }, { head: 'Parameter', cell: (r) => words(r.name) }, { head: 'Value so far', number: true, cell: (r) => `${number(r.value)} ${unit(r.unit === '1' ? '' : r.unit)}` },
+    { head: 'Standard deviation', term: 'std_dev', number: true, cell: (r) => number(r.std_dev, 2) },
   ], rows, { caption: result.rivals ? 'Effects of the model, and the rival in the place of the finding' : 'Effects of the model, with their accuracy after the next log' }) : null;
 }
 
@@ -208,8 +208,8 @@ function coefficients(result, drawn) {
   return section('coefficients', 'Coefficients', h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Form of the motion' }, fourierSeries(number(result.fundamental_hz))),
     h('p', { class: 'soft' }, `q₀: ${result.offset.map((o, j) => `${result.joints[j]} ${number(o)} ${drawn.joints[j].position_unit}`).join(', ')}`),
     h('details', {}, h('summary', {}, 'As a table'), table([
-      { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint }, { head: 'l', number: true, cell: (r) => r.l, sort: (r) => r.l },
-      { head: 'a', number: true, cell: (r) => `${number(r.a, 6)} ${r.unit}`, sort: (r) => r.a }, { head: 'b', number: true, cell: (r) => `${number(r.b, 6)} ${r.unit}`, sort: (r) => r.b },
+      { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint }, { head: 'l', term: 'harmonics', number: true, cell: (r) => r.l, sort: (r) => r.l },
+      { head: 'a', term: 'fourier_coefficients', number: true, cell: (r) => `${number(r.a, 6)} ${r.unit}`, sort: (r) => r.a }, { head: 'b', term: 'fourier_coefficients', number: true, cell: (r) => `${number(r.b, 6)} ${r.unit}`, sort: (r) => r.b },
     ], rows, { caption: 'Fourier coefficients: amplitudes of velocity' })));
 }
 

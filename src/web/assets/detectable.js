@@ -38,19 +38,19 @@ export function detectable(result) {
 
 function sizes(d) {
   return table([
-    { head: 'Effect', cell: (e) => effectName(e.effect), sort: (e) => e.effect },
+    { head: 'Effect', term: 'effect', cell: (e) => effectName(e.effect), sort: (e) => e.effect },
     { head: 'On', cell: (e) => place(e.joints), sort: (e) => place(e.joints) },
-    { head: 'Smallest size', number: true, cell: (e) => (e.size === null ? h('span', { class: 'soft' }, HIDDEN[e.hidden] ?? e.hidden) : `${words(e.parameter).toLowerCase()} ${size(e.size, e.unit)}`), sort: (e) => e.size },
+    { head: 'Smallest size', term: 'detectable', number: true, cell: (e) => (e.size === null ? h('span', { class: 'soft' }, HIDDEN[e.hidden] ?? e.hidden) : `${words(e.parameter).toLowerCase()} ${size(e.size, e.unit)}`), sort: (e) => e.size },
     { head: 'With', cell: (e) => h('span', { class: 'soft' }, e.size === null ? '' : others(e)) },
   ], d.effects, { caption: 'Smallest detectable size of every effect' });
 }
 
 function pairs(d) {
   return table([
-    { head: 'Effect', cell: (p) => words(p.effect), sort: (p) => p.effect },
+    { head: 'Effect', term: 'effect', cell: (p) => words(p.effect), sort: (p) => p.effect },
     { head: 'On', cell: (p) => place(p.joints), sort: (p) => place(p.joints) },
-    { head: 'Confused with', cell: (p) => `${words(p.rival)} on ${place(p.rival_joints)}`, sort: (p) => p.rival },
-    { head: 'Correlation', number: true, cell: (p) => number(p.correlation, 3), sort: (p) => p.correlation },
-    { head: 'Separated from', number: true, cell: (p) => (p.told_apart_from === null ? 'no size' : `${words(p.parameter).toLowerCase()} ${size(p.told_apart_from, p.unit)}`), sort: (p) => p.told_apart_from },
+    { head: 'Confused with', term: 'rival', cell: (p) => `${words(p.rival)} on ${place(p.rival_joints)}`, sort: (p) => p.rival },
+    { head: 'Correlation', term: 'correlation', number: true, cell: (p) => number(p.correlation, 3), sort: (p) => p.correlation },
+    { head: 'Separated from', term: 'detectable', number: true, cell: (p) => (p.told_apart_from === null ? 'no size' : `${words(p.parameter).toLowerCase()} ${size(p.told_apart_from, p.unit)}`), sort: (p) => p.told_apart_from },
   ], d.pairs, { caption: 'Effects that are not separated' });
 }

@@ -104,12 +104,12 @@ export const labelled = (text, id, key) => h('span', { class: 'labelled' }, h('l
 export const figure = (name, value, note) =>
   h('div', { class: 'figure' }, h('dt', {}, name), h('dd', {}, value, note ? [' ', h('small', {}, note)] : null));
 
-/** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, term, hidden}; `term`: key in the glossary. */
+/** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, term, hidden, own}; `term`: key in the glossary; `own`: the head is a name that the user gave. */
 export function table(columns, rows, { caption, sort } = {}) {
   const body = h('tbody');
   const show = (list) => fill(body, list.map((row) => h('tr', {}, columns.map((c) => h('td', { class: c.number ? 'number' : null }, c.cell(row))))));
   const heads = columns.map((column) => {
-    const head = h('th', { scope: 'col', class: column.number ? 'number' : null });
+    const head = h('th', { scope: 'col', class: column.number ? 'number' : null, 'data-own': column.own });
     if (column.sort) head.append(h('button', { type: 'button', class: 'sort', onclick: () => order(column, head) }, column.head), column.term ? mark(column.term, column.head) : '');
     else head.append(column.hidden ? h('span', { class: 'unseen' }, column.head) : column.term ? term(column.term, column.head) : column.head);
     return head;

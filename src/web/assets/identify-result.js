@@ -35,7 +35,7 @@ export async function showIdentification(target, result) {
 export function showValidation(target, result, made) {
   const effort = result.joints.map((_, j) => (made?.provenance ? { prismatic: 'N' }[made.provenance.robot.joints[j].kind] ?? 'N·m' : 'N·m or N'));
   const rows = result.logs.map((log) => ({ log: log.name, ...log }));
-  const joint = (name, j) => ({ head: name, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
+  const joint = (name, j) => ({ head: name, own: true, number: true, cell: (r) => h('span', {}, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   const worst = result.logs[0]?.percent ?? [];
   const origin = made ? h('p', {}, 'The model is that of ', h('a', { href: `/identification?id=${made.id}` }, `an identification from ${made.provenance.logs.filter((l) => l.role === 'identification').map((l) => l.file).join(', ')}`), '.') : null;
   fill(target, changes(result.residual), section('errors', `${result.robot}: the model against ${result.logs.map((l) => l.name).join(', ')}`, origin, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for prismatic joints), of the model as it is, with its effects; below it the share of the torque’s own. Changes are searched for with the model’s parameters free within their standard deviations, and reported in errors of single measurements.'),
@@ -85,7 +85,7 @@ function effectsFound(result) {
   const rows = result.effects.flatMap((e) => e.parameters.map((p) => ({ ...e, p })));
   if (!rows.length) return null;
   return section('effects', [term('effect', 'Effects'), ' beside the declared model'], h('p', { class: 'soft' }, 'Estimated together with the base parameters.'), table([
-    { head: 'Effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
+    { head: 'Effect', term: 'effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
     { head: 'Parameter', cell: (r) => parameterName(r.effect, r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', term: 'in_model', cell: (r) => (!r.in_model ? 'no' : r.finding ? 'yes' : 'yes, not significant alone') },
   ], rows, { caption: 'Effects, with one standard deviation' }));
 }
@@ -120,22 +120,22 @@ function errors(result, effort) {
   const rows = ['identification', 'validation'].flatMap((role) => result.rms[role].flatMap((log, i) =>
     [['declared', declared(role, i)], ['base', log.base], ['physical', log.physical]].filter(([, e]) => e).map(([model, e]) => ({ role, log: log.name, model, ...e }))));
   const short = shortNames(result.joints);
-  const joint = (name, j) => ({ head: `${short[j]} (${effort[j]})`, number: true, cell: (r) => h('span', { title: `${number(r.percent[j], 3)} % of its own RMS` }, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
+  const joint = (name, j) => ({ head: `${short[j]} (${effort[j]})`, own: true, number: true, cell: (r) => h('span', { title: `${number(r.percent[j], 3)} % of its own RMS` }, number(r.rms[j], 3), h('br'), h('small', { class: 'soft' }, `${number(r.percent[j], 2)} %`)), sort: (r) => r.rms[j] });
   const none = result.rms.validation.length ? null : h('div', { class: 'notice' }, h('p', {}, 'There was no validation log: these are errors on the identification data.'));
   return section('errors', [term('rms_error', 'Errors'), ' per joint'], none, h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque; below it the share of the torque’s own root mean square.'), h('p', { class: 'soft', id: 'which-errors' }, whichErrors(result)),
-    table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, { head: 'Model', term: 'declared_model', cell: (r) => r.model, sort: (r) => r.model }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' }),
+    table([{ head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', term: 'log_role', cell: (r) => r.role, sort: (r) => r.role }, { head: 'Model', term: 'declared_model', cell: (r) => r.model, sort: (r) => r.model }, ...result.joints.map(joint), { head: 'Sum', number: true, cell: (r) => number(r.sum, 3), sort: (r) => r.sum }], rows, { caption: 'RMS errors' }),
     h('h3', {}, 'Noise'), table([
-      { head: 'Joint', cell: (n) => n.joint, sort: (n) => n.joint }, { head: 'Residual RMS', number: true, cell: (n) => number(n.residual_rms, 3), sort: (n) => n.residual_rms },
+      { head: 'Joint', cell: (n) => n.joint, sort: (n) => n.joint }, { head: 'Residual RMS', term: 'rms_error', number: true, cell: (n) => number(n.residual_rms, 3), sort: (n) => n.residual_rms },
       { head: 'Noise', number: true, cell: (n) => number(n.noise_std, 3), sort: (n) => n.noise_std, term: 'noise_floor' }, { head: 'Lack of fit', number: true, cell: (n) => number(n.misfit, 3), sort: (n) => n.misfit, term: 'lack_of_fit' },
-      { head: 'Rows', number: true, cell: (n) => n.rows.toLocaleString(), sort: (n) => n.rows }, { head: 'Effective rows', number: true, cell: (n) => number(n.effective_rows, 3), sort: (n) => n.effective_rows, term: 'rows' },
+      { head: 'Rows', term: 'rows', number: true, cell: (n) => n.rows.toLocaleString(), sort: (n) => n.rows }, { head: 'Effective rows', number: true, cell: (n) => number(n.effective_rows, 3), sort: (n) => n.effective_rows, term: 'rows' },
     ], result.noise, { caption: 'Noise of the fitted rows, per joint' }));
 }
 
 function logs(result) {
   const one = (log) => h('div', {}, h('h3', {}, log.file), h('p', { class: 'soft' }, `${log.rows_used.toLocaleString()} of ${log.rows.toLocaleString()} rows, ${number(log.sample_rate_hz)} Hz, ${number(log.duration_s)} s, ${log.role}`),
     log.findings.length ? h('div', { class: 'notice' }, log.findings.map((f) => h('p', {}, h('strong', {}, faultName(f.code)), `, ${f.count}: `, said(f.detail)))) : null,
-    h('details', {}, h('summary', {}, 'Preparation'), table([{ head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => said(c.why) }], log.choices, { caption: 'Decisions of the preparation' })));
-  const origin = result.provenance ? h('details', {}, h('summary', {}, 'Reproduction'), table([{ head: 'File', cell: (l) => l.file }, { head: 'Bytes', number: true, cell: (l) => l.bytes.toLocaleString() }, { head: 'SHA-256', cell: (l) => h('span', { class: 'mono' }, l.sha256) }], result.provenance.logs, { caption: `dynident ${result.provenance.version}` }),
+    h('details', {}, h('summary', {}, 'Preparation'), table([{ head: 'Step', term: 'preparation', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => said(c.why) }], log.choices, { caption: 'Decisions of the preparation' })));
+  const origin = result.provenance ? h('details', {}, h('summary', {}, 'Reproduction'), table([{ head: 'File', cell: (l) => l.file }, { head: 'Bytes', number: true, cell: (l) => l.bytes.toLocaleString() }, { head: 'SHA-256', term: 'checksum', cell: (l) => h('span', { class: 'mono' }, l.sha256) }], result.provenance.logs, { caption: `dynident ${result.provenance.version}` }),
     h('pre', { tabindex: 0 }, JSON.stringify(result.provenance.request, null, 1))) : null;
   return section('logs', 'Logs', result.log_report.map(one), origin);
 }

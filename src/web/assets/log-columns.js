@@ -7,6 +7,9 @@ const SHOWN = { 'N m': 'N·m', 'mN m': 'mN·m', 'kN m': 'kN·m', us: 'µs' };
 const QUANTITIES = ['position', 'torque', 'velocity'];
 const STANDARD = { time: /^(time|t)$/i, position: /^q\d+$/i, velocity: /^qd\d+$/i, torque: /^tau\d+$/i };
 
+/** Heads that are terms. */
+const HEADS = { 'Used as': 'column_use', 'Scale and sign': 'column_scale', Becomes: 'column_unit' };
+
 export class LogColumns {
   /** `changed` is called when the mapping has changed. */
   constructor(place, changed) {
@@ -101,7 +104,7 @@ export class LogColumns {
 
   table(columns, label) {
     const heads = ['Column', 'Used as', 'Series', 'Scale and sign', 'Becomes', 'First values'];
-    return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t === 'Used as' ? term('column_use', t) : t)))),
+    return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, HEADS[t] ? term(HEADS[t], t) : t)))),
       h('tbody', {}, columns.map((c) => h('tr', {}, h('th', { scope: 'row', class: 'mono' }, c.name), h('td', {}, this.role(c)), h('td', {}, spark(c)), h('td', {}, this.factor(c)), h('td', { class: 'soft nowrap' }, this.becomes(c)), h('td', { class: 'mono soft nowrap' }, c.shown.map(brief).join('  ')))))));
   }
 

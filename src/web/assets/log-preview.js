@@ -31,7 +31,7 @@ function columns(found) {
 
 function choices(list) {
   return h('details', {}, h('summary', {}, 'Preparation'), table([
-    { head: 'Step', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => said(c.why) },
+    { head: 'Step', term: 'preparation', cell: (c) => step(c.what) }, { head: 'Choice', cell: (c) => c.value }, { head: 'Reason', cell: (c) => said(c.why) },
   ], list, { caption: 'Decisions of the preparation' }));
 }
 
@@ -46,7 +46,7 @@ function motion(log, index) {
   }));
   return h('div', {}, h('h3', { id: `motion-${index}` }, 'Motion and torque, as read'), chart, h('details', {}, h('summary', {}, 'Per joint'), table([
     { head: 'Joint', cell: (j) => j.joint }, { head: 'Positions', number: true, cell: (j) => `${number(j.position_range[0], 3)} … ${number(j.position_range[1], 3)} ${j.position_unit}` },
-    { head: 'Of its range', number: true, cell: (j) => (j.range_used === null ? '–' : `${number(100 * j.range_used, 2)} %`), sort: (j) => j.range_used },
+    { head: 'Of its range', term: 'range_used', number: true, cell: (j) => (j.range_used === null ? '–' : `${number(100 * j.range_used, 2)} %`), sort: (j) => j.range_used },
     { head: 'Top speed', number: true, cell: (j) => `${number(j.top_speed, 3)} ${perSecond(j.position_unit, 1)}`, sort: (j) => j.top_speed },
     { head: 'Torques', number: true, cell: (j) => `${number(j.torque_range[0], 3)} … ${number(j.torque_range[1], 3)} ${unit(j.effort_unit)}` },
   ], log.joints, { caption: 'Ranges in SI units' })));

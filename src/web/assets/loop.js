@@ -75,7 +75,7 @@ function survivals(f) {
   if (!f.survivals?.length) return null;
   const lost = f.survivals.filter((s) => !s.survives).length;
   return h('details', {}, h('summary', {}, lost ? `Not found in ${lost} of ${f.survivals.length} changed copies of the data` : `Found in all ${f.survivals.length} changed copies of the data`),
-    table([{ head: 'Change of the data', term: 'survival', cell: (s) => words(s.perturbation) }, { head: 'Finding', cell: (s) => h('span', { class: `tag ${s.survives ? 'good' : 'warn'}` }, s.survives ? 'found again' : 'not found') }], f.survivals, { caption: 'The same diagnosis from changed data' }));
+    table([{ head: 'Change of the data', term: 'survival', cell: (s) => words(s.perturbation) }, { head: 'Finding', term: 'finding', cell: (s) => h('span', { class: `tag ${s.survives ? 'good' : 'warn'}` }, s.survives ? 'found again' : 'not found') }], f.survivals, { caption: 'The same diagnosis from changed data' }));
 }
 
 function rivals(context, f, index) {
@@ -123,7 +123,7 @@ function heldOutTable(report) {
   const [kind, text] = HELD_OUT[held.verdict];
   return h('div', { id: 'held-out' }, h('p', {}, h('span', { class: `tag ${kind}` }, text), [' ', said(`Held-out data: ${held.source}.`)]), table([
     { head: 'Joint', cell: (j) => j.joint, sort: (j) => j.joint }, { head: 'Declared model', term: 'declared_model', number: true, cell: (j) => number(j.before, 3), sort: (j) => j.before }, { head: 'With the effects', number: true, cell: (j) => number(j.after, 3), sort: (j) => j.after },
-    { head: 'Noise floor', term: 'noise_floor', number: true, cell: (j) => number(j.floor, 3), sort: (j) => j.floor }, { head: 'Change', cell: (j) => h('span', { class: `tag ${{ better: 'good', worse: 'bad' }[j.change] ?? ''}` }, changed(j.change)) }, { head: 'p', term: 'p_value', number: true, cell: (j) => (j.p_value < 1e-12 ? '< 10⁻¹²' : number(j.p_value, 2)), sort: (j) => j.p_value },
+    { head: 'Noise floor', term: 'noise_floor', number: true, cell: (j) => number(j.floor, 3), sort: (j) => j.floor }, { head: 'Change', term: 'held_out', cell: (j) => h('span', { class: `tag ${{ better: 'good', worse: 'bad' }[j.change] ?? ''}` }, changed(j.change)) }, { head: 'p', term: 'p_value', number: true, cell: (j) => (j.p_value < 1e-12 ? '< 10⁻¹²' : number(j.p_value, 2)), sort: (j) => j.p_value },
   ], held.joints, { caption: 'Held-out RMS error per joint (N·m, or N for prismatic joints)' }));
 }
 
@@ -132,9 +132,9 @@ function floor({ result, report, effort }) {
   const p = (v) => (v < 1e-12 ? '< 10⁻¹²' : number(v, 2));
   return section('floor', 'Noise floor and lack of fit', h('p', { class: 'soft' }, term('noise_source', 'Source of the noise'), `: ${report.noise_source}.`), table([
     { head: 'Joint', cell: (r) => r.name, sort: (r) => r.name }, { head: 'Noise floor', number: true, cell: (r) => `${number(r.floor, 3)} ${effort[r.j]}`, sort: (r) => r.floor, term: 'noise_floor' },
-    { head: 'Residual RMS, averaged', term: 'residual', number: true, cell: (r) => number(r.fit.residual_rms, 3), sort: (r) => r.fit.residual_rms }, { head: 'From noise, averaged', number: true, cell: (r) => number(r.fit.expected_rms, 3), sort: (r) => r.fit.expected_rms },
+    { head: 'Residual RMS, averaged', term: 'residual', number: true, cell: (r) => number(r.fit.residual_rms, 3), sort: (r) => r.fit.residual_rms }, { head: 'From noise, averaged', term: 'noise_floor', number: true, cell: (r) => number(r.fit.expected_rms, 3), sort: (r) => r.fit.expected_rms },
     { head: 'Lack of fit', term: 'lack_of_fit', number: true, cell: (r) => number(r.fit.statistic, 3), sort: (r) => r.fit.statistic }, { head: 'p', term: 'p_value', number: true, cell: (r) => p(r.fit.p_value), sort: (r) => r.fit.p_value },
-    { head: 'Lack of fit with effects', number: true, cell: (r) => number(r.after?.statistic, 3), sort: (r) => r.after?.statistic }, { head: 'p with effects', number: true, cell: (r) => p(r.after?.p_value), sort: (r) => r.after?.p_value },
+    { head: 'Lack of fit with effects', term: 'lack_of_fit', number: true, cell: (r) => number(r.after?.statistic, 3), sort: (r) => r.after?.statistic }, { head: 'p with effects', term: 'p_value', number: true, cell: (r) => p(r.after?.p_value), sort: (r) => r.after?.p_value },
   ], rows, { caption: 'Per joint; residual and noise are those of the rows of the fit, averaged over periods' }));
 }
 
@@ -143,9 +143,9 @@ function undetected({ report }) {
   if (!report.undetected?.length) return null;
   const size = (p) => Math.abs(p.value) + 3 * p.std_dev;
   return section('undetected', [term('undetected', 'Effects tested and not found')], h('p', { class: 'soft' }, 'Each is estimated alone beside the final model. None is significant; a value of several deviations may still be real, and a longer log would show it. Effects that the base parameters or a finding already contain are not listed. Torque offsets marked as part of the model are estimated although none is significant alone: together they improve the prediction.'), table([
-    { head: 'Effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
+    { head: 'Effect', term: 'effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
     { head: 'Value', number: true, cell: (r) => number(r.parameter.value, 2), sort: (r) => r.parameter.value }, { head: 'σ', term: 'std_dev', number: true, cell: (r) => number(r.parameter.std_dev, 2), sort: (r) => r.parameter.std_dev },
-    { head: 'Limit: |value| + 3σ', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter) }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) }, ...(report.undetected.some((r) => r.in_model) ? [{ head: 'In the model', cell: (r) => (r.in_model ? 'yes' : 'no') }] : []),
+    { head: 'Limit: |value| + 3σ', term: 'undetected', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter) }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) }, ...(report.undetected.some((r) => r.in_model) ? [{ head: 'In the model', term: 'in_model', cell: (r) => (r.in_model ? 'yes' : 'no') }] : []),
   ], report.undetected, { caption: 'Effects without significance, with the size that they cannot exceed' }));
 }
 

@@ -21,11 +21,11 @@ export function parameters(result) {
   const open = result.undetermined.length ? h('div', { class: 'notice' }, h('p', {}, h('strong', {}, 'Not determined by the log: '), said(result.undetermined.map((d) => d.text).join('; ')))) : null;
   return h('section', { class: 'card', id: 'parameters', 'aria-labelledby': 'parameters-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'parameters-title' }, term('base_parameters', 'Base parameters')), h('label', { class: 'inline' }, 'Unit', kind)), open, chart,
     table([
-      { head: 'Parameter', cell: (p) => nameOf(p.name), sort: (p) => p.name },
+      { head: 'Parameter', term: 'base_parameters', cell: (p) => nameOf(p.name), sort: (p) => p.name },
       { head: 'Value', number: true, cell: (p) => (p.value === null ? 'not determined' : `${number(p.value)} ${unit(p.unit)}`), sort: (p) => p.value },
       { head: 'σ', number: true, cell: (p) => number(p.std_dev, 2), sort: (p) => p.std_dev, term: 'std_dev' },
       { head: 'σ/|value|', term: 'relative_std_dev', number: true, cell: (p) => (p.relative_std_dev_percent === null ? '–' : `${number(p.relative_std_dev_percent, 3)} %`), sort: (p) => p.relative_std_dev_percent },
       { head: 'Textbook', number: true, cell: (p) => (p.textbook_relative_std_dev_percent === null ? '–' : `${number(p.textbook_relative_std_dev_percent, 3)} %`), sort: (p) => p.textbook_relative_std_dev_percent, term: 'textbook' },
-      { head: 'Expression', cell: (p) => typeset(p.expression) },
+      { head: 'Expression', term: 'standard_parameters', cell: (p) => typeset(p.expression) },
     ], all, { caption: 'Identified parameters', sort: { column: 3, way: 'ascending' } }));
 }

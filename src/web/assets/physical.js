@@ -20,8 +20,8 @@ export function physical(result, drawn) {
   card.append(free, table([
     { head: 'Link', cell: (l) => `${l.link} ${l.name}`, sort: (l) => l.link }, { head: 'Mass (kg)', number: true, cell: (l) => number(l.mass), sort: (l) => l.mass },
     ...['x', 'y', 'z'].map((axis, i) => ({ head: `Centre of mass ${axis} (m)`, number: true, cell: (l) => number(l.center_of_mass[i], 3), sort: (l) => l.center_of_mass[i] })),
-    ...['xx', 'yy', 'zz', 'xy', 'xz', 'yz'].map((k) => ({ head: `I${k} (kg·m²)`, number: true, cell: (l) => number(l.inertia[k], 3), sort: (l) => l.inertia[k] })),
-    { head: 'Viscous friction', number: true, cell: (l) => number(l.viscous, 3), sort: (l) => l.viscous }, { head: 'Coulomb friction', number: true, cell: (l) => number(l.coulomb, 3), sort: (l) => l.coulomb },
+    ...['xx', 'yy', 'zz', 'xy', 'xz', 'yz'].map((k) => ({ head: `I${k} (kg·m²)`, term: 'inertia', number: true, cell: (l) => number(l.inertia[k], 3), sort: (l) => l.inertia[k] })),
+    { head: 'Viscous friction', term: 'friction', number: true, cell: (l) => number(l.viscous, 3), sort: (l) => l.viscous }, { head: 'Coulomb friction', term: 'friction', number: true, cell: (l) => number(l.coulomb, 3), sort: (l) => l.coulomb },
   ], links, { caption: 'Per link, in the frames of the robot’s description; inertia about the centre of mass' }));
   if (result.feasibility) card.append(margins(result.feasibility));
   return card;
@@ -58,7 +58,7 @@ function margins(feasibility) {
     layout: { height: 300, hovermode: 'closest', xaxis: { type: 'category', title: 'link' }, yaxis: { type: positive ? 'log' : 'linear', title: 'margin (above 0: consistent)' } },
   }));
   const table_ = table([
-    { head: 'Link', number: true, cell: (m) => m.link, sort: (m) => m.link }, { head: 'Constraint', cell: (m) => words(m.constraint), sort: (m) => m.constraint }, { head: 'Margin', number: true, cell: (m) => number(m.margin), sort: (m) => m.margin },
+    { head: 'Link', number: true, cell: (m) => m.link, sort: (m) => m.link }, { head: 'Constraint', term: 'physical_margin', cell: (m) => words(m.constraint), sort: (m) => m.constraint }, { head: 'Margin', term: 'physical_margin', number: true, cell: (m) => number(m.margin), sort: (m) => m.margin },
     { head: 'Cost in fit', number: true, cell: (m) => (m.active ? `active, ${m.cost_percent < 0.01 ? '< 0.01' : number(m.cost_percent, 2)} %` : '–'), sort: (m) => m.cost_percent ?? -1, term: 'active' },
   ], feasibility.margins, { caption: 'Margins of physical consistency; zero: active', sort: { column: 2, way: 'ascending' } });
   const active = feasibility.margins.filter((m) => m.active);

@@ -92,8 +92,9 @@ function general(fields) {
     h('div', { class: 'row field', 'data-pointer': '/robot/friction' }, h('span', { class: 'label' }, term('friction', 'Friction'), ' of every joint'), friction('viscous', 'viscous'), friction('coulomb', 'Coulomb')));
 }
 
-/** Heads that are terms. */
-const HEADS = { Kind: 'joint_kind' };
+/** Heads that are terms, without their units. */
+const HEADS = { Kind: 'joint_kind', α: 'dh_convention', d: 'dh_convention', θ: 'dh_convention', r: 'dh_convention', roll: 'roll_pitch_yaw', pitch: 'roll_pitch_yaw', yaw: 'roll_pitch_yaw', 'axis x': 'joint_axis', jerk: 'jerk' };
+const termOf = (head) => HEADS[head.split(' (')[0]];
 const LIMITS = [['velocity', 'velocity', '/s'], ['acceleration', 'acceleration', '/s²'], ['jerk', 'jerk', '/s³']];
 
 function joints(fields, draw) {
@@ -119,7 +120,7 @@ function joints(fields, draw) {
     const turn = { angle: joint.kind !== 'prismatic' };
     return h('tr', {}, h('th', { scope: 'row' }, joint.name), [0, 1].map((end) => number(j, ['limits', 'position', end], ['lowest position', 'highest position'][end], { ...turn, pair: true })), LIMITS.map(([key, words]) => number(j, ['limits', key], words, turn)), number(j, ['limits', 'effort'], joint.kind === 'prismatic' ? 'force' : 'torque', {}));
   };
-  const table = (label, head, rows) => h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, head.map((t) => h('th', { scope: 'col' }, t === 'Remove' ? h('span', { class: 'unseen' }, t) : HEADS[t] ? term(HEADS[t], t) : t)))), h('tbody', {}, rows)));
+  const table = (label, head, rows) => h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, head.map((t) => h('th', { scope: 'col' }, t === 'Remove' ? h('span', { class: 'unseen' }, t) : termOf(t) ? term(termOf(t), t) : t)))), h('tbody', {}, rows)));
   const add = () => {
     const number = all.length + 1;
     all.push({ name: `J${number}`, kind: 'revolute', ...(dh ? { mdh: { alpha: 0, d: 0, theta: 0, r: 0 } } : { placement: { xyz: [0, 0, 0.1] } }), limits: {} });

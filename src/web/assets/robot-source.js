@@ -113,7 +113,7 @@ function dhPanel(place, take) {
     const cell = (row, j, [key, shown]) => h('td', {}, h('input', { class: 'cell-number', value: value(row, key), inputmode: 'decimal', 'aria-label': `${row.name} ${shown}`, 'data-row': j, 'data-key': key, oninput: (e) => { row[key] = e.target.value; } }));
     const line = (row, j) => h('tr', {}, h('td', {}, h('input', { class: 'cell-name', value: row.name, 'aria-label': `Name of joint ${j + 1}`, oninput: (e) => { row.name = e.target.value; } })),
       h('td', {}, h('select', { class: 'narrow', 'aria-label': `Kind of joint ${j + 1}`, onchange: (e) => { row.kind = e.target.value; } }, ['revolute', 'prismatic'].map((k) => h('option', { value: k, selected: row.kind === k }, k)))), columns.map((c) => cell(row, j, c)));
-    fill(grid, h('table', { class: 'few' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t === 'Kind' ? term('joint_kind', t) : t)))), h('tbody', {}, rows.map(line))));
+    fill(grid, h('table', { class: 'few' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t === 'Joint' ? t : term(t === 'Kind' ? 'joint_kind' : 'dh_convention', t))))), h('tbody', {}, rows.map(line))));
   };
   [count, convention, degrees].forEach((e) => e.addEventListener('change', draw));
   draw();

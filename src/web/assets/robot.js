@@ -110,7 +110,7 @@ function limits(drawn) {
 
 function baseTable(base) {
   return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} `, term('standard_parameters', 'standard parameters'), ': all that joint torques can identify of this arm. R in a name means that other parameters are grouped into it.'), table([
-    { head: 'Name', cell: (p) => nameOf(p.name), sort: (p) => p.name }, { head: 'Expression', cell: (p) => typeset(p.expression, p.name) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
+    { head: 'Name', term: 'base_parameters', cell: (p) => nameOf(p.name), sort: (p) => p.name }, { head: 'Expression', term: 'standard_parameters', cell: (p) => typeset(p.expression, p.name) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
   ], base.base_parameters, { caption: 'By name' })];
 }
 

@@ -46,7 +46,7 @@ function parameters(runs) {
   }));
   const differ = rows.filter((r) => r.apart > APART).length;
   return section('parameters', [term('base_parameters', 'Base parameters')], h('p', {}, differ ? `${differ} of ${rows.length} parameters differ by more than ${APART} standard deviations between some two runs.` : `No parameter differs by more than ${APART} standard deviations between any two runs.`), chart,
-    table([{ head: 'Name', cell: (r) => nameOf(r.name), sort: (r) => r.name }, ...runs.map((run, i) => ({ head: run.label, number: true, cell: (r) => (r.all[i].value === null ? '–' : measured(r.all[i].value, r.all[i].std_dev)), sort: (r) => r.all[i].value })),
+    table([{ head: 'Name', term: 'base_parameters', cell: (r) => nameOf(r.name), sort: (r) => r.name }, ...runs.map((run, i) => ({ head: run.label, own: true, number: true, cell: (r) => (r.all[i].value === null ? '–' : measured(r.all[i].value, r.all[i].std_dev)), sort: (r) => r.all[i].value })),
       { head: 'Unit', cell: (r) => unit(r.unit) }, { head: 'Largest difference (σ)', term: 'std_dev', number: true, cell: (r) => h('span', { class: r.apart > APART ? 'tag warn' : '' }, number(r.apart, 2)), sort: (r) => r.apart }], rows, { caption: 'Values ± standard deviation', sort: { column: runs.length + 2, way: 'descending' } }));
 }
 
@@ -88,7 +88,7 @@ function errors(runs) {
   const joints = runs[0].result.joints;
   const rows = runs.flatMap((run) => [['identification', run.result.rms.identification], ['validation', run.result.rms.validation]].flatMap(([role, logs]) => (logs ?? []).map((log) => ({ run: run.label, role, log: log.name, ...(log.base ?? log) }))));
   return section('errors', [term('rms_error', 'Errors'), ' per joint'], h('p', { class: 'soft' }, 'Root mean square of measured less predicted torque (N·m, or N for prismatic joints).'),
-    table([{ head: 'Run', cell: (r) => r.run, sort: (r) => r.run }, { head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', cell: (r) => r.role, sort: (r) => r.role }, ...shortNames(joints).map((name, j) => ({ head: name, number: true, cell: (r) => number(r.rms?.[j], 3), sort: (r) => r.rms?.[j] }))], rows, { caption: 'RMS errors' }));
+    table([{ head: 'Run', cell: (r) => r.run, sort: (r) => r.run }, { head: 'Log', cell: (r) => r.log, sort: (r) => r.log }, { head: 'Role', term: 'log_role', cell: (r) => r.role, sort: (r) => r.role }, ...shortNames(joints).map((name, j) => ({ head: name, own: true, number: true, cell: (r) => number(r.rms?.[j], 3), sort: (r) => r.rms?.[j] }))], rows, { caption: 'RMS errors' }));
 }
 
 function findings(runs) {
@@ -97,12 +97,12 @@ function findings(runs) {
   const rows = keys.map((key) => { const [effect, joints] = key.split('|'); return { effect, joints, all: all.map((list) => list.find((f) => `${f.effect}|${(f.joints ?? []).join(', ')}` === key)) }; });
   if (!rows.length) return section('findings', 'Findings', h('p', { class: 'soft' }, 'No effect was found in any of them.'));
   const said = (f) => (f ? h('span', {}, (f.parameters ?? []).map((p, i) => [i ? '; ' : '', `${words(p.name)} ${p.std_dev > 0 ? measured(p.value, p.std_dev) : number(p.value)} ${unit(p.unit)}`])) : '–');
-  return section('findings', [term('finding', 'Findings')], table([{ head: 'Effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => r.joints, sort: (r) => r.joints }, ...runs.map((run, i) => ({ head: run.label, cell: (r) => said(r.all[i]) }))], rows, { caption: 'Effects found, with their parameters' }));
+  return section('findings', [term('finding', 'Findings')], table([{ head: 'Effect', term: 'effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => r.joints, sort: (r) => r.joints }, ...runs.map((run, i) => ({ head: run.label, own: true, cell: (r) => said(r.all[i]) }))], rows, { caption: 'Effects found, with their parameters' }));
 }
 
 function designs(runs) {
   const rows = Object.entries(CRITERIA).map(([key, c]) => ({ key, name: c.name, digits: c.digits, all: runs.map((r) => r.result.criteria?.[key] ?? (key === 'condition_number' ? r.result.condition_number : null)) })).filter((r) => r.all.some((v) => Number.isFinite(v)));
   const facts = [['Period (s)', (r) => r.period_s], ['Outcome', (r) => words(r.status)], ['Optimality criterion', (r) => CRITERIA[r.request?.criterion]?.name ?? '–']];
-  return [section('compared', 'Comparison', heads(runs)), section('criteria', 'Criteria', table([{ head: 'Criterion', cell: (r) => term(r.key, r.name) }, ...runs.map((run, i) => ({ head: run.label, number: true, cell: (r) => number(r.all[i], r.digits), sort: (r) => r.all[i] }))], rows, { caption: 'Smaller is better' }),
-    table([{ head: 'Design', cell: (r) => r[0] }, ...runs.map((run) => ({ head: run.label, cell: (r) => { const v = r[1](run.result); return typeof v === 'number' ? number(v) : v; } }))], facts, { caption: 'How they were made' }))];
+  return [section('compared', 'Comparison', heads(runs)), section('criteria', 'Criteria', table([{ head: 'Criterion', cell: (r) => term(r.key, r.name) }, ...runs.map((run, i) => ({ head: run.label, own: true, number: true, cell: (r) => number(r.all[i], r.digits), sort: (r) => r.all[i] }))], rows, { caption: 'Smaller is better' }),
+    table([{ head: 'Design', cell: (r) => r[0] }, ...runs.map((run) => ({ head: run.label, own: true, cell: (r) => { const v = r[1](run.result); return typeof v === 'number' ? number(v) : v; } }))], facts, { caption: 'How they were made' }))];
 }
