@@ -140,8 +140,23 @@ pub fn openapi_json() -> String {
     text
 }
 
-/// The page of Swagger UI says nothing of screens, and phones would show it as wide as a desk.
-async fn fit_for_phones(response: Response) -> Response {
+/// What the page of Swagger UI lacks: the width of a screen, without which phones show it as wide as a desk; its main part as such; names and colours that
+/// everybody can read (`docs.js`, `docs.css`); and a title.
+const ADDED_TO_DOCS: [(&str, &str); 4] = [
+    (
+        "<head>",
+        "<head>\n    <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n    <script type=\"module\" src=\"/assets/docs.js\"></script>",
+    ),
+    (
+        "href=\"index.css\" />",
+        "href=\"index.css\" />\n    <link rel=\"stylesheet\" href=\"/assets/docs.css\" />",
+    ),
+    ("<title>Swagger UI</title>", "<title>API · dynident</title>"),
+    ("<div id=\"swagger-ui\"></div>", "<main id=\"swagger-ui\"></main>"),
+];
+
+/// The page of Swagger UI for every screen and for everybody.
+async fn fit_for_all(response: Response) -> Response {
     const LARGEST_PAGE: usize = 1 << 16;
     let html = |r: &Response| {
         r.headers()
@@ -155,8 +170,11 @@ async fn fit_for_phones(response: Response) -> Response {
     let Ok(page) = axum::body::to_bytes(body, LARGEST_PAGE).await else {
         return StatusCode::INTERNAL_SERVER_ERROR.into_response();
     };
-    let viewport = "<head>\n    <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">";
-    let page = String::from_utf8_lossy(&page).replacen("<head>", viewport, 1);
+    let page = ADDED_TO_DOCS
+        .iter()
+        .fold(String::from_utf8_lossy(&page).into_owned(), |page, (old, new)| {
+            page.replacen(old, new, 1)
+        });
     head.headers.remove(CONTENT_LENGTH);
     Response::from_parts(head, page.into())
 }
@@ -175,7 +193,7 @@ pub fn router(service: Service) -> Router {
     let routes = routes
         .merge(open)
         .merge(crate::web::pages())
-        .merge(Router::from(SwaggerUi::new("/docs").url("/openapi.json", document)).layer(map_response(fit_for_phones)))
+        .merge(Router::from(SwaggerUi::new("/docs").url("/openapi.json", document)).layer(map_response(fit_for_all)))
         .fallback(nothing_here)
         .method_not_allowed_fallback(method_not_allowed)
         .layer(DefaultBodyLimit::max(largest))

@@ -181,7 +181,16 @@ fn pages_and_health_answer() {
     assert_eq!(server.get("/health/live").json()["status"], "ok");
     assert_eq!(server.get("/health/ready").json()["status"], "ok");
     let docs = server.get("/docs/");
-    assert!(docs.status == 200 && docs.text.contains("swagger-ui") && docs.text.contains("name=\"viewport\""));
+    assert_eq!(docs.status, 200);
+    for added in [
+        "name=\"viewport\"",
+        "/assets/docs.js",
+        "/assets/docs.css",
+        "<title>API",
+        "<main id=\"swagger-ui\">",
+    ] {
+        assert!(docs.text.contains(added), "{added} in {}", docs.text);
+    }
     // Offline: nothing is fetched from elsewhere.
     assert!(
         !docs.text.contains("//cdn") && !docs.text.contains("https://"),

@@ -157,8 +157,7 @@ def check_heads(page, name):
 
 def check_accessible(page, name):
     """What axe-core finds by WCAG 2.1, levels A and AA; contrast in the other theme as well. What plotly.js draws is named as one picture."""
-    rules = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"], "resultTypes": ["violations"]}
-    found = violations(page, rules)
+    found = violations(page)
     assert not found, f"{name}: {found}"
     other = page.evaluate("""() => { const other = matchMedia('(prefers-color-scheme: dark)').matches ? 'light' : 'dark';
         document.documentElement.dataset.theme = other; return other; }""")
@@ -186,7 +185,10 @@ ONE_PER_COLOURS = """() => {
 AXE = Axe().axe_script
 
 
-def violations(page, rules, parts="() => document"):
+RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"], "resultTypes": ["violations"]}
+
+
+def violations(page, rules=RULES, parts="() => document"):
     """What axe-core finds in parts of the page; its program is read once per page."""
     if not page.evaluate("'axe' in window"):
         page.evaluate(AXE)

@@ -3,7 +3,7 @@
 import re
 import time
 
-from browser import arguments, browser_page, check, check_accessible, picture, settle
+from browser import arguments, browser_page, check, check_accessible, picture, settle, violations
 
 # The demo is there to be waited for: on a busy machine of two cores.
 LONGEST_S = 60
@@ -45,6 +45,22 @@ def terms(page, options):
     page.wait_for_url("**/help#diagnosis")
 
 
+def docs(page, options):
+    """The interface at /docs/: Swagger UI, with what it leaves out for those who do not see it."""
+    page.goto(f"{options.server}/docs/")
+    page.locator("h3[aria-level='2']").first.wait_for()
+    found = violations(page)
+    assert not found, f"docs: {found}"
+    page.get_by_role("button", name="Design an excitation trajectory.").click()
+    page.get_by_role("button", name="Try it out").click()
+    page.get_by_role("button", name="Execute").wait_for()
+    found = violations(page)
+    assert not found, f"docs, opened: {found}"
+    wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert wide <= 0, f"docs: {wide} px wider than the screen"
+    picture(page, options, "docs")
+
+
 def main():
     options = arguments()
     with browser_page(options) as page:
@@ -81,6 +97,7 @@ def main():
         check(page, "help")
         picture(page, options, "help")
         terms(page, options)
+        docs(page, options)
 
 
 main()
