@@ -12,7 +12,8 @@ LONGEST_STEP = 150
 
 
 def identify(options, log):
-    request = '{"robot": "iiwa14", "feasible": {"method": "none"}, "preprocess": {"average": false, "decimation": 1}, "trace": false, "prediction_points": 6000}'
+    """All rows are read and thinned to the points that are drawn; the fit itself takes every fifth, which is a fifth of its time."""
+    request = '{"robot": "iiwa14", "feasible": {"method": "none"}, "preprocess": {"average": false, "decimation": 5}, "trace": false, "prediction_points": 6000}'
     boundary = "rows160000"
     part = f'--{boundary}\r\nContent-Disposition: form-data; name='
     body = (f'{part}"request"\r\n\r\n{request}\r\n{part}"log"; filename="long.csv"\r\n\r\n').encode() + log.read_bytes() + f"\r\n--{boundary}--\r\n".encode()
