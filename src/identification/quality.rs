@@ -23,6 +23,18 @@ pub struct Quality {
     pub verdict: Verdict,
 }
 
+impl Quality {
+    /// Joints whose predicted torque is less certain away from the recorded motion than it is exact on it, the worst first; joints without rows, of which
+    /// nothing is known, come before all.
+    pub fn poor_joints(&self) -> Vec<usize> {
+        let mut poor: Vec<usize> = (0..self.extrapolation.len())
+            .filter(|&j| self.extrapolation[j] > MOST_EXTRAPOLATION)
+            .collect();
+        poor.sort_by(|&a, &b| self.extrapolation[b].total_cmp(&self.extrapolation[a]));
+        poor
+    }
+}
+
 /// Whether a log is good enough to identify from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {

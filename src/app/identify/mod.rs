@@ -22,7 +22,7 @@ use crate::formats::significant;
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
 use crate::identification::{Quality, Verdict, quality};
 use crate::model::Robot;
-use crate::parameters::BaseParameters;
+use crate::parameters::{BaseParameters, Layout};
 use crate::preparation::{PreparedLog, PreprocessOptions, signal_cutoff};
 use crate::regression::{AugmentedModel, Estimate, Fitted, Stretch};
 
@@ -392,26 +392,39 @@ pub(super) fn reason(quality: &Quality, base: &BaseParameters, estimate: &Estima
                                the data and identify again"
             .to_string(),
         Verdict::Unidentifiable => {
-            let names: Vec<&str> = (0..base.len())
-                .filter(|&c| !estimate.is_determined(c))
-                .map(|c| base.names[c].as_str())
+            let layout = Layout::standard(robot);
+            let open: Vec<usize> = (0..base.len()).filter(|&c| !estimate.is_determined(c)).collect();
+            let names: Vec<&str> = open.iter().map(|&c| base.names[c].as_str()).collect();
+            let mut joints: Vec<&str> = open
+                .iter()
+                .map(|&c| robot.joints()[layout.parameters()[base.kept[c]].link].name.as_str())
                 .collect();
+            joints.dedup();
             format!(
-                "the log does not determine {}; excite those joints more, or in other combinations",
-                names.join(", ")
+                "the log does not determine {}, parameters of what {} moves: record a motion that moves {} and the joints before further and faster, or in other \
+                 combinations",
+                names.join(", "),
+                joints.join(", "),
+                if joints.len() == 1 { "it" } else { "them" }
             )
         }
         Verdict::PoorExcitation => {
-            let tested = (0..robot.joint_count()).filter(|&j| estimate.joints[j].rows > 0);
-            let worst = tested.max_by(|&a, &b| quality.extrapolation[a].total_cmp(&quality.extrapolation[b]));
-            let j = worst.unwrap_or(0);
+            let poor: Vec<usize> = quality.poor_joints().into_iter().filter(|&j| estimate.joints[j].rows > 0).collect();
+            let name = |j: &usize| robot.joints()[*j].name.as_str();
+            let worst = poor.first().copied().unwrap_or(0);
+            let others: Vec<&str> = poor.iter().skip(1).map(name).collect();
             format!(
-                "away from the recorded motion, the predicted torque of joint {} is uncertain by {} {}, {} times its RMS error in the \
-                 log: record a richer excitation before using this model",
-                robot.joints()[j].name,
-                significant(quality.prediction_std[j], 3),
-                robot.joints()[j].effort_unit(),
-                significant(quality.extrapolation[j], 2)
+                "away from the recorded motion, the predicted torque of joint {} is uncertain by {} {}, {} times its RMS error in the log{}: record a richer \
+                 excitation, with all joints over more of their range and at several speeds, before using this model",
+                name(&worst),
+                significant(quality.prediction_std[worst], 3),
+                robot.joints()[worst].effort_unit(),
+                significant(quality.extrapolation[worst], 2),
+                if others.is_empty() {
+                    String::new()
+                } else {
+                    format!(" (that of {} is uncertain too)", others.join(", "))
+                }
             )
         }
     }
