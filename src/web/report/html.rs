@@ -174,7 +174,8 @@ impl Html {
         let shown = if caption.is_empty() {
             String::new()
         } else {
-            format!("<caption>{}</caption>", escaped(caption))
+            // In a part of its own, which stays in sight where the table scrolls.
+            format!("<caption><span>{}</span></caption>", escaped(caption))
         };
         self.0.push_str(&format!(
             "<div class=\"wide\" role=\"group\" tabindex=\"0\" aria-label=\"{}\"><table>{shown}<thead><tr>{}</tr></thead><tbody>\n",
