@@ -187,6 +187,11 @@ def close_the_loop(page, options):
     assert {"effect_joint_spring", "held_out", "noise_floor", "residual"} <= set(keys) and len(keys) == len(set(keys)), keys
     drawn = page.evaluate("document.querySelector('#dependence .plot').data.map(t => t.name)")
     assert drawn == ["declared model", "what the effects add", "with the effects found"], drawn
+    # Over two variables both are colours of one scale: what the spring adds is nearly all of the residual.
+    page.locator("#dependence").get_by_label("and", exact=True).select_option("qd A4")
+    page.wait_for_function("() => document.querySelector('#dependence .plot')?.layout?.annotations?.length === 2")
+    residual, added = page.evaluate("document.querySelector('#dependence .plot').data.map(t => Math.max(...t.marker.color.map(Math.abs)))")
+    assert 0.8 < added / residual < 1.1, (added, residual)
     picture(page, options, "loop", "#findings")
     identification = page.url
     page.click("#decide")

@@ -1,5 +1,5 @@
 // The HTTP interface, as any client would use it.
-import { fill, h } from './dom.js';
+import { dotted, fill, h, sentence } from './dom.js';
 
 const TOKEN = 'dynident.token';
 export const token = () => localStorage.getItem(TOKEN);
@@ -107,8 +107,8 @@ export function explain(place, error, form, { quiet = false } = {}) {
   const all = (problem.errors ?? []).map((e) => ({ ...e, field: mark(form, e) }));
   const show = (field) => { field.scrollIntoView({ block: 'center' }); field.focus(); };
   // At the button as well as at the field: what is wrong may be out of sight, or in a part that is folded.
-  const one = (e) => h('li', {}, h('span', { class: 'mono' }, e.pointer), ` ${e.detail}`, e.field ? [' ', h('button', { type: 'button', class: 'link', onclick: () => show(e.field) }, 'Show')] : null, e.hint ? h('div', { class: 'soft' }, e.hint) : null);
-  fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, problem.detail), problem.hint ? h('p', {}, problem.hint) : null,
+  const one = (e) => h('li', {}, h('span', { class: 'mono' }, e.pointer), ` ${dotted(e.detail)}`, e.field ? [' ', h('button', { type: 'button', class: 'link', onclick: () => show(e.field) }, 'Show')] : null, e.hint ? h('div', { class: 'soft' }, e.hint) : null);
+  fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, sentence(problem.detail ?? problem.title)), problem.hint ? h('p', {}, problem.hint) : null,
     all.length ? h('ul', {}, all.map(one)) : null));
   if (!error.problem) console.error(error);
   if (quiet) return;
@@ -125,7 +125,7 @@ function mark(form, error) {
   if (!field) return null;
   for (let part = field.closest('details'); part; part = part.parentElement.closest('details')) part.setAttribute('open', '');
   field.setAttribute('aria-invalid', 'true');
-  const text = `${error.pointer} ${error.detail}${error.hint ? `: ${error.hint}` : ''}`;
+  const text = `${error.pointer} ${dotted(error.detail)}${error.hint ? `: ${error.hint}` : ''}`;
   const id = `error-${Math.random().toString(36).slice(2)}`;
   field.setAttribute('aria-describedby', id);
   // A whole part of the form has its words at its end.

@@ -74,12 +74,15 @@ export function seconds(value) {
 
 /** `stribeck_friction` → `Stribeck friction`, `BudgetExhausted` → `Budget exhausted`. */
 export function words(code) {
-  const text = (code ?? '').replaceAll('_', ' ').replace(/([a-z])([A-Z])/g, (_, a, b) => `${a} ${b.toLowerCase()}`);
+  const text = (code ?? '').replaceAll('_', ' ').replace(/([a-z])([A-Z])/g, (_, a, b) => `${a} ${b.toLowerCase()}`).replace(/\bcenter\b/, 'centre');
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /** What the interface says in half a sentence, as one. */
-export const sentence = (text) => (text ? `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? '' : '.'}` : '');
+export const sentence = (text) => (text ? `${text.charAt(0).toUpperCase()}${dotted(text.slice(1))}${/[.!?]$/.test(text) ? '' : '.'}` : '');
+
+/** Units of the interface within a text, as people write them. */
+export const dotted = (text) => text.replace(/\bN m\b/g, 'N·m');
 
 /** A text of the interface: terms in it get help on their first mention. */
 export function said(text) {

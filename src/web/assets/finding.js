@@ -8,8 +8,11 @@ export const effectName = (code) => term(`effect_${code}`, words(code));
 /** The name of a fault of a log, with help. */
 export const faultName = (code) => term(`fault_${code}`, words(code));
 
+/** Constants of laws as their formulas show them. */
+const GREEK = { phi: 'φ', rho: 'ρ' };
+
 /** The name of a parameter of an effect; those of a law are symbols. */
-export const parameterName = (effect, name) => (effect === 'law' ? name : words(name));
+export const parameterName = (effect, name) => (effect === 'law' ? GREEK[name] ?? name : words(name));
 
 /** A fault of the data: what was seen, and what was done about it. */
 export function dataFault(fault) {

@@ -54,10 +54,17 @@ function summary(result, effort) {
   const all = result.base_parameters.length;
   const known = result.base_parameters.filter((p) => p.value !== null).length;
   const extra = q.columns - all;
-  return section('summary', result.robot, residual ? foundIn(result, effort) : null, h('p', {}, h('span', { class: `tag ${kind}` }, term('quality', name)), ' ', said(sentence(q.reason))),
+  return section('summary', result.robot, residual ? foundIn(result, effort) : null, h('p', {}, h('span', { class: `tag ${kind}` }, term('quality', name)), ' ', said(sentence(q.reason)), richer(result)),
     h('dl', { class: 'figures' }, figure([term('base_parameters', 'Base parameters'), ' ', term('rank', 'determined')], `${known} of ${all}`), extra > 0 ? figure('Parameters of effects and offsets', `${Math.max(q.rank - known, 0)} of ${extra}`) : null, figure(term('scaled_condition_number', 'Condition number, columns scaled'), number(q.condition_number, 3)),
       result.feasibility ? figure(term('physical_fit', 'Physical fit'), number(result.feasibility.rms_ratio, 4), '× that of the base parameters') : null),
     files(result));
+}
+
+/** Where a log says too little: the way to one that says more. */
+function richer(result) {
+  const robot = result.provenance?.request?.robot;
+  if (!['poor_excitation', 'unidentifiable'].includes(result.quality.verdict)) return null;
+  return [' ', h('a', { href: `/design${typeof robot === 'string' ? `?robot=${encodeURIComponent(robot)}` : ''}` }, 'Design a motion that excites all parameters'), '.'];
 }
 
 /** What the verdict was judged by. */

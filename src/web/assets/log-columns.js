@@ -150,8 +150,9 @@ export class LogColumns {
   }
 }
 
-/** A value of the file, short enough for a table. */
-const brief = (text) => (text.length > 9 && Number.isFinite(Number(text)) ? String(Number(Number(text).toPrecision(6))) : text.slice(0, 20));
+/** A value of the file, short enough for a table: small ones are rounded to three digits. */
+const short = (value) => (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(2) : String(Number(value.toPrecision(6))));
+const brief = (text) => (text.length > 9 && Number.isFinite(Number(text)) ? short(Number(text)) : text.slice(0, 20));
 
 /** A series as a small picture. */
 function spark({ points, name, numeric }) {

@@ -1,14 +1,13 @@
 // The residual against the variable that explains it: before and after.
 import { fill, h, perSecond, sinceStart, term } from './dom.js';
-import { colour, plot, variable } from './plot.js';
+import { colour, isDark, plot, variable } from './plot.js';
 
 export function residualPlot(context) {
   const { result, report } = context;
-  const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, [term('residual_over', 'Residual over the variable'), ' that explains it']),
-    h('p', { class: 'soft' }, 'Left the residual of the declared model, with what the effects found add to its prediction as small dots; right the residual with them.'));
+  const card = h('section', { class: 'card', id: 'dependence', 'aria-labelledby': 'dependence-title' }, h('h2', { id: 'dependence-title' }, [term('residual_over', 'Residual over the variable'), ' that explains it']));
   const series = result.predictions;
   if (!series.length || !series[0].declared) {
-    card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
+    card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'This run kept no series to draw: its request set prediction_points to 0 or left it out.'));
     return card;
   }
   const [first] = suggestions(result, report);
@@ -17,17 +16,25 @@ export function residualPlot(context) {
   const across = select('Over', variables(result), first.variable);
   const along = select('and', ['nothing else', ...variables(result)], first.second ?? 'nothing else');
   const holder = h('div');
+  const about = h('p', { class: 'soft' });
   const draw = () => {
     const place = h('div', { class: 'plot', 'data-label': 'Residual before and after against a variable' });
     fill(holder, place);
     const data = collect(context, series, log.value, joint.value, across.value, along.value);
+    const [one, other] = narrow() ? ['Above', 'below'] : ['Left', 'right'];
+    about.textContent = data.second
+      ? `${one}, as colour, the residual of the declared model; ${other} ${inModel(context) ? 'what the effects found add to its prediction. The same pattern, less the noise, is theirs.' : 'the same with the effects found.'}`
+      : `${one} the residual of the declared model, with what the effects found add to its prediction as small dots; ${other} the residual with them.`;
     plot(place, () => (data.second ? map(context, data) : scatter(context, data)));
   };
   [log, joint, across, along].forEach((c) => c.addEventListener('change', draw));
-  card.append(h('div', { class: 'row' }, [log, joint, across, along].map((c) => c.parentElement)), holder);
+  card.append(about, h('div', { class: 'row' }, [log, joint, across, along].map((c) => c.parentElement)), holder);
   queueMicrotask(draw);
   return card;
 }
+
+const narrow = () => innerWidth < 640;
+const inModel = (context) => context.report.findings.some((f) => f.in_model);
 
 function select(name, options, chosen) {
   const field = h('select', { class: 'narrow' }, options.map((o) => h('option', { selected: o === chosen }, o)));
@@ -95,21 +102,29 @@ function scatter(context, { joint, across, x, before, after, added }) {
   const unit = context.effort[context.result.joints.indexOf(joint)];
   const dots = (name, y, axis, tone) => ({ type: 'scatter', mode: 'markers', name, x, y, xaxis: axis ? 'x2' : 'x', yaxis: axis ? 'y2' : 'y', marker: { color: tone, size: 3.5, opacity: 0.55 }, hovertemplate: '%{x:.3g}, %{y:.3g}<extra></extra>' });
   const widest = 1.08 * Math.max(...before.map(Math.abs), ...after.map(Math.abs));
-  const narrow = innerWidth < 640;
-  const layout = narrow
+  const layout = narrow()
     ? { xaxis: { title: title(context, across), anchor: 'y2' }, xaxis2: { matches: 'x', anchor: 'y2', title: title(context, across) }, yaxis: { domain: [0.56, 1], range: [-widest, widest], title: `without<br>effects (${unit})` }, yaxis2: { domain: [0, 0.44], range: [-widest, widest], title: `with<br>effects (${unit})` }, height: 480 }
     : { xaxis: { title: title(context, across), domain: [0, 0.47] }, xaxis2: { title: title(context, across), domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis: { range: [-widest, widest], title: `residual (${unit})` }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true }, height: 360 };
   const effects = { ...dots('what the effects add', added, 0, variable('--ink')), marker: { color: variable('--ink'), size: 2.5 } };
-  const shown = context.report.findings.some((f) => f.in_model) ? [effects] : [];
+  const shown = inModel(context) ? [effects] : [];
   return { traces: [dots('declared model', before, 0, colour(1)), ...shown, dots('with the effects found', after, 1, colour(0))], layout: { ...layout, legend: { itemsizing: 'constant' }, hovermode: 'closest' } };
 }
 
-/** Over two variables: the residual as colour. Blue and brown, distinguishable by all, white for nothing left. */
-function map(context, { joint, across, along, x, second, before }) {
+/** Over two variables, as colour: the residual, and what the effects add to the prediction, as far as it reaches. Blue and brown, distinguishable by all. */
+function map(context, { joint, across, along, x, second, before, after, added }) {
   const unit = context.effort[context.result.joints.indexOf(joint)];
-  const widest = Math.max(...before.map(Math.abs));
-  return {
-    traces: [{ type: 'scatter', mode: 'markers', x, y: second, text: before.map((v) => v.toPrecision(3)), hovertemplate: `%{text} ${unit}<extra></extra>`, marker: { size: 7, color: before, cmin: -widest, cmax: widest, colorscale: [[0, '#01665e'], [0.5, '#f5f5f5'], [1, '#8c510a']], colorbar: { title: { text: `residual<br>(${unit})` }, thickness: 12 }, line: { width: 0.3, color: '#777' } } }],
-    layout: { height: 420, hovermode: 'closest', xaxis: { title: title(context, across) }, yaxis: { title: title(context, along) } },
-  };
+  const largest = (values) => Math.max(...values.map(Math.abs));
+  const [shown, name] = inModel(context) && largest(added) > 0 ? [added, 'what the effects add'] : [after, 'with the effects found'];
+  const widest = shown === added ? 1.5 * largest(added) : largest(before);
+  const colorscale = [[0, '#00857a'], [0.5, isDark() ? '#59626c' : '#cfd5db'], [1, '#c96a00']];
+  const dots = (values, axis) => ({ type: 'scatter', mode: 'markers', x, y: second, xaxis: `x${axis}`, yaxis: `y${axis}`, text: values.map((v) => v.toPrecision(3)), hovertemplate: `%{text} ${unit}<extra></extra>`, showlegend: false,
+    marker: { size: 6, color: values, cmin: -widest, cmax: widest, colorscale, ...(axis ? {} : { colorbar: { title: { text: `torque<br>(${unit})` }, thickness: 12 } }) } });
+  const titles = { xaxis: title(context, across), yaxis: title(context, along) };
+  const heading = (text, at) => ({ text, xref: 'paper', yref: 'paper', showarrow: false, xanchor: 'left', yanchor: 'bottom', ...at });
+  const layout = narrow()
+    ? { height: 540, xaxis: { title: titles.xaxis, anchor: 'y' }, yaxis: { domain: [0.57, 0.95], title: titles.yaxis }, xaxis2: { title: titles.xaxis, matches: 'x', anchor: 'y2' }, yaxis2: { domain: [0, 0.38], title: titles.yaxis, matches: 'y' },
+      annotations: [heading('declared model', { x: 0, y: 0.955 }), heading(name, { x: 0, y: 0.385 })] }
+    : { height: 420, margin: { l: 64, r: 18, t: 30, b: 44 }, xaxis: { title: titles.xaxis, domain: [0, 0.47] }, yaxis: { title: titles.yaxis }, xaxis2: { title: titles.xaxis, domain: [0.53, 1], matches: 'x', anchor: 'y2' }, yaxis2: { matches: 'y', anchor: 'x2', showticklabels: true },
+      annotations: [heading('declared model', { x: 0, y: 1.01 }), heading(name, { x: 0.53, y: 1.01 })] };
+  return { traces: [dots(before, ''), dots(shown, '2')], layout: { ...layout, hovermode: 'closest' } };
 }

@@ -25,7 +25,9 @@ export async function compareRuns(target, ids) {
   fill(target, kinds.has('identification') ? identifications(runs) : designs(runs));
 }
 
-const heads = (runs) => h('ul', { class: 'list' }, runs.map((run) => h('li', {}, h('span', { class: 'swatch', style: `background:${colour(run.index)}` }), ' ', h('a', { href: page(run.job) }, run.label), ` for ${run.job.robot}`,
+document.addEventListener('theme', () => document.querySelectorAll('.swatch').forEach((swatch) => { swatch.style.background = colour(swatch.dataset.colour); }));
+
+const heads = (runs) => h('ul', { class: 'list' }, runs.map((run) => h('li', {}, h('span', { class: 'swatch', style: `background:${colour(run.index)}`, 'data-colour': run.index }), ' ', h('a', { href: page(run.job) }, run.label), ` for ${run.job.robot}`,
   run.result.log_report ? h('span', { class: 'soft' }, `, ${run.result.log_report.map((l) => l.file).join(', ')}`) : null, run.job.note ? h('div', { class: 'help note' }, run.job.note) : null)));
 
 function identifications(runs) {

@@ -9,7 +9,7 @@ export function torquePlots(result, effort, { models: called = MODELS, first = 0
   const card = h('section', { class: 'card', id: 'torques', 'aria-labelledby': 'torques-title' }, h('h2', { id: 'torques-title' }, 'Measured and predicted torque'));
   const series = result.predictions;
   if (!series.length) {
-    card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'The request asked for no series to draw: `prediction_points` says how many points they have.'));
+    card.append(h('p', { class: 'soft' }, result.predictions_error ?? 'This run kept no series to draw: its request set prediction_points to 0 or left it out.'));
     return card;
   }
   const logs = [...new Set(series.map((s) => s.log))];
