@@ -28,7 +28,7 @@ def watch(longest=LONGEST_CALL):
 
 def follow(script, longest):
     begun = since = time.monotonic()
-    known, told = None, False
+    known, reported = None, False
     while True:
         time.sleep(1)
         now = time.monotonic()
@@ -36,8 +36,8 @@ def follow(script, longest):
             known, since = place, now
         if now - since > longest:
             end(script, f"no answer within {longest} s")
-        if now - begun > LONGEST_SCRIPT and not told:
-            told = True
+        if now - begun > LONGEST_SCRIPT and not reported:
+            reported = True
             tell(script, f"not done after {LONGEST_SCRIPT} s")
 
 
