@@ -7,9 +7,10 @@
 //! The peers take turns, round by round of the whole list; ratios are those of the medians, with the least and largest ratio of two rounds. Absolute times say little on a
 //! machine that has other work.
 
-use dynident::documents::{NamedRobots, shipped::Shipped};
-use dynident::dynamics::*;
-use dynident::excitation::*;
+#[path = "../tests/instructions/problem.rs"]
+mod problem;
+
+use dynident::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks, inverse_dynamics_batch};
 use dynident::identification::physical::{ConsistentOptions, FitObjective, fit_consistent};
 use dynident::model::Robot;
 use dynident::parameters::{BaseParameters, Layout};
@@ -18,13 +19,13 @@ use dynident::regression::{Estimator, Stretch, estimate};
 use dynident::simulate::{Experiment, Noise, simulate};
 use dynident::trajectory::FourierSeries;
 use nalgebra::DMatrix;
+use problem::{SAMPLES, motion, paper_search, robot};
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-const SAMPLES: usize = 1000;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Microseconds per sample, round by round.
@@ -156,13 +157,10 @@ fn best(units: f64, mut work: impl FnMut()) -> f64 {
 }
 
 fn ours(all: &mut Rounds) {
-    let robot = Shipped.named("iiwa14").expect("shipped with the program").robot;
+    let robot = robot();
     let (layout, chain) = (Layout::standard(&robot), Chain::new(&robot));
     let columns = ColumnSet::new(&robot, &layout, &BaseParameters::exact(&robot).kept);
-    let motion = Motion::from_fn(7, SAMPLES, |j, s| {
-        let t = 0.01 * s as f64 + j as f64;
-        [t.sin(), t.cos(), -t.sin()]
-    });
+    let motion = motion();
     let phi: Vec<f64> = (0..layout.len()).map(|i| (i as f64).sin()).collect();
     let mut rows = RowBlocks::new(&columns, SAMPLES);
     let mut add = |name: &str, time: f64| all.entry(name.to_string()).or_default().push(time);
@@ -180,7 +178,7 @@ fn ours(all: &mut Rounds) {
         black_box(fit_consistent(&robot, &objective, &ConsistentOptions::default()));
     };
     add("consistent_bodies", best(1.0, bodies));
-    add("criterion_and_gradient", evaluation(robot));
+    add("criterion_and_gradient", evaluation());
 }
 
 /// What bodies are fitted to: ten periods of a motion at 100 Hz with noise.
@@ -217,41 +215,10 @@ fn bodies_objective(robot: &Robot) -> FitObjective {
     FitObjective::new(&found.base, &found.normals, &found.estimate.values)
 }
 
-struct Unwatched;
-
-impl Control for Unwatched {
-    fn halt(&self) -> Option<Halt> {
-        None
-    }
-
-    fn progress(&self, _: &Progress) {}
-}
-
 /// One evaluation in a search on the paper's problem, solver and projection onto the limits included [µs per sample: local solves go over 100 of them].
-fn evaluation(robot: Robot) -> f64 {
-    let problem = Problem::new(ProblemSpec {
-        robot,
-        order: 5,
-        fundamental_hz: 0.1,
-        sample_rate_hz: 100.0,
-        criterion: Criterion::ConditionNumber,
-        form: Form::Paper,
-        start: Start::Zero,
-        start_position: None,
-        torque_noise: None,
-        torque: None,
-        space: None,
-        harmonics: None,
-        knowledge: Knowledge::default(),
-    });
-    let problem = problem.expect("a sound problem");
-    let options = SearchOptions {
-        max_evaluations: Some(2000),
-        jobs_per_round: 1,
-        ..SearchOptions::default()
-    };
+fn evaluation() -> f64 {
     let begun = Instant::now();
-    let evaluations = search(&problem, &options, &Unwatched).evaluations;
+    let evaluations = paper_search(2000);
     1e6 * begun.elapsed().as_secs_f64() / evaluations as f64 / 104.0
 }
 

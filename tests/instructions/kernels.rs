@@ -1,12 +1,8 @@
 //! The kernels that a design and an identification spend their time in, on the seven joints of the iiwa 14.
 
-use dynident::documents::{NamedRobots, shipped::Shipped};
-use dynident::dynamics::{Chain, ColumnSet, Coulomb, Motion, MotionGradient, RowBlocks, inverse_dynamics_batch};
-use dynident::excitation::{
-    Control, Criterion, Form, Halt, Knowledge, Problem, ProblemSpec, Progress, SearchOptions, Start, search,
-};
+use super::problem::{SAMPLES, motion, paper_search, robot};
+use dynident::dynamics::{Chain, ColumnSet, Coulomb, MotionGradient, RowBlocks, inverse_dynamics_batch};
 use dynident::formats::logs::{Columns, Source, read_log};
-use dynident::model::Robot;
 use dynident::parameters::{BaseParameters, Layout};
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -27,28 +23,28 @@ pub const KERNELS: &[Kernel] = &[
     Kernel {
         name: "base_regressor",
         unit: "sample",
-        instructions: 3695.3,
+        instructions: 3420.5,
         rounds: [2, 12],
         run: base_regressor,
     },
     Kernel {
         name: "regressor_adjoint",
         unit: "sample",
-        instructions: 6847.2,
+        instructions: 6590.6,
         rounds: [2, 12],
         run: regressor_adjoint,
     },
     Kernel {
         name: "inverse_dynamics",
         unit: "sample",
-        instructions: 2110.4,
+        instructions: 1834.5,
         rounds: [2, 12],
         run: inverse_dynamics,
     },
     Kernel {
         name: "criterion_in_search",
         unit: "evaluation with gradient",
-        instructions: 5_410_911.9,
+        instructions: 5_367_256.6,
         rounds: [1, 3],
         run: criterion_in_search,
     },
@@ -60,19 +56,6 @@ pub const KERNELS: &[Kernel] = &[
         run: log_of_text,
     },
 ];
-
-const SAMPLES: usize = 1000;
-
-fn robot() -> Robot {
-    Shipped.named("iiwa14").expect("shipped with the program").robot
-}
-
-fn motion() -> Motion {
-    Motion::from_fn(7, SAMPLES, |j, s| {
-        let t = 0.01 * s as f64 + j as f64;
-        [t.sin(), t.cos(), -t.sin()]
-    })
-}
 
 fn base_regressor(rounds: usize) -> u64 {
     let (robot, motion) = (robot(), motion());
@@ -113,39 +96,9 @@ fn inverse_dynamics(rounds: usize) -> u64 {
     (rounds * SAMPLES) as u64
 }
 
-struct Unwatched;
-
-impl Control for Unwatched {
-    fn halt(&self) -> Option<Halt> {
-        None
-    }
-
-    fn progress(&self, _: &Progress) {}
-}
-
 /// The paper's problem: local solves, one a round.
 fn criterion_in_search(rounds: usize) -> u64 {
-    let problem = Problem::new(ProblemSpec {
-        robot: robot(),
-        order: 5,
-        fundamental_hz: 0.1,
-        sample_rate_hz: 100.0,
-        criterion: Criterion::ConditionNumber,
-        form: Form::Paper,
-        start: Start::Zero,
-        start_position: None,
-        torque_noise: None,
-        torque: None,
-        space: None,
-        harmonics: None,
-        knowledge: Knowledge::default(),
-    });
-    let options = SearchOptions {
-        max_evaluations: Some(150 * rounds as u64),
-        jobs_per_round: 1,
-        ..SearchOptions::default()
-    };
-    search(&problem.expect("a sound problem"), &options, &Unwatched).evaluations
+    paper_search(150 * rounds as u64)
 }
 
 /// Rows of the longest log that is read.

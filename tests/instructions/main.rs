@@ -7,6 +7,7 @@
 extern crate dynident_io as dynident;
 
 mod kernels;
+mod problem;
 
 use kernels::KERNELS;
 use libtest_mimic::{Arguments, Failed, Trial};
