@@ -38,7 +38,7 @@ export function detectable(result) {
 
 function sizes(d) {
   return table([
-    { head: 'Effect', term: 'effect', cell: (e) => effectName(e.effect), sort: (e) => e.effect },
+    { head: 'Effect', term: 'effect', cell: (e) => effectName(e), sort: (e) => e.effect },
     { head: 'On', cell: (e) => place(e.joints), sort: (e) => place(e.joints) },
     { head: 'Smallest size', term: 'detectable', number: true, cell: (e) => (e.size === null ? h('span', { class: 'soft' }, HIDDEN[e.hidden] ?? e.hidden) : `${words(e.parameter).toLowerCase()} ${size(e.size, e.unit)}`), sort: (e) => e.size },
     { head: 'With', cell: (e) => h('span', { class: 'soft' }, e.size === null ? '' : others(e)) },

@@ -2,8 +2,11 @@
 import { formula } from './expression.js';
 import { figure, h, measured, number, said, sentence, table, term, unit, words } from './dom.js';
 
-/** The name of an effect, with help. */
-export const effectName = (code) => term(`effect_${code}`, words(code));
+/** Whether a finding or effect has a formula of a user's own. */
+const isOwn = ({ effect, law }) => Boolean(law) && effect !== 'law';
+
+/** The name of an effect of `{effect, law}`, with help. */
+export const effectName = (of) => (isOwn(of) ? term('own_effect', of.effect) : term(`effect_${of.effect}`, words(of.effect)));
 
 /** The name of a fault of a log, with help. */
 export const faultName = (code) => term(`fault_${code}`, words(code));
@@ -11,8 +14,8 @@ export const faultName = (code) => term(`fault_${code}`, words(code));
 /** Constants of laws as their formulas show them. */
 const GREEK = { phi: 'φ', rho: 'ρ' };
 
-/** The name of a parameter of an effect; those of a law are symbols. */
-export const parameterName = (effect, name) => (effect === 'law' ? GREEK[name] ?? name : words(name));
+/** The name of a parameter of an effect or fault; those of a law or own effect are symbols. */
+export const parameterName = ({ law }, name) => (law ? GREEK[name] ?? name : words(name));
 
 /** A fault of the data: what was seen, and what was done about it. */
 export function dataFault(fault) {
@@ -56,7 +59,7 @@ export function lawFormulas({ law }) {
 export function findingParameters(finding) {
   if (!finding.parameters.length) return null;
   return table([
-    { head: 'Parameter', cell: (p) => parameterName(finding.effect, p.name) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
+    { head: 'Parameter', cell: (p) => parameterName(finding, p.name) }, { head: 'Value', number: true, cell: (p) => `${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}` },
   ], finding.parameters, { caption: 'Estimate ± standard deviation' });
 }
 

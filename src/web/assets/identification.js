@@ -6,6 +6,7 @@ import { LogColumns } from './log-columns.js';
 import { readHead } from './log-file.js';
 import { showPreview } from './log-preview.js';
 import { showIdentification, showValidation } from './identify-result.js';
+import { OwnEffects } from './own-effects.js';
 import { plotly } from './plot.js';
 
 const value = (id) => find(`#${id}`).value.trim();
@@ -17,13 +18,14 @@ const POINTS = 6000;
 const files = { log: [], validation: [] };
 let robots = [];
 const columns = new LogColumns(find('#columns-place'), () => previewSoon());
+const own = new OwnEffects(find('#own-effects-list'), find('#own-effects-add'), () => robots.find((r) => r.id === value('robot'))?.joints ?? []);
 const ROBOT = 'dynident.robot';
 
 function request() {
   return {
     robot: value('robot'), excitation: value('excitation') || undefined, period_s: numeric(value('period')), columns: columns.value(),
     preprocess: some({ method: value('method') || undefined }), estimator: value('estimator'),
-    offset: find('#offset').checked || undefined, trace: find('#trace').checked, feasible: { method: find('#feasible').checked ? 'consistent' : 'none' }, prediction_points: POINTS,
+    offset: find('#offset').checked || undefined, trace: find('#trace').checked, feasible: { method: find('#feasible').checked ? 'consistent' : 'none' }, prediction_points: POINTS, effects: own.value(),
   };
 }
 

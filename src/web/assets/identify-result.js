@@ -78,7 +78,7 @@ function foundIn(result, effort) {
   const [kind, text] = RESIDUAL[verdict] ?? ['', words(verdict)];
   const none = result.rms.validation.length ? null : ' There was no validation log.';
   const where = (joints) => (joints.length === result.joints.length && joints.length > 1 ? 'all joints' : joints.join(', '));
-  const one = (f) => h('li', {}, h('strong', {}, effectName(f.effect), ` on ${where(f.joints)}`), `: ${f.parameters.map((p) => `${f.law ? p.name : words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}`.trim()).join(', ')}`, gain(f, effort[result.joints.indexOf(f.joints[0])] ?? effort[0]));
+  const one = (f) => h('li', {}, h('strong', {}, effectName(f), ` on ${where(f.joints)}`), `: ${f.parameters.map((p) => `${f.law ? p.name : words(p.name).toLowerCase()} ${measured(p.value, p.std_dev)} ${unit(p.unit === '1' ? '' : p.unit)}`.trim()).join(', ')}`, gain(f, effort[result.joints.indexOf(f.joints[0])] ?? effort[0]));
   const ordered = byGain(findings).map(([f]) => f);
   const [small, large] = [ordered.filter((f) => f.held_out.change === 'same'), ordered.filter((f) => f.held_out.change !== 'same')];
   return h('div', { class: `notice ${kind === 'good' ? 'good' : ''}`, id: 'verdict' }, h('p', {}, h('strong', {}, said(summed ?? text))), h('p', {}, said(scope(result.residual)), none), faults.map((f) => h('p', {}, said(`${sentence(f.detail)} ${f.remedy}`))),
@@ -92,8 +92,8 @@ function effectsFound(result) {
   const rows = result.effects.flatMap((e) => e.parameters.map((p) => ({ ...e, p })));
   if (!rows.length) return null;
   return section('effects', [term('effect', 'Effects'), ' beside the declared model'], h('p', { class: 'soft' }, 'Estimated together with the base parameters.'), table([
-    { head: 'Effect', term: 'effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
-    { head: 'Parameter', cell: (r) => parameterName(r.effect, r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', term: 'in_model', cell: (r) => (!r.in_model ? 'no' : r.finding ? 'yes' : 'yes, not significant alone') },
+    { head: 'Effect', term: 'effect', cell: (r) => effectName(r), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => (r.joints.length === result.joints.length && r.joints.length > 1 ? 'all' : r.joints.join(', ')) },
+    { head: 'Parameter', cell: (r) => parameterName(r, r.p.name) }, { head: 'Value', number: true, cell: (r) => `${measured(r.p.value, r.p.std_dev)} ${unit(r.p.unit === '1' ? '' : r.p.unit)}` }, { head: 'In the model', term: 'in_model', cell: (r) => (!r.in_model ? 'no' : r.declared ? 'yes, declared' : r.finding ? 'yes' : 'yes, not significant alone') },
   ], rows, { caption: 'Effects, with one standard deviation' }));
 }
 
@@ -117,7 +117,7 @@ export function reportLink(result) {
 /** What the errors are of. */
 function whichErrors(result) {
   const effects = result.effects.filter((e) => e.in_model && e.finding).length;
-  const nuisance = result.effects.filter((e) => e.in_model && !e.finding).length;
+  const nuisance = result.effects.filter((e) => e.in_model && !e.finding && !e.declared).length;
   return `Of single measurements, noise included, for the model ${effects ? `with the ${effects === 1 ? 'effect' : `${effects} effects`} found${nuisance ? ` and ${nuisance} further torque ${nuisance === 1 ? 'offset' : 'offsets'}` : ''}; “declared” is the model without, estimated from the same rows with the same weights.` : 'as estimated.'}`;
 }
 

@@ -66,7 +66,7 @@ function finding(context, f, index) {
     [term('held_out', 'Held-out error without the effect'), three(held.before)], ['Held-out error with the effect', three(held.after)], ['Change of the held-out error', changed(held.change)], [term('p_value', 'p of the change'), chance(held.p_value)],
   ];
   const evidence = h('details', {}, h('summary', {}, 'Evidence'), table([{ head: 'Evidence', cell: (r) => r[0] }, { head: 'Figure', hidden: true, number: true, cell: (r) => r[1] }], figures, { caption: 'Evidence for the finding' }));
-  return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, effectName(f.effect), ` on ${where(f.joints, context.result.joints)} `, outside(f)),
+  return h('article', { class: 'finding', 'data-effect': f.effect }, h('h3', {}, effectName(f), ` on ${where(f.joints, context.result.joints)} `, outside(f)),
     gain(f, context.effort[context.result.joints.indexOf(f.joints[0])] ?? 'N·m'), h('p', { class: 'sentence' }, said(f.sentence)), f.note ? h('p', { class: 'soft' }, said(`Note: ${f.note}.`)) : null, lawFormulas(f), findingParameters(f), evidence, survivals(f), rivals(context, f, index));
 }
 
@@ -143,7 +143,7 @@ function undetected({ report }) {
   if (!report.undetected?.length) return null;
   const size = (p) => Math.abs(p.value) + 3 * p.std_dev;
   return section('undetected', [term('undetected', 'Effects tested and not found')], h('p', { class: 'soft' }, 'Each is estimated alone beside the final model. None is significant; a value of several deviations may still be real, and a longer log would show it. Effects that the base parameters or a finding already contain are not listed. Torque offsets marked as part of the model are estimated although none is significant alone: together they improve the prediction.'), table([
-    { head: 'Effect', term: 'effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
+    { head: 'Effect', term: 'effect', cell: (r) => effectName(r), sort: (r) => r.effect }, { head: 'Joint', cell: (r) => r.joint, sort: (r) => r.joint },
     { head: 'Value', number: true, cell: (r) => number(r.parameter.value, 2), sort: (r) => r.parameter.value }, { head: 'σ', term: 'std_dev', number: true, cell: (r) => number(r.parameter.std_dev, 2), sort: (r) => r.parameter.std_dev },
     { head: 'Limit: |value| + 3σ', term: 'undetected', number: true, cell: (r) => number(size(r.parameter), 2), sort: (r) => size(r.parameter) }, { head: 'Unit', cell: (r) => unit(r.parameter.unit) }, ...(report.undetected.some((r) => r.in_model) ? [{ head: 'In the model', term: 'in_model', cell: (r) => (r.in_model ? 'yes' : 'no') }] : []),
   ], report.undetected, { caption: 'Effects without significance, with the size that they cannot exceed' }));

@@ -99,7 +99,7 @@ function findings(runs) {
   const rows = keys.map((key) => { const [effect, joints] = key.split('|'); return { effect, joints, all: all.map((list) => list.find((f) => `${f.effect}|${(f.joints ?? []).join(', ')}` === key)) }; });
   if (!rows.length) return section('findings', 'Findings', h('p', { class: 'soft' }, 'No effect was found in any of them.'));
   const said = (f) => (f ? h('span', {}, (f.parameters ?? []).map((p, i) => [i ? '; ' : '', `${words(p.name)} ${p.std_dev > 0 ? measured(p.value, p.std_dev) : number(p.value)} ${unit(p.unit)}`])) : '–');
-  return section('findings', [term('finding', 'Findings')], table([{ head: 'Effect', term: 'effect', cell: (r) => effectName(r.effect), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => r.joints, sort: (r) => r.joints }, ...runs.map((run, i) => ({ head: run.label, own: true, cell: (r) => said(r.all[i]) }))], rows, { caption: 'Effects found, with their parameters' }));
+  return section('findings', [term('finding', 'Findings')], table([{ head: 'Effect', term: 'effect', cell: (r) => effectName({ effect: r.effect, law: r.all.find(Boolean)?.law }), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => r.joints, sort: (r) => r.joints }, ...runs.map((run, i) => ({ head: run.label, own: true, cell: (r) => said(r.all[i]) }))], rows, { caption: 'Effects found, with their parameters' }));
 }
 
 function designs(runs) {

@@ -211,6 +211,7 @@ fn effects(page: &mut Html, list: &[EffectValue]) {
                 text(&p.std_dev),
                 unit(&p.unit),
                 match (effect.in_model, !effect.finding) {
+                    (true, true) if effect.declared => "yes, declared",
                     (true, true) => "yes, not significant alone",
                     (true, false) => "yes",
                     (false, _) => "no",
