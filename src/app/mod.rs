@@ -7,6 +7,7 @@ mod excite;
 mod identify;
 mod inspect;
 mod motion;
+mod own_effects;
 mod problem;
 mod provenance;
 mod report;

@@ -1,19 +1,20 @@
 //! From the numbers of an identification to its document.
 
 use super::identify::{ReadLogs, reason};
-use crate::diagnosis::ResidualReport;
+use crate::diagnosis::{ResidualReport, reported_parameters};
 use crate::documents::{
     BaseValue, DeclaredDocument, Direction, EffectValue, Feasibility, FitStart, IdentifyDocument, IdentifyRequest,
-    InertiaDocument, JointErrors, LogDocument, LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue, QualityDocument,
-    RmsDocument,
+    InertiaDocument, JointErrors, LawDocument, LogDocument, LogRms, MarginValue, NoiseDocument, PaperProblem, PhysicalValue,
+    QualityDocument, RmsDocument,
 };
+use crate::effects::OwnEffect;
 use crate::identification::Quality;
 use crate::identification::physical::{
     ConstraintMargin, FeasibleFit, FeasibleMethod, FitEnding, PaperFit, PhysicalFit, PhysicalLink,
 };
 use crate::model::Robot;
 use crate::parameters::Layout;
-use crate::regression::{AugmentedModel, Estimate, Estimator, Fitted, PredictionErrors, Stretch};
+use crate::regression::{AugmentedModel, Estimate, Estimator, Fitted, PredictionErrors, Stretch, Term};
 use crate::spatial::PhysicalInertia;
 use nalgebra::DVector;
 
@@ -105,6 +106,28 @@ impl Answer<'_> {
     }
 }
 
+/// The own effects that belong to the model from the start.
+pub(super) fn declared_effects(found: &Fitted) -> Vec<EffectValue> {
+    let terms = found.model.terms.iter().enumerate();
+    let declared = terms.filter(|(_, t)| t.effect.own().is_some_and(OwnEffect::is_declared));
+    let robot = &found.model.robot;
+    let of = |(at, term): (usize, &Term)| {
+        let joints: Vec<String> = term.acts_on().iter().map(|&j| robot.joints()[j].name.clone()).collect();
+        let parameters = reported_parameters(robot, term, &found.term_covariance(at));
+        let formula = term.effect.formula(term.form, &term.joints);
+        EffectValue {
+            effect: term.effect.code().into(),
+            parameters: parameters.iter().map(Into::into).collect(),
+            in_model: true,
+            finding: false,
+            declared: true,
+            law: formula.map(|formula| LawDocument::new(&formula, &joints)),
+            joints,
+        }
+    };
+    declared.map(of).collect()
+}
+
 /// The findings as effects of the model, then what else the model has.
 pub(super) fn effects(report: &ResidualReport) -> Vec<EffectValue> {
     let findings = report.findings.iter();
@@ -115,6 +138,8 @@ pub(super) fn effects(report: &ResidualReport) -> Vec<EffectValue> {
             parameters: f.parameters.iter().map(Into::into).collect(),
             in_model: f.in_model,
             finding: true,
+            declared: false,
+            law: f.formula.as_ref().map(|formula| LawDocument::new(formula, &f.joints)),
         })
         .chain(report.undetected.iter().filter(|u| u.in_model).map(|u| EffectValue {
             effect: u.effect.clone(),
@@ -122,6 +147,8 @@ pub(super) fn effects(report: &ResidualReport) -> Vec<EffectValue> {
             parameters: vec![(&u.parameter).into()],
             in_model: true,
             finding: false,
+            declared: false,
+            law: None,
         }))
         .collect()
 }

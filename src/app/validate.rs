@@ -2,6 +2,7 @@
 
 use super::diagnose::{beyond_repair, data_faults, report_faults};
 use super::identify::{LogFile, ReadLogs, Reading, split_companions, stoppable, use_log};
+use super::own_effects::has_values;
 use super::report::errors;
 use super::series::{Predictors, drawn, predictions};
 use super::tell::residual_document;
@@ -59,6 +60,11 @@ fn validated(request: &ValidateRequest, logs: &[LogFile], cancel: &CancelFlag) -
         None => Vec::new(),
     };
     read.turn(robot, &faults);
+    for term in &bodies.terms {
+        if let Some(own) = term.effect.own() {
+            has_values(robot, own, std::slice::from_ref(&term.shape), &read.stretches)?;
+        }
+    }
     let base = request.augmented.as_ref().map(|(model, _)| model);
     let of_log = |(log, stretch): (&super::UsedLog, &crate::regression::Stretch)| ValidatedLog {
         name: log.report.file.clone(),

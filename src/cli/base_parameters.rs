@@ -14,7 +14,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    let RobotDocument { robot, notes } = files::read_robot(&arguments.robot, &arguments.chain)?;
+    let RobotDocument { robot, notes, .. } = files::read_robot(&arguments.robot, &arguments.chain)?;
     files::print_notes(&notes);
     let document = BaseParametersDocument::for_robot(&robot);
     if json {

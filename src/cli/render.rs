@@ -126,13 +126,15 @@ fn would_reveal(text: &mut String, design: &DesignDocument) {
     );
     let mut kinds: Vec<(&str, &str, &str)> = Vec::new();
     for e in found.effects.iter().filter(|e| e.size.is_some()) {
-        let kind = (e.effect, e.parameter.as_str(), e.unit.as_str());
+        let kind = (e.effect.as_str(), e.parameter.as_str(), e.unit.as_str());
         if !kinds.contains(&kind) {
             kinds.push(kind);
         }
     }
     for (effect, parameter, unit) in kinds {
-        let own = |e: &&DetectableEffectDocument| (e.effect, e.parameter.as_str(), e.unit.as_str()) == (effect, parameter, unit);
+        let own = |e: &&DetectableEffectDocument| {
+            (e.effect.as_str(), e.parameter.as_str(), e.unit.as_str()) == (effect, parameter, unit)
+        };
         let size = |e: &DetectableEffectDocument| {
             let size = e.size.map(|s| format!("{} {}", e.joints.join("/"), significant(s, 3)));
             size.map(|s| s.trim_start().to_string())
@@ -140,7 +142,7 @@ fn would_reveal(text: &mut String, design: &DesignDocument) {
         let sizes: Vec<String> = found.effects.iter().filter(own).filter_map(size).collect();
         let _ = writeln!(text, "    {effect} {parameter} [{unit}]: {}", sizes.join(", "));
     }
-    let mut taken: Vec<(&str, &str)> = found.pairs.iter().map(|p| (p.effect, p.rival)).collect();
+    let mut taken: Vec<(&str, &str)> = found.pairs.iter().map(|p| (p.effect.as_str(), p.rival.as_str())).collect();
     taken.sort_unstable();
     taken.dedup();
     let one_way = |(a, b): &(&str, &str)| a <= b || !taken.contains(&(b, a));

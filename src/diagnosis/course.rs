@@ -1,16 +1,19 @@
 //! A diagnosis with its data and options, and the model that remains after the test on held-out data.
 
+use super::declared_effects::has;
 use super::held_out::{Judge, decide};
 use super::options::DiagnosisOptions;
 use super::outcome::Estimates;
 use super::search::Searched;
 use crate::diagnosis::alternatives::Contest;
 use crate::diagnosis::report::{FindingHeldOut, Remainder};
-use crate::diagnosis::selection::{Accepted, Candidate, Threshold, candidates, honest_covariance};
+use crate::diagnosis::selection::{Accepted, Candidate, Threshold, candidates, honest_covariance, own_candidate};
 use crate::diagnosis::settings::SETTINGS;
+use crate::effects::OwnEffect;
 use crate::model::Robot;
 use crate::regression::{AugmentedModel, Data, Explained, Prior, Stretch, System, Term, estimated, spans};
 use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// One diagnosis: robot, data, options, and the model that the search starts from.
 pub(crate) struct Course<'a> {
@@ -71,7 +74,12 @@ impl<'a> Course<'a> {
         if !self.searches() {
             return Vec::new();
         }
-        let mut list = candidates(&self.start, &spans(stretches), self.prior().is_some());
+        let spans = spans(stretches);
+        let open = |own: &&Arc<OwnEffect>| !own.is_declared() && !has(&self.start, own);
+        // Of two that explain the same, the first is named: what the user thought of.
+        let own = self.options.own.iter().filter(open).map(|own| own_candidate(own, &spans));
+        let mut list: Vec<Candidate> = own.collect();
+        list.extend(candidates(&self.start, &spans, self.prior().is_some()));
         list.retain(|c| c.joints.iter().all(|&j| stretches.iter().any(|s| s.has_rows(j))));
         list
     }

@@ -9,6 +9,7 @@ mod alternatives;
 mod conclusion;
 mod course;
 mod data_quality;
+mod declared_effects;
 mod detectable;
 mod held_out;
 mod laws;
@@ -36,10 +37,10 @@ pub use next_design::{EffectColumns, information_over};
 pub use options::DiagnosisOptions;
 pub use outcome::{Diagnosis, Estimates};
 pub use pipeline::diagnose;
-pub use report::is_determined;
 pub use report::{
     AtRest, Change, Covered, Evaluated, Evidence, Finding, FindingHeldOut, HeldOut, HeldOutVerdict, JointFit, JointHeldOut,
     NotTested, Remainder, ReportedParameter, ResidualReport, Rival, RmsPair, Undetected, Verdict,
 };
+pub use report::{is_determined, reported_parameters};
 pub use settings::*;
 pub use stability::{Perturbation, Survival};

@@ -1,8 +1,10 @@
 //! What can be asked of a diagnosis.
 
 use crate::cancel::CancelFlag;
+use crate::effects::OwnEffect;
 use crate::model::Robot;
 use crate::regression::{AugmentedModel, Estimator, Prior, Term};
+use std::sync::Arc;
 
 /// What can be asked of a diagnosis.
 #[derive(Debug, Clone)]
@@ -14,6 +16,8 @@ pub struct DiagnosisOptions {
     pub existing: Option<(AugmentedModel, Prior)>,
     /// Whether a torque offset of every joint belongs to the declared model: it is fitted, and is no finding.
     pub offsets: bool,
+    /// Effects with formulas of their own: declared ones belong to the model from the start, the others are tried like listed ones.
+    pub own: Vec<Arc<OwnEffect>>,
     /// A bound on the search: friction laws of one joint have at most three parts beside viscous and Coulomb (Bittencourt & Gunnarsson 2012).
     pub most_effects_per_joint: usize,
     /// Whether effects are looked for; otherwise the declared model is estimated and its lack of fit reported.
@@ -30,6 +34,7 @@ impl Default for DiagnosisOptions {
             chance: 1e-3,
             existing: None,
             offsets: false,
+            own: Vec::new(),
             most_effects_per_joint: 3,
             search: true,
             estimator: Estimator::Weighted,

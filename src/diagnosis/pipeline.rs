@@ -1,6 +1,7 @@
 //! The pipeline: from stretches of data to a report and an augmented model.
 
 use super::course::Course;
+use super::declared_effects::with_declared;
 use super::options::DiagnosisOptions;
 use super::outcome::Diagnosis;
 use super::search::searched;
@@ -12,7 +13,7 @@ use crate::regression::{AugmentedModel, Data, Stretch, explained_share, floor};
 /// Finds what `robot`'s declared model lacks on `stretches`. `held_out` is only ever predicted: it fits nothing, and has the last word on what stays in the
 /// model.
 pub fn diagnose(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options: &DiagnosisOptions) -> Diagnosis {
-    let course = Course {
+    let mut course = Course {
         robot,
         measured: stretches,
         held_out,
@@ -28,11 +29,14 @@ pub fn diagnose(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], opti
     let list = course.candidates(&steady);
     // What to add is found on the coarse forms, which have the same rows; values and errors are those of all samples.
     let coarse: Vec<Stretch> = steady.iter().map(Stretch::as_coarse).collect();
-    let mut data = Data::new(&coarse, Vec::new(), course.prior())
-        .for_comparison()
-        .until(&options.cancel);
+    let prior = options.existing.as_ref().map(|(_, prior)| prior);
+    let mut data = Data::new(&coarse, Vec::new(), prior).for_comparison().until(&options.cancel);
     data.noise = floor(robot, &data, &course.start);
-    let fine = Data::new(&steady, data.noise.clone(), course.prior()).until(&options.cancel);
+    if options.own.iter().any(|own| own.is_declared()) {
+        course.start = with_declared(&data, course.start, &options.own);
+        data.noise = floor(robot, &data, &course.start);
+    }
+    let fine = Data::new(&steady, data.noise.clone(), prior).until(&options.cancel);
     let lack_of_fit = fits(&fine, &fine.fit(course.start.clone()));
     let found = searched(&data, &fine, course.start.clone(), &list, &course.threshold());
     if course.searches() {

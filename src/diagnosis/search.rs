@@ -59,7 +59,7 @@ pub(crate) fn searched<'a>(
         if let Some(law) = law {
             (examined, remainder) = examine(&data, law, fixed, &open, threshold);
         }
-        let laws = examined.system.model.terms.iter().any(|t| is_law(t.effect));
+        let laws = examined.system.model.terms.iter().any(|t| is_law(&t.effect));
         if laws || remainder.is_some() || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
             contests = rivals(&data, &examined, fixed, candidates, threshold);
             for (at, contest) in law_contests(&data, &examined, &open, threshold) {
@@ -78,7 +78,7 @@ pub(crate) fn searched<'a>(
                 system: confirmed.system,
             };
         }
-        may_have_laws &= !confirmed.gone.iter().any(|t| is_law(t.effect));
+        may_have_laws &= !confirmed.gone.iter().any(|t| is_law(&t.effect));
         open = turned_down.open(candidates, &confirmed.gone);
         selected = extend(&data, confirmed.left_of(&data, examined), &open, threshold);
     }

@@ -9,6 +9,9 @@ pub mod method {}
 #[doc = include_str!("closing-the-loop.md")]
 pub mod closing_the_loop {}
 
+#[doc = include_str!("own-effects.md")]
+pub mod own_effects {}
+
 #[doc = include_str!("validation.md")]
 pub mod validation {}
 

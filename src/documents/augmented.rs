@@ -2,15 +2,17 @@
 //! later log can be asked what has changed since.
 
 use super::cursor::Cursor;
+use super::own_effects::{self, written};
 use super::requests;
 use super::residual::LawDocument;
 use crate::diagnosis::{Diagnosis, RivalTerm};
-use crate::effects::{ParameterInfo, by_code};
+use crate::effects::{AnyEffect, ParameterInfo, by_code};
 use crate::model::{INPUT_LIMITS, Robot};
 use crate::regression::{AugmentedModel, Prior, Term};
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
 use serde_json::Value;
+use std::sync::Arc;
 
 /// An augmented model with all that a design for it needs.
 #[derive(Debug, Clone)]
@@ -70,6 +72,7 @@ fn written_rival(robot: &Robot, rival: &RivalTerm) -> requests::RivalEffect {
         bounds: effect.bounds,
         parameters: effect.parameters,
         law: effect.law,
+        definition: effect.definition,
         evidence: rival.evidence,
         base_values: rival.base_values.as_slice().to_vec(),
         cross: rows(&rival.cross),
@@ -103,6 +106,7 @@ fn written_effect(robot: &Robot, term: &Term) -> requests::AddedEffect {
             .effect
             .formula(term.form, &term.joints)
             .map(|formula| LawDocument::new(&formula, &names(&term.acts_on()))),
+        definition: term.effect.own().map(|own| written(own.definition())),
         rivals: None,
     }
 }
@@ -204,14 +208,17 @@ fn read_matrix(cursor: &Cursor, height: usize, width: usize) -> Option<DMatrix<f
 fn read_effect<T: for<'de> Deserialize<'de>>(cursor: &Cursor, robot: &Robot) -> Option<Term> {
     let fields = cursor.fields_of::<T>()?;
     let code = fields.required("effect")?;
-    let effect = by_code(code.string()?);
-    if effect.is_none() {
+    let effect = match fields.nullable("definition") {
+        Some(definition) => read_own(&definition, &code, robot),
+        None => by_code(code.string()?).map(AnyEffect::from),
+    };
+    if effect.is_none() && !fields.has("definition") {
         code.complain_with("is no effect known here", "see the table of effects in the documentation");
     }
     let joints = fields.required("joints").and_then(|c| read_joints(&c, robot));
     let form = fields
         .required("form")
-        .and_then(|c| c.whole(0, effect.map_or(u64::MAX, |e| e.forms() as u64 - 1)));
+        .and_then(|c| c.whole(0, effect.as_ref().map_or(u64::MAX, |e| e.forms() as u64 - 1)));
     let coefficients = fields.required("coefficients").and_then(|c| c.numbers(None));
     let shape = fields.required("shape").and_then(|c| c.numbers(None));
     let bounds = fields.required("bounds").and_then(|c| read_bounds(&c));
@@ -235,6 +242,19 @@ fn read_effect<T: for<'de> Deserialize<'de>>(cursor: &Cursor, robot: &Robot) -> 
         return None;
     }
     Some(term)
+}
+
+/// An own effect by its definition, whose name is the effect's.
+fn read_own(definition: &Cursor, code: &Cursor, robot: &Robot) -> Option<AnyEffect> {
+    let own = own_effects::read_effect(definition, Some(robot))?;
+    if code.string()? != own.definition().name {
+        code.complain_with(
+            "is not the name of its `definition`",
+            "take the model as the identification wrote it",
+        );
+        return None;
+    }
+    Some(Arc::new(own).into())
 }
 
 fn read_joints(cursor: &Cursor, robot: &Robot) -> Option<Vec<usize>> {

@@ -1,7 +1,7 @@
 //! The answer of an identification.
 
 use super::requests;
-use super::residual::{EffectParameter, ResidualDocument};
+use super::residual::{EffectParameter, LawDocument, ResidualDocument};
 use crate::formats::logs::LogReport;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
@@ -115,7 +115,7 @@ pub struct BaseValue {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = FoundEffect))]
 #[serde(default)]
 pub struct EffectValue {
-    /// Code of the effect.
+    /// Code of the effect, or the name of an own one.
     #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
     pub effect: String,
     /// Names of the joints that it acts on.
@@ -127,6 +127,11 @@ pub struct EffectValue {
     /// Whether it is a finding. A nuisance offset is none: it is a part of the model because an offset was found on another joint and all of them together
     /// predict better, though its own value is not beyond chance.
     pub finding: bool,
+    /// Whether it is an own effect that belongs to the model from the start.
+    pub declared: bool,
+    /// The formula of a law or an own effect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub law: Option<LawDocument>,
 }
 
 /// The declared model without the effects found.

@@ -3,8 +3,10 @@
 use super::bounds::read_bounds;
 use super::columns::read_columns;
 use super::cursor::{Cursor, Fields, Findings};
+use super::own_effects::read_effects;
 use super::requests;
 use super::robot::{NamedRobots, read_robot_or_name};
+use crate::effects::OwnEffect;
 use crate::formats::json::Parsed;
 use crate::formats::logs::Columns;
 use crate::identification::physical::{FeasibleMethod, FeasibleOptions, PaperOptions};
@@ -12,6 +14,7 @@ use crate::model::{FieldProblem, LinkBounds, Robot};
 use crate::preparation::{FilterSpec, Period, PreprocessOptions};
 use crate::regression::Estimator;
 use serde_json::Value;
+use std::sync::Arc;
 
 /// A checked request.
 #[derive(Debug, Clone)]
@@ -28,6 +31,8 @@ pub struct IdentifyRequest {
     pub estimator: Estimator,
     /// One constant torque per joint, estimated with the rest.
     pub offset: bool,
+    /// Effects with formulas of their own, of the robot and of the request.
+    pub effects: Vec<Arc<OwnEffect>>,
     /// `None` where no physical parameters are wanted.
     pub feasible: Option<FeasibleOptions>,
     /// Points of every prediction series in the answer; 0 for none.
@@ -79,6 +84,8 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         .map_or_else(Columns::default, |c| read_columns(&c, joints));
     let period = read_period(&fields, excitations);
     let preprocess = read_preprocess(&fields, period);
+    let of_robot = robot.as_ref().map(|r| r.effects.clone()).unwrap_or_default();
+    let effects = read_effects(&fields, robot.as_ref().map(|r| &r.robot), &of_robot);
     let feasible = read_feasible(&fields, robot.as_ref().map(|r| &r.robot));
     let flag = |name: &str, otherwise: bool| fields.nullable(name).and_then(|c| boolean(&c)).unwrap_or(otherwise);
     let (offset, trace) = (flag("offset", false), flag("trace", true));
@@ -99,6 +106,7 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         preprocess,
         estimator,
         offset,
+        effects: of_robot.into_iter().chain(effects).collect(),
         feasible,
         prediction_points: points as usize,
         trace,

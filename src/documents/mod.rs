@@ -17,6 +17,7 @@ mod identify_request;
 mod inspection;
 mod knowledge;
 mod motion;
+mod own_effects;
 mod path_limits;
 pub mod requests;
 mod residual;

@@ -279,12 +279,12 @@ pub struct EffectParameter {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(default)]
 pub struct EffectFinding {
-    /// Code of the effect, or `law` for a formula.
+    /// Code of the effect, `law` for a formula, or the name of an own effect.
     #[cfg_attr(feature = "service", schema(example = "stribeck_friction"))]
     pub effect: String,
     /// Names of the joints that it acts on.
     pub joints: Vec<String>,
-    /// The formula of a `law`, whose constants are in `parameters`.
+    /// The formula of a law or own effect, whose constants are in `parameters`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<LawDocument>,
     /// Estimated parameters with units and standard deviations.
@@ -422,7 +422,7 @@ pub struct LawTorque {
 
 impl LawDocument {
     /// `joints` are the names of the joints that the formula acts on, in its order.
-    pub(super) fn new(formula: &Formula, joints: &[String]) -> Self {
+    pub(crate) fn new(formula: &Formula, joints: &[String]) -> Self {
         let torque = |((_, expression), joint): (&(usize, String), &String)| LawTorque {
             joint: joint.clone(),
             expression: expression.clone(),

@@ -94,7 +94,7 @@ fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
     let model = match cursor.value().get("robot").is_some() {
         true => {
             let fields = cursor.fields_of::<requests::Model>()?;
-            let RobotDocument { robot, notes } = fields.required("robot").and_then(|c| read_robot_or_name(&c, robots))?;
+            let RobotDocument { robot, notes, .. } = fields.required("robot").and_then(|c| read_robot_or_name(&c, robots))?;
             let offsets = fields.nullable("offsets").and_then(|c| c.numbers(Some(robot.joint_count())));
             let augmented = fields.nullable("augmented").and_then(|c| read_augmented(&c, &robot));
             Model {
@@ -106,7 +106,7 @@ fn read_model(cursor: &Cursor, robots: &dyn NamedRobots) -> Option<Model> {
             }
         }
         false => {
-            let RobotDocument { robot, notes } = read_robot_or_name(cursor, robots)?;
+            let RobotDocument { robot, notes, .. } = read_robot_or_name(cursor, robots)?;
             Model {
                 robot,
                 notes,

@@ -166,7 +166,7 @@ pub struct About {
 /// A physical effect.
 pub trait Effect: Sync + Send {
     /// The stable code of findings.
-    fn code(&self) -> &'static str;
+    fn code(&self) -> &str;
 
     /// The effect in words: its law, and what it stands for.
     fn about(&self) -> About;
@@ -267,7 +267,7 @@ pub trait Effect: Sync + Send {
 
     /// Which of the coefficients, then shapes (for a distortion its parameters), are positive by their physical meaning. One that the data say is
     /// negative is an imitation.
-    fn positive(&self, _form: usize) -> &'static [usize] {
+    fn positive(&self, _form: usize) -> &[usize] {
         &[]
     }
 

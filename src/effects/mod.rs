@@ -12,12 +12,14 @@ mod encoder_offset;
 mod external_contact;
 mod formula;
 mod friction_drift;
+mod handle;
 mod interpolation;
 mod joint_elasticity;
 mod joint_spring;
 pub mod law;
 mod load_dependent_friction;
 mod nonlinear_viscous_friction;
+pub mod own;
 mod payload;
 mod position_ripple;
 mod presliding_hysteresis;
@@ -36,8 +38,10 @@ pub use base_tilt::tilted;
 pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, Travel, World};
 pub(crate) use effect::{own_joint, times_position_unit};
 pub use formula::Formula;
+pub use handle::AnyEffect;
 pub use interpolation::{FEWEST, REACH};
 pub use law::Law;
+pub use own::{Definition, OwnEffect, ParameterDefinition};
 pub use payload::consistent_payload;
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};
 
@@ -71,4 +75,9 @@ pub fn all() -> &'static [&'static dyn Effect] {
 pub fn by_code(code: &str) -> Option<&'static dyn Effect> {
     let listed = all().iter().copied().find(|e| e.code() == code);
     listed.or_else(|| (Law.code() == code).then_some(&Law as &'static dyn Effect))
+}
+
+/// Whether a name is taken by the program: no own effect may have it.
+pub(crate) fn is_reserved(name: &str) -> bool {
+    by_code(name).is_some() || ["unexplained", "own_effect"].contains(&name)
 }

@@ -73,6 +73,7 @@ impl Reader<'_> {
             false => self.word()?,
         };
         match self.takes('^') {
+            true if self.takes('(') => Some(format!("<msup>{base}<mrow>{}</mrow></msup>", self.closed()?)),
             true => Some(format!("<msup>{base}{}</msup>", self.word()?)),
             false => Some(base),
         }
@@ -86,7 +87,7 @@ impl Reader<'_> {
 
     fn word(&mut self) -> Option<String> {
         let from = self.at;
-        while self.next().is_some_and(|c| c.is_ascii_alphanumeric() || c == '.') {
+        while self.next().is_some_and(|c| c.is_ascii_alphanumeric() || c == '.' || c == '_') {
             self.at += 1;
         }
         let word: String = self.text[from..self.at].iter().collect();
@@ -116,6 +117,8 @@ fn symbol(name: &str) -> String {
         "phi" => "<mi>φ</mi>".to_string(),
         "rho" => "<mi>ρ</mi>".to_string(),
         "qd" => "<mover><mi>q</mi><mo>˙</mo></mover>".to_string(),
+        "qdd" => "<mover><mi>q</mi><mo>¨</mo></mover>".to_string(),
+        "pi" => "<mi>π</mi>".to_string(),
         other => format!("<mi>{other}</mi>"),
     };
     match number {
@@ -141,6 +144,11 @@ mod tests {
         }
         let spring = mathml("0.5*k*(q1 + r*q3 - c)^2").unwrap();
         assert!(spring.contains("<msup><mrow>") && spring.contains("<mn>0.5</mn>"), "{spring}");
+        assert!(
+            mathml("k*abs(qdd1)^(-s_1)")
+                .unwrap()
+                .contains("<mrow><mo>−</mo><msub><mi>s_</mi>")
+        );
         assert!(mathml("b*sin(u)/sqrt(1 - rho*cos(u))").unwrap().contains("<msqrt>"));
         for text in [set, spring] {
             assert!(roxmltree::Document::parse(&text).is_ok(), "{text}");

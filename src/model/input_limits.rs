@@ -37,6 +37,8 @@ pub struct InputLimits {
     pub torque_noise: [f64; 2],
     /// Effects in a model, and rivals of one effect.
     pub model_effects: usize,
+    /// Own effects of a request, or of a robot.
+    pub own_effects: usize,
     /// Largest mass (kg), inertia [kg m²] and friction [N·m·s/rad, N·m] of a link; the largest industrial arms weigh 10 t.
     pub mass: f64,
     /// Largest moment or product of inertia [kg m²].
@@ -96,6 +98,7 @@ pub const INPUT_LIMITS: InputLimits = InputLimits {
     coefficient: 1e6,
     torque_noise: [1e-9, 1e9],
     model_effects: 200,
+    own_effects: 32,
     mass: 1e6,
     inertia: 1e9,
     friction: 1e9,

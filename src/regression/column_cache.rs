@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 pub(crate) type Shaped = Vec<Vec<Column>>;
 
 /// Which columns: code of the effect, form, joints, and the bits of the shape parameters.
-pub(crate) type ColumnKey = (&'static str, usize, Vec<usize>, Vec<u64>);
+pub(crate) type ColumnKey = (Box<str>, usize, Vec<usize>, Vec<u64>);
 
 /// What has been made so far.
 #[derive(Default)]

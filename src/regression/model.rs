@@ -1,7 +1,7 @@
 //! The declared model with effects added: its terms and its parameters.
 
 use crate::dynamics::{Coulomb, Motion};
-use crate::effects::{Effect, Kind, Scene, Span, by_code};
+use crate::effects::{AnyEffect, Kind, Scene, Span, by_code};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
 use nalgebra::{DMatrix, DVector, Rotation3};
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Rotation3};
 #[derive(Clone)]
 pub struct Term {
     /// Which effect.
-    pub effect: &'static dyn Effect,
+    pub effect: AnyEffect,
     /// Which of its forms, from 0.
     pub form: usize,
     /// Joints that it acts on, from 0, in the order of the effect's own.
@@ -51,7 +51,7 @@ impl Term {
     /// A constant torque on one joint, zero as yet.
     pub(crate) fn offset(joint: usize) -> Self {
         Self {
-            effect: by_code("torque_offset").expect("is in the list"),
+            effect: by_code("torque_offset").expect("is in the list").into(),
             form: 0,
             joints: vec![joint],
             coefficients: vec![0.0],

@@ -3,7 +3,7 @@
 use crate::{Folder, run, stderr, stdout};
 use serde_json::{Value, json};
 
-fn trajectory(phase: f64) -> Value {
+pub fn trajectory(phase: f64) -> Value {
     let row = |j: usize, p: f64| -> Vec<f64> {
         (0..3)
             .map(|l| 0.5 * (p + 1.3 * j as f64 + 2.1 * f64::from(l)).sin())
@@ -13,7 +13,7 @@ fn trajectory(phase: f64) -> Value {
 }
 
 /// Two links of 3 kg and 1 kg with friction.
-fn robot(folder: &Folder) -> String {
+pub fn robot(folder: &Folder) -> String {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/robots/planar_two_link.json");
     let mut robot: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     for (joint, mass) in robot["joints"].as_array_mut().unwrap().iter_mut().zip([3.0, 1.0]) {

@@ -7,6 +7,7 @@ mod log_files;
 #[path = "../support/mesh.rs"]
 mod mesh;
 mod operate;
+mod own_effects;
 mod robot_files;
 
 use serde_json::{Value, json};

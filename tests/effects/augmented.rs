@@ -158,7 +158,7 @@ fn prop_the_late_torque_of_an_elastic_arm_is_that_of_the_earlier_motion() {
         })
     };
     let term = |code: &str, joints: &[usize], value: f64| Term {
-        effect: by_code(code).unwrap(),
+        effect: by_code(code).unwrap().into(),
         form: 0,
         joints: joints.to_vec(),
         coefficients: Vec::new(),

@@ -3,12 +3,14 @@
 use crate::bench::{bodies, excitation, four_axes};
 use dynident::diagnosis::EffectColumns;
 use dynident::dynamics::{Coulomb, Motion};
-use dynident::effects::{Effect, Kind, Law, Span, all};
+use dynident::effects::own::ParameterDefinition;
+use dynident::effects::{Definition, Effect, Kind, Law, OwnEffect, Span, all};
 use dynident::excitation::{AddedColumns, Course};
 use dynident::model::Robot;
 use dynident::regression::{AugmentedModel, Stretch, Term};
 use dynident::trajectory::Trajectory;
 use nalgebra::DVector;
+use std::sync::Arc;
 
 /// Of the motion (Hz).
 const RATE: f64 = 50.0;
@@ -22,7 +24,43 @@ fn terms(robot: &Robot) -> Vec<Term> {
     for effect in all().iter().chain([&law]).filter(|e| e.kind() != Kind::BetweenPeriods) {
         list.extend((0..effect.forms()).map(|form| term(robot, *effect, form)));
     }
+    list.push(own_term(robot));
     list
+}
+
+/// A formula in the states of three joints, with an acceleration and two shape parameters.
+fn own_term(robot: &Robot) -> Term {
+    let parameter = |name: &str, unit: &str, range: [f64; 2]| ParameterDefinition {
+        name: name.into(),
+        unit: unit.into(),
+        low: Some(range[0]),
+        high: Some(range[1]),
+    };
+    let definition = Definition {
+        name: "mine".into(),
+        joint: robot.joints()[1].name.clone(),
+        expression: "k*sin(q2 - q0)*tanh(qd3/s) + j*qdd2*cos(q4) + c*exp(qd2/s)".into(),
+        parameters: vec![
+            parameter("k", "N m", [0.0, 9.0]),
+            parameter("q0", "rad", [-1.0, 1.0]),
+            parameter("s", "rad/s", [0.1, 2.0]),
+            parameter("j", "kg m^2", [0.0, 1.0]),
+            parameter("c", "N m", [-1.0, 1.0]),
+        ],
+        declared: false,
+    };
+    let own = OwnEffect::new(definition, robot).unwrap();
+    let term = Term {
+        joints: vec![own.joint()],
+        effect: Arc::new(own).into(),
+        form: 0,
+        coefficients: vec![0.7, 0.3, -0.1],
+        shape: vec![0.2, 0.8],
+        free_shapes: 2,
+        bounds: vec![[-1.0, 1.0], [0.1, 2.0]],
+    };
+    assert!(term.is_complete(robot), "{term:?}");
+    term
 }
 
 /// The effect on the middle one of its places, with the middle one of the shapes that a search tries.
@@ -50,7 +88,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
         false => effect.parameters(form, robot, &joints).len() - shapes.len(),
     };
     let term = Term {
-        effect,
+        effect: effect.into(),
         form,
         joints,
         coefficients: (0..count).map(|i| 0.7 - 0.4 * i as f64).collect(),
@@ -165,7 +203,11 @@ fn prop_designs_and_tracing_have_the_same_columns_of_every_effect() {
             _ => motion.samples() / 2,
         };
         assert!(seen > least, "{term:?}: {seen} values that are not zero");
-        kinds.insert(term.effect.code());
+        kinds.insert(term.effect.code().to_string());
     }
-    assert_eq!(kinds.len(), all().len(), "all but contact, and laws: {kinds:?}");
+    assert_eq!(
+        kinds.len(),
+        all().len() + 1,
+        "all but contact, laws, and an own one: {kinds:?}"
+    );
 }

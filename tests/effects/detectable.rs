@@ -78,13 +78,13 @@ impl Bench {
             |effect: &str, joints: &[String], code: &str, on: &[usize]| effect == code && (on.is_empty() || joints == names(on));
         let apart = |seed: &u64| {
             let findings = self.report(&hidden, *seed).findings;
-            let found = findings.iter().any(|f| is(&f.effect, &f.joints, pair.effect, &pair.joints));
+            let found = findings.iter().any(|f| is(&f.effect, &f.joints, &pair.effect, &pair.joints));
             let named = findings.iter().any(|f| {
                 let beside = f
                     .rivals
                     .iter()
-                    .any(|r| is(&r.effect, &r.joints, pair.rival, &pair.rival_joints));
-                beside || is(&f.effect, &f.joints, pair.rival, &pair.rival_joints)
+                    .any(|r| is(&r.effect, &r.joints, &pair.rival, &pair.rival_joints));
+                beside || is(&f.effect, &f.joints, &pair.rival, &pair.rival_joints)
             });
             found && !named
         };
@@ -118,7 +118,7 @@ fn hidden(visible: &Visible, size: f64, joints: usize) -> HiddenEffect {
     let other = visible.joints.get(1).copied().unwrap_or(0);
     let assumed = |name: &str| visible.assumed.iter().find(|(p, _)| p.name == name).expect("is assumed").1;
     let of = |name: &str| if visible.parameter.name == name { size } else { 0.0 };
-    match visible.effect {
+    match visible.effect.as_str() {
         "torque_offset" => TorqueOffset { joint, offset: size },
         "stribeck_friction" => StribeckFriction {
             joint,
@@ -335,7 +335,7 @@ fn prop_sizes_go_with_the_noise_and_fall_with_the_root_of_the_periods() {
         let searched = planned
             .effects
             .into_iter()
-            .filter(|v| !["friction_drift", "external_contact"].contains(&v.effect));
+            .filter(|v| !["friction_drift", "external_contact"].contains(&v.effect.as_str()));
         searched.map(|v| v.size.ok()).collect()
     };
     let [plain, loud, long] = [(6.0, 1.0), (6.0, 2.0), (24.0, 1.0)].map(|(p, f)| sizes(bench.planned_with(p, f)));

@@ -14,6 +14,7 @@ mod laws;
 mod measured;
 mod mountings;
 mod one_model;
+mod own;
 mod recorded_filter;
 mod rivals;
 mod unsteady;

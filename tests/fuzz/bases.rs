@@ -63,6 +63,15 @@ fn planar() -> Value {
     robot
 }
 
+/// A candidate with every function, and a declared one.
+fn own_effects() -> Value {
+    json!([{"name": "hose", "joint": "J2", "expression": "k*tanh((q2 - q0)/s) + c*sign(qd1)*abs(qd2)^0.5 - a*exp(-(qd2/2)^2)*cos(2*pi*q1)", "declared": false,
+        "parameters": [{"name": "k", "unit": "N m", "low": 0}, {"name": "q0", "unit": "rad", "low": -1, "high": 1}, {"name": "s", "unit": "rad", "low": 0.05, "high": 2},
+            {"name": "c", "unit": "N m s^0.5/rad^0.5"}, {"name": "a", "unit": "N m", "low": null, "high": 10}]},
+        {"name": "cam", "joint": "J1", "expression": "m*qdd1/(1 + sqrt(q2^2)) + b*ln(2 + sin(q_J1))", "declared": true,
+        "parameters": [{"name": "m", "unit": "kg m^2"}, {"name": "b", "unit": "N m"}]}])
+}
+
 fn scara() -> Value {
     let mut robot = shipped("scara");
     for joint in robot["joints"].as_array_mut().expect("has joints") {
@@ -365,6 +374,7 @@ fn identifications(maker: &Maker) -> Vec<Draft> {
             json!({"preprocess": {"method": "paper"}, "trace": false, "estimator": "wls"}),
             &sprung,
         ),
+        (json!({"effects": own_effects()}), &sprung),
     ];
     let mut all = Vec::new();
     for (request, table) in planar_requests {

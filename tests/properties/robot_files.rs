@@ -401,6 +401,7 @@ fn written_and_read(document: &Value) -> (RobotDocument, RobotDocument, RobotDoc
     let xml = RobotDocument {
         robot: xml.robot,
         notes: xml.notes,
+        effects: Vec::new(),
     };
     (original, xml, json)
 }

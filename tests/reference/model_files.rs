@@ -3,7 +3,8 @@
 use crate::support::{general_arm, rng, structured_arm, uniform};
 use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Motion, inverse_dynamics};
-use dynident::effects::by_code;
+use dynident::effects::own::ParameterDefinition;
+use dynident::effects::{Definition, OwnEffect, by_code};
 use dynident::formats::{FinalModel, ModelFormat, Patched};
 use dynident::model::{ChainEnds, Joint, LinkPrior, Robot, Rounding, from_mjcf, from_urdf, from_urdf_rounded};
 use dynident::parameters::Layout;
@@ -15,6 +16,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
 /// A body with moments that satisfy the triangle inequality by far, and friction.
 fn body(rng: &mut ChaCha8Rng) -> LinkPrior {
@@ -47,7 +49,7 @@ fn with_bodies(robot: &Robot, rng: &mut ChaCha8Rng) -> Robot {
 
 fn term(code: &str, form: usize, joints: &[usize], coefficients: &[f64], shape: &[f64]) -> Term {
     Term {
-        effect: by_code(code).unwrap(),
+        effect: by_code(code).unwrap().into(),
         form,
         joints: joints.to_vec(),
         coefficients: coefficients.to_vec(),
@@ -55,6 +57,61 @@ fn term(code: &str, form: usize, joints: &[usize], coefficients: &[f64], shape: 
         free_shapes: 0,
         bounds: Vec::new(),
     }
+}
+
+/// Effects with formulas of their own, all functions and powers among them; one on the second joint depends on the first.
+fn of_formulas(robot: &Robot) -> Vec<Term> {
+    let effect = |name: &str, joint: usize, expression: &str, parameters: &[(&str, String)]| {
+        let parameter = |(name, unit): &(&str, String)| ParameterDefinition {
+            name: name.to_string(),
+            unit: unit.clone(),
+            low: Some(0.1),
+            high: Some(3.0),
+        };
+        let definition = Definition {
+            name: name.into(),
+            joint: robot.joints()[joint].name.clone(),
+            expression: expression.into(),
+            parameters: parameters.iter().map(parameter).collect(),
+            declared: false,
+        };
+        OwnEffect::new(definition, robot).unwrap_or_else(|e| panic!("{e:?}"))
+    };
+    let effort = |j: usize| robot.joints()[j].effort_unit().to_string();
+    let position = |j: usize| robot.joints()[j].position_unit().to_string();
+    let first = "k*(sin(q1/s) + cos(q1/s)*tan(0.1*q1/s) + ln(2 + abs(q1/s)) - exp(-(qd1/v)^2)*abs(qd1/v)^1.5 + tanh(qd1/v)/(1 + (q1/s)^2)^-2) + j*qdd1";
+    let first = effect(
+        "all_functions",
+        0,
+        first,
+        &[
+            ("k", effort(0)),
+            ("j", format!("{} s^2/{}", effort(0), position(0))),
+            ("s", position(0)),
+            ("v", format!("{}/s", position(0))),
+        ],
+    );
+    let second = "c*sqrt(1 + (q1/p)^2)*sign(qd2)*log(3)*pi - m*cos(q1/p)*qdd2";
+    let second = effect(
+        "across",
+        1,
+        second,
+        &[
+            ("c", effort(1)),
+            ("p", position(0)),
+            ("m", format!("{} s^2/{}", effort(1), position(1))),
+        ],
+    );
+    let term = |own: OwnEffect, coefficients: &[f64], shape: &[f64]| Term {
+        joints: vec![own.joint()],
+        effect: Arc::new(own).into(),
+        form: 0,
+        coefficients: coefficients.to_vec(),
+        shape: shape.to_vec(),
+        free_shapes: 0,
+        bounds: Vec::new(),
+    };
+    vec![term(first, &[0.7, 0.05], &[0.9, 0.6]), term(second, &[-0.4, 0.06], &[1.3])]
 }
 
 /// Effects that every simulator's format holds as geometry.
@@ -218,7 +275,7 @@ fn cases() -> Vec<(String, Case)> {
             .collect();
         let (springs, mujoco) = (springs(), of_mujoco(&robot));
         let joined = |lists: &[&[Term]]| lists.concat();
-        let everything = joined(&[&geometry, &springs, &mujoco, &of_source()]);
+        let everything = joined(&[&geometry, &springs, &mujoco, &of_source(), &of_formulas(&robot)]);
         let motion = states(&mut rng, robot.joint_count());
         let whole = vec![
             (ModelFormat::Urdf, geometry.clone()),

@@ -10,8 +10,9 @@ pub(super) use reading::{Reading, split_companions, use_log};
 use self::model::{Found, model_files};
 use self::reading::{prepared, raw_log};
 use super::diagnose::{beyond_repair, data_faults, mounted, mounting_fault, report_faults};
+use super::own_effects::has_values;
 use super::provenance::provenance;
-use super::report::{Answer, effects};
+use super::report::{Answer, declared_effects, effects};
 use super::series::{Predictors, drawn, predictions};
 use super::tell::residual_document;
 use super::{CancelFlag, Code, Error};
@@ -124,6 +125,9 @@ fn identified(
         of: logs.len() + validation.len() + 2,
     };
     let (mut read, beside) = read_logs(request, logs, validation, &progress)?;
+    for own in &request.effects {
+        has_values(&request.robot, own, &own.grid(), &read.stretches)?;
+    }
     let Declared { robot, moved, faults } = Declared::by_data(request, &read.used[..beside], cancel);
     read.turn(&robot, &faults);
     progress.at("estimating and diagnosing", logs.len() + validation.len())?;
@@ -131,6 +135,7 @@ fn identified(
     let options = DiagnosisOptions {
         search: request.trace && !beyond_repair(&faults),
         offsets: request.offset,
+        own: request.effects.clone(),
         estimator: request.estimator,
         cancel: cancel.clone(),
         ..DiagnosisOptions::default()
@@ -177,8 +182,9 @@ fn identified(
         identification: beside,
     };
     let mut document = answer.document();
+    document.effects = declared_effects(&found);
     if request.trace {
-        document.effects = effects(&diagnosis.report);
+        document.effects.extend(effects(&diagnosis.report));
         document.residual = Some(residual_document(&robot, &diagnosis.report));
     }
     Ok(Identified {

@@ -22,13 +22,23 @@ pub(super) fn residual_document(robot: &Robot, report: &ResidualReport) -> Resid
         document.findings[i].sentence = teller.finding(i, finding);
         document.findings[i].against = Against {
             joint: finding.joints.first().cloned(),
-            variable: known(&finding.effect).map_or("time", |k| k.variable).into(),
+            variable: variable_of(finding).into(),
         };
     }
     if let (Some(rest), Some(written)) = (&report.remainder, &mut document.remainder) {
         written.sentence = teller.remainder(rest);
     }
     document
+}
+
+/// What a finding is drawn against: of an own effect, the kind of the first of its variables.
+fn variable_of(finding: &Finding) -> &str {
+    let own = || finding.formula.as_ref()?.variables.first();
+    match (known(&finding.effect), own()) {
+        (Some(known), _) => known.variable,
+        (None, Some(first)) => first.trim_end_matches(|c: char| c.is_ascii_digit()),
+        (None, None) => "time",
+    }
 }
 
 /// Whether held-out data speak against an effect; what was not held against them is none of the model's, but explains the log all the same.

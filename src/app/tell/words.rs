@@ -49,7 +49,7 @@ pub(super) fn phrase(code: &str) -> &str {
     known(code).map_or(code, |k| k.phrase)
 }
 
-/// A finding, or a rival, as the subject of a sentence; laws with their formula.
+/// A finding, or a rival, as the subject of a sentence; laws and own effects with their formula.
 pub(super) fn subject(code: &str, formula: Option<&Formula>, joints: &[String]) -> String {
     let Some(formula) = formula else {
         return phrase(code).to_string();
@@ -61,7 +61,11 @@ pub(super) fn subject(code: &str, formula: Option<&Formula>, joints: &[String]) 
         .map(|((_, text), joint)| format!("{text} on {joint}"))
         .collect();
     let energy = formula.energy.as_ref().map(|e| format!(" (energy {e})"));
-    format!("the law {}{}", listed(&each, "and"), energy.unwrap_or_default())
+    let what = match code {
+        "law" => "the law".to_string(),
+        own => format!("the own effect {own},"),
+    };
+    format!("{what} {}{}", listed(&each, "and"), energy.unwrap_or_default())
 }
 
 pub(super) fn parameters(f: &Finding) -> String {

@@ -81,7 +81,7 @@ enum Path {
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    let RobotDocument { robot, notes } = files::read_robot(&arguments.robot, &arguments.chain)?;
+    let RobotDocument { robot, notes, .. } = files::read_robot(&arguments.robot, &arguments.chain)?;
     files::print_notes(&notes);
     let crate::formats::Parsed {
         value: mut document,

@@ -107,7 +107,7 @@ fn said_against(finding: &Scored, rival: &Scored, fitted: &System) -> f64 {
     let (own_gain, own) = finding.held_against(std::iter::once(rival));
     let (other_gain, other) = rival.held_against(std::iter::once(finding));
     let evidence = own - other;
-    let effect = rival.candidate.effect;
+    let effect = &rival.candidate.effect;
     if evidence < 0.0
         || !effect.contains().contains(&finding.candidate.effect.code())
         || rival.candidate.joints != finding.candidate.joints

@@ -40,7 +40,7 @@ fn drift(plan: &Plan, planned: &Planned, joint: usize, parameter: usize) -> Visi
     let length = |s: &Stretch| plan.periods * s.interval * s.motion.samples() as f64;
     let constant = planned.data.stretches.first().map_or(f64::NAN, |s| course * length(s));
     Visible {
-        effect: effect.code(),
+        effect: effect.code().into(),
         joints: vec![joint],
         parameter: effect.parameters(0, &model.robot, &[joint])[parameter].clone(),
         sign: 1.0,
@@ -80,7 +80,7 @@ fn touch(plan: &Plan, planned: &Planned, joint: usize) -> Visible {
     let felt = single * (1.0 + z * (unfair / rows).sqrt()) / (1.0 - 1.0 / plan.periods);
     let infos = effect.parameters(0, robot, &[joint]);
     Visible {
-        effect: effect.code(),
+        effect: effect.code().into(),
         joints: vec![joint],
         parameter: infos[2].clone(),
         sign: 1.0,

@@ -13,7 +13,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inseparable {
     /// Place of the effect in the list of effects.
-    pub effect: &'static str,
+    pub effect: String,
     /// Joints of the effect, from 0.
     pub joints: Vec<usize>,
     /// The parameter that has the size.
@@ -21,7 +21,7 @@ pub struct Inseparable {
     /// Unit of the size.
     pub unit: String,
     /// Code of the other effect.
-    pub rival: &'static str,
+    pub rival: String,
     /// Joints of the other effect, from 0.
     pub rival_joints: Vec<usize>,
     /// Of the effect with what the rival's columns imitate of it, both orthogonal to those of the base parameters.
@@ -91,11 +91,11 @@ fn between(own: &Account, rival: &Account, visible: &Visible, size: f64) -> Opti
     let evidence = apart * squared - ahead;
     let excluded = evidence >= SETTINGS.alternatives.not_excluded && !nested;
     (!excluded).then(|| Inseparable {
-        effect: visible.effect,
+        effect: visible.effect.clone(),
         joints: visible.joints.clone(),
         parameter: visible.parameter.name.clone(),
         unit: visible.parameter.unit.clone(),
-        rival: rival.candidate.effect.code(),
+        rival: rival.candidate.effect.code().into(),
         rival_joints: rival.candidate.joints.clone(),
         correlation: share.clamp(0.0, 1.0).sqrt(),
         told_apart_from: told_apart(own.gain.gain, apart, ahead, size).filter(|_| !nested),
@@ -104,7 +104,7 @@ fn between(own: &Account, rival: &Account, visible: &Visible, size: f64) -> Opti
 
 /// Whether the rival becomes the effect at a limit of its parameters that the data do not exclude at this size.
 fn contains(own: &Account, rival: &Account, size: f64) -> bool {
-    let (effect, code) = (rival.candidate.effect, own.candidate.effect.code());
+    let (effect, code) = (&rival.candidate.effect, own.candidate.effect.code());
     let values: Vec<f64> = rival.gain.coefficients.iter().map(|c| c * size).collect();
     let covariance: &DMatrix<f64> = &rival.gain.covariance;
     effect.contains().contains(&code)

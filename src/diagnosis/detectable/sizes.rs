@@ -32,7 +32,7 @@ pub enum Hidden {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visible {
     /// Code of the effect.
-    pub effect: &'static str,
+    pub effect: String,
     /// None for the whole robot.
     pub joints: Vec<usize>,
     /// What has the size.
@@ -48,7 +48,7 @@ pub struct Visible {
 }
 
 /// Noncentralities that candidates need, by effect, cost and grid.
-type Needed = HashMap<(&'static str, usize, usize), f64>;
+type Needed = HashMap<(String, usize, usize), f64>;
 
 pub(super) fn sizes(planned: &Planned, signals: &[Signal], gains: &Gains) -> Vec<Visible> {
     let needed = needed(planned, gains);
@@ -56,8 +56,8 @@ pub(super) fn sizes(planned: &Planned, signals: &[Signal], gains: &Gains) -> Vec
     (0..signals.len()).into_par_iter().map(of).collect()
 }
 
-fn key(candidate: &Candidate, gain: &Gain) -> (&'static str, usize, usize) {
-    (candidate.effect.code(), gain.cost, tried(candidate))
+fn key(candidate: &Candidate, gain: &Gain) -> (String, usize, usize) {
+    (candidate.effect.code().into(), gain.cost, tried(candidate))
 }
 
 fn needed(planned: &Planned, gains: &Gains) -> Needed {
@@ -93,7 +93,7 @@ fn visible(planned: &Planned, signals: &[Signal], gains: &Gains, needed: &Needed
         _ => Ok(size),
     };
     Visible {
-        effect: candidate.effect.code(),
+        effect: candidate.effect.code().into(),
         joints: candidate.joints.clone(),
         assumed: assumed(candidate, signal, &infos),
         parameter: infos[signal.parameter].clone(),
@@ -122,13 +122,13 @@ fn least_size(planned: &Planned, gains: &Gains, needed: &Needed, at: usize, sign
 fn is_physical(planned: &Planned, candidate: &Candidate, gain: &Gain, size: f64) -> bool {
     let values: Vec<f64> = gain.coefficients.iter().map(|c| c * size).collect();
     let in_range = |(v, [low, high]): (&f64, &[f64; 2])| v > low && v < high;
-    has_physical_signs(candidate.effect, candidate.form, &values, &gain.covariance)
+    has_physical_signs(&candidate.effect, candidate.form, &values, &gain.covariance)
         && (!candidate.is_distortion() || values.iter().zip(&candidate.bounds).all(in_range))
         && (candidate.is_distortion()
             || is_plausible(
                 &planned.system,
                 &candidate.joints,
-                candidate.effect,
+                &candidate.effect,
                 &values,
                 &gain.covariance,
             ))
@@ -142,7 +142,7 @@ fn is_real(planned: &Planned, candidate: &Candidate, signal: &Signal, size: f64)
         true => size.is_finite() && values.iter().zip(&candidate.bounds).all(in_range),
         false => {
             let certain = nalgebra::DMatrix::zeros(values.len(), values.len());
-            size.is_finite() && is_plausible(&planned.system, &candidate.joints, candidate.effect, &values, &certain)
+            size.is_finite() && is_plausible(&planned.system, &candidate.joints, &candidate.effect, &values, &certain)
         }
     }
 }
@@ -193,7 +193,7 @@ pub(super) fn with_the_others(planned: &Planned, mut list: Vec<Visible>) -> Vec<
                 continue;
             };
             list.push(Visible {
-                effect: effect.code(),
+                effect: effect.code().into(),
                 joints,
                 parameter,
                 sign: 1.0,
@@ -204,6 +204,6 @@ pub(super) fn with_the_others(planned: &Planned, mut list: Vec<Visible>) -> Vec<
         }
     }
     let order = |code: &str| effects::all().iter().position(|e| e.code() == code);
-    list.sort_by_key(|v| (order(v.effect), v.joints.clone()));
+    list.sort_by_key(|v| (order(&v.effect), v.joints.clone()));
     list
 }

@@ -19,7 +19,7 @@ pub(super) struct Contender {
 
 impl Contender {
     pub fn is_law(&self) -> bool {
-        is_law(self.fit.scored.candidate.effect)
+        is_law(&self.fit.scored.candidate.effect)
     }
 
     fn cost(&self) -> usize {
@@ -57,7 +57,7 @@ pub(super) fn contenders(
         .with_max_len(1)
         .map(|s| {
             let mut fit = fitted(data, system, s);
-            fit.scored.evidence -= if is_law(s.candidate.effect) { 0.0 } else { choice };
+            fit.scored.evidence -= if is_law(&s.candidate.effect) { 0.0 } else { choice };
             fit
         })
         .collect();
@@ -109,8 +109,8 @@ pub(super) fn accepted(
 
 /// Whether `wide` is the formula of `narrow` with one more constant.
 pub(super) fn contains(wide: &Candidate, narrow: &Candidate) -> bool {
-    is_law(wide.effect)
-        && is_law(narrow.effect)
+    is_law(&wide.effect)
+        && is_law(&narrow.effect)
         && wide.joints == narrow.joints
         && Form::numbered(wide.form).contains(Form::numbered(narrow.form))
 }

@@ -3,7 +3,7 @@
 use crate::diagnosis::selection::{Candidate, reach};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::law::{Class, Form, OfPosition};
-use crate::effects::{Effect, Law, Span, by_code};
+use crate::effects::{AnyEffect, Effect, Law, Span, by_code};
 use crate::model::Robot;
 use crate::regression::Data;
 
@@ -53,7 +53,7 @@ pub(super) fn library(robot: &Robot, data: &Data, spans: &[Span], rows: &[usize]
 
 fn candidate(form: usize, joints: Vec<usize>, shapes: Vec<crate::effects::Shape>) -> Candidate {
     Candidate {
-        effect: &Law,
+        effect: AnyEffect::Listed(&Law),
         form,
         joints,
         shapes,

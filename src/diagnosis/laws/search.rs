@@ -115,7 +115,7 @@ impl<'a> Search<'a> {
     /// Numbers of effects that are taken out together: all laws that act on one joint, where there are several, then each alone.
     fn groups(&self, now: &Selected) -> Vec<Vec<usize>> {
         let terms = &now.system.model.terms[now.fixed..];
-        let laws: Vec<usize> = (0..terms.len()).filter(|&i| is_law(terms[i].effect)).collect();
+        let laws: Vec<usize> = (0..terms.len()).filter(|&i| is_law(&terms[i].effect)).collect();
         let acts = |i: usize| terms[i].effect.acts_on(terms[i].form, &terms[i].joints);
         let mut groups: Vec<Vec<usize>> = (0..now.system.model.robot.joint_count())
             .map(|j| laws.iter().copied().filter(|&i| acts(i).contains(&j)).collect::<Vec<_>>())
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
                 excess(&now.system, j) > noise_of(&now.system, j) + SETTINGS.laws.most_left * excess(before, j).max(0.0)
             };
             let terms = &now.system.model.terms;
-            let law = |t: &Term| is_law(t.effect);
+            let law = |t: &Term| is_law(&t.effect);
             let dirty = (fixed..terms.len()).rev().find(|&at| {
                 let t = &terms[at];
                 law(t) && t.acts_on().iter().any(|&j| keeps(j))
@@ -197,7 +197,7 @@ pub(crate) fn law_contests(
     threshold: &Threshold,
 ) -> Vec<(usize, Contest)> {
     let terms = &selected.system.model.terms;
-    let laws = (selected.fixed..terms.len()).filter(|&at| is_law(terms[at].effect));
+    let laws = (selected.fixed..terms.len()).filter(|&at| is_law(&terms[at].effect));
     laws.map(|at| (at - selected.fixed, law_contest(data, selected, at, known, threshold)))
         .collect()
 }
@@ -257,7 +257,7 @@ fn as_rival(system: &System, scored: &Scored, evidence: f64) -> Rival {
     let Candidate {
         effect, form, joints, ..
     } = &scored.candidate;
-    let named = match is_law(scored.candidate.effect) {
+    let named = match is_law(&scored.candidate.effect) {
         true => reach(&scored.candidate, robot.joint_count()),
         false => joints.clone(),
     };

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::{Effect, Unexplained, products, variable};
+use crate::effects::{AnyEffect, Effect, Unexplained, products, variable};
 use crate::regression::{AugmentedModel, Data, Stretch, System, Term, reduce};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -106,7 +106,7 @@ pub(crate) fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> O
     let evidence = gain - chosen.len() as f64 * price - 2.0 * jobs.ln();
     shape.extend(chosen.iter().map(|&k| k as f64));
     let term = Term {
-        effect: &Unexplained,
+        effect: AnyEffect::Listed(&Unexplained),
         form: 0,
         joints: job.to_vec(),
         coefficients: coefficients.as_slice().to_vec(),

@@ -8,6 +8,7 @@ use crate::diagnosis::replicates::BetweenFinding;
 use crate::diagnosis::selection::Accepted;
 use crate::diagnosis::settings::SETTINGS;
 use crate::diagnosis::stability::Survival;
+use crate::effects::law::is_law;
 use crate::model::Robot;
 use crate::regression::{AugmentedModel, Data, Estimator, Stretch, Term, estimated, reported};
 use nalgebra::DMatrix;
@@ -105,7 +106,7 @@ fn estimated_model(data: &Data, model: AugmentedModel, estimator: Estimator) -> 
 }
 
 /// Values and deviations of what a term reports, its coefficients made physically consistent.
-pub(crate) fn reported_parameters(robot: &Robot, term: &Term, covariance: &DMatrix<f64>) -> Vec<ReportedParameter> {
+pub fn reported_parameters(robot: &Robot, term: &Term, covariance: &DMatrix<f64>) -> Vec<ReportedParameter> {
     let mut term = term.clone();
     let k = term.coefficients.len();
     if let Some(information) = covariance.view((0, 0), (k, k)).into_owned().try_inverse().filter(|_| k > 0) {
@@ -119,7 +120,7 @@ fn finding(inputs: &FindingInputs, at: usize, rms_before: RmsPair, rms_after: Rm
     let robot = &inputs.last.robot;
     let (term, accepted, contest) = (&inputs.terms[at], &inputs.accepted[at], &inputs.contests[at]);
     Finding {
-        effect: accepted.effect.into(),
+        effect: accepted.effect.clone(),
         joints: joint_names(robot, &term.acts_on()),
         formula: term.effect.formula(term.form, &term.joints),
         covered: covered(inputs, term),
@@ -143,7 +144,7 @@ fn finding(inputs: &FindingInputs, at: usize, rms_before: RmsPair, rms_after: Rm
 
 /// Weak laws: that something is there is beyond doubt, which formula it has is not.
 fn provisional(term: &Term, gain: f64) -> Option<String> {
-    let weak = gain < SETTINGS.laws.provisional && term.effect.formula(term.form, &term.joints).is_some();
+    let weak = gain < SETTINGS.laws.provisional && is_law(&term.effect);
     weak.then(|| "the formula is provisional: with so little evidence the structure may be another".to_string())
 }
 
@@ -153,9 +154,7 @@ fn covered(inputs: &FindingInputs, term: &Term) -> Vec<Covered> {
         return Vec::new();
     };
     let robot = &inputs.last.robot;
-    let mut joints = term.joints.clone();
-    joints.sort_unstable();
-    joints.dedup();
+    let joints = 0..robot.joint_count();
     let range = |variable: String, unit: String, values: &dyn Fn(&Stretch) -> Vec<f64>| {
         let all = inputs.data.stretches.iter().flat_map(values);
         let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
@@ -173,9 +172,12 @@ fn covered(inputs: &FindingInputs, term: &Term) -> Vec<Covered> {
             range(format!("qd{}", j + 1), format!("{unit}/s"), &|s| {
                 s.motion.velocities(j).to_vec()
             }),
+            range(format!("qdd{}", j + 1), format!("{unit}/s^2"), &|s| {
+                s.motion.accelerations(j).to_vec()
+            }),
         ]
     };
-    let all = joints.into_iter().flat_map(of);
+    let all = joints.flat_map(of);
     all.filter(|c| formula.variables.contains(&c.variable)).collect()
 }
 

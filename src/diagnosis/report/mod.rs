@@ -7,6 +7,7 @@ mod parameter;
 mod result;
 
 pub(crate) use detection_limits::{nuisance, undetected};
+pub use findings::reported_parameters;
 pub(crate) use findings::{FindingInputs, between_findings, findings};
 pub(crate) use lack_of_fit::{at_rest, fits, rms};
 pub use parameter::ReportedParameter;

@@ -5,7 +5,7 @@ use super::cross_validation::held_out_gain;
 use super::score::{Scored, chance};
 use super::types::{Accepted, Threshold};
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::{Effect, Travel};
+use crate::effects::{AnyEffect, Travel};
 use crate::regression::{Data, System};
 use nalgebra::DMatrix;
 
@@ -43,7 +43,7 @@ pub(crate) fn judge(
         ..
     } = scored;
     Some(Accepted {
-        effect: candidate.effect.code(),
+        effect: candidate.effect.code().into(),
         gain: *fair_gain,
         evidence: *evidence,
         p_value,
@@ -71,12 +71,12 @@ pub(crate) fn is_physical(system: &System, at: usize) -> bool {
         !margin.is_finite() || (values[k + i] > low + margin && values[k + i] < high - margin)
     });
     let own = covariance.view((0, 0), (k, k)).into_owned();
-    let plausible = is_plausible(system, &term.joints, term.effect, &term.coefficients, &own);
-    inside && plausible && has_physical_signs(term.effect, term.form, &values, &covariance)
+    let plausible = is_plausible(system, &term.joints, &term.effect, &term.coefficients, &own);
+    inside && plausible && has_physical_signs(&term.effect, term.form, &values, &covariance)
 }
 
 /// Whether what must be positive is not clearly negative, and some of it is positive. `values` are coefficients, then estimated shapes.
-pub(crate) fn has_physical_signs(effect: &dyn Effect, form: usize, values: &[f64], covariance: &DMatrix<f64>) -> bool {
+pub(crate) fn has_physical_signs(effect: &AnyEffect, form: usize, values: &[f64], covariance: &DMatrix<f64>) -> bool {
     let all: Vec<usize> = effect.positive(form).iter().copied().filter(|&i| i < values.len()).collect();
     let allowed = |&i: &usize| values[i] > -SETTINGS.selection.sign_deviations * covariance[(i, i)].max(0.0).sqrt();
     all.iter().all(allowed) && (all.is_empty() || all.iter().any(|&i| values[i] > 0.0))
@@ -86,7 +86,7 @@ pub(crate) fn has_physical_signs(effect: &dyn Effect, form: usize, values: &[f64
 pub(crate) fn is_plausible(
     system: &System,
     joints: &[usize],
-    effect: &dyn Effect,
+    effect: &AnyEffect,
     coefficients: &[f64],
     covariance: &DMatrix<f64>,
 ) -> bool {

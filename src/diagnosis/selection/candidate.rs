@@ -1,13 +1,13 @@
 //! Every effect on every place it can sit, and its columns there.
 
-use crate::effects::{self, Column, Effect, Kind, Shape, Span};
+use crate::effects::{self, AnyEffect, Column, Effect, Kind, OwnEffect, Shape, Span};
 use crate::regression::{AugmentedModel, ColumnKey, Data, Shaped, Stretch, System, Term, Thinned, Torques, Whitened};
 use std::sync::Arc;
 
 /// An effect on a place, in one of its forms.
 #[derive(Clone)]
 pub(crate) struct Candidate {
-    pub effect: &'static dyn Effect,
+    pub effect: AnyEffect,
     pub form: usize,
     pub joints: Vec<usize>,
     pub shapes: Vec<Shape>,
@@ -33,7 +33,7 @@ pub(crate) fn candidates(model: &AugmentedModel, spans: &[Span], against_model: 
                 let shapes = within(effect.shapes(form, &joints, spans), &bounds);
                 if shapes.iter().all(|s| !s.grid.is_empty()) {
                     list.push(Candidate {
-                        effect,
+                        effect: effect.into(),
                         form,
                         joints: joints.clone(),
                         shapes,
@@ -44,6 +44,18 @@ pub(crate) fn candidates(model: &AugmentedModel, spans: &[Span], against_model: 
         }
     }
     list
+}
+
+/// An own effect where it was defined, in all of its range.
+pub(crate) fn own_candidate(own: &Arc<OwnEffect>, spans: &[Span]) -> Candidate {
+    let joints = vec![own.joint()];
+    Candidate {
+        shapes: own.shapes(0, &joints, spans),
+        effect: own.clone().into(),
+        form: 0,
+        joints,
+        bounds: Vec::new(),
+    }
 }
 
 /// Shapes searched only where they lie on robots. A grid that has no point left there gets the middle of what is left, by ratio; nothing is left of one
@@ -64,7 +76,7 @@ impl Candidate {
     /// What the columns at `shape` are kept under.
     fn key(&self, shape: &[f64]) -> ColumnKey {
         let bits = shape.iter().map(|v| v.to_bits()).collect();
-        (self.effect.code(), self.form, self.joints.clone(), bits)
+        (self.effect.code().into(), self.form, self.joints.clone(), bits)
     }
 
     /// All combinations of the shapes' grids.
@@ -107,7 +119,7 @@ impl Candidate {
             self.shapes.iter().map(|s| [s.low, s.high]).collect()
         };
         Term {
-            effect: self.effect,
+            effect: self.effect.clone(),
             form: self.form,
             joints: self.joints.clone(),
             coefficients: coefficients.to_vec(),

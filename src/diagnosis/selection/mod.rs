@@ -16,7 +16,7 @@ mod types;
 mod wald_test;
 
 pub(crate) use acceptance::{has_physical_signs, is_physical, is_plausible, is_simpler, judge};
-pub(crate) use candidate::{Candidate, candidates, columns_of, reach};
+pub(crate) use candidate::{Candidate, candidates, columns_of, own_candidate, reach};
 pub(crate) use cross_validation::HeldOutGain;
 pub(crate) use elimination::drop_superfluous;
 pub(crate) use score::{Scored, appraise, chance, hypotheses};

@@ -1,7 +1,7 @@
 //! What the gain of a candidate is worth: held against what is left, what it costs, and chance.
 
 use super::candidate::{Candidate, reach};
-use crate::effects;
+use crate::effects::{self, Effect};
 use crate::regression::{System, Term, chi_square_tail};
 
 /// A candidate at its best shape on the grid.
@@ -138,7 +138,7 @@ pub(crate) fn chance(fair_gain: f64, parameters: usize) -> f64 {
     chi_square_tail(fair_gain, parameters.max(1))
 }
 
-/// What the chance of a gain is multiplied with: number of effects, times the places, forms and shapes that this one was tried with. Every
+/// What the chance of a gain is multiplied with: number of effects, own ones among them, times the places, forms and shapes that this one was tried with. Every
 /// effect has the same share of false findings (weighted Bonferroni); a fine grid of one does not make the others harder to find.
 pub(crate) fn hypotheses(candidates: &[Candidate], code: &str) -> f64 {
     let own: usize = candidates
@@ -146,5 +146,11 @@ pub(crate) fn hypotheses(candidates: &[Candidate], code: &str) -> f64 {
         .filter(|c| c.effect.code() == code)
         .map(|c| c.grid().len())
         .sum();
-    (own.max(1) * effects::all().len()) as f64
+    let mut defined: Vec<&str> = candidates
+        .iter()
+        .filter_map(|c| c.effect.own())
+        .map(|own| own.code())
+        .collect();
+    defined.dedup();
+    (own.max(1) * (effects::all().len() + defined.len())) as f64
 }

@@ -6,7 +6,7 @@ use crate::regression::{NoiseModel, System};
 /// What an accepted effect has shown.
 #[derive(Debug, Clone)]
 pub(crate) struct Accepted {
-    pub effect: &'static str,
+    pub effect: String,
     /// Decrease of the weighted sum of squares, fair to what is left.
     pub gain: f64,
     pub evidence: f64,

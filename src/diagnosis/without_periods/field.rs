@@ -6,7 +6,7 @@ use super::stability::{Subsamples, share_of_choices};
 use crate::diagnosis::held_out::signed_rank_test;
 use crate::diagnosis::selection::{Accepted, Candidate, HeldOutGain, Scored, Threshold, hypotheses, is_plausible, is_simpler};
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::Effect;
+use crate::effects::AnyEffect;
 use crate::regression::{Data, System, Term, chance_of, f_tail};
 use rayon::prelude::*;
 use std::cell::LazyCell;
@@ -286,7 +286,7 @@ impl<'a> Field<'a> {
 
     fn earned(&self, contenders: &[Weighed], i: usize) -> Option<f64> {
         let Weighed { contender, own, .. } = &contenders[i];
-        let effect = contender.members[0].candidate.effect;
+        let effect = &contender.members[0].candidate.effect;
         let p_value = self.passes(contender, own, hypotheses(self.candidates, effect.code()) * odds(effect))?;
         let share = self.stability(contenders, i);
         (share >= SETTINGS.without_periods.stable_share).then_some(p_value)
@@ -321,7 +321,7 @@ impl<'a> Field<'a> {
         if scored.term.is_distortion() {
             return true;
         }
-        let effect = scored.candidate.effect;
+        let effect = &scored.candidate.effect;
         let k = own.coefficients.len();
         let of = |i: usize| own.coefficients[i];
         let signs = effect
@@ -362,13 +362,13 @@ impl<'a> Field<'a> {
         let rows = sum(&self.blocks.effective_rows).max(2.0);
         let share = (gain / sum(&self.blocks.squares).max(f64::MIN_POSITIVE)).min(1.0 - 1e-12);
         let tried: f64 = contender.members.iter().map(|s| 2.0 * (s.tried as f64).ln()).sum();
-        let rare: f64 = contender.members.iter().map(|s| 2.0 * odds(s.candidate.effect).ln()).sum();
+        let rare: f64 = contender.members.iter().map(|s| 2.0 * odds(&s.candidate.effect).ln()).sum();
         -rows * (-share).ln_1p() - contender.cost() as f64 * rows.ln() - tried - rare
     }
 }
 
 /// Odds against an effect before the data are seen.
-fn odds(effect: &dyn Effect) -> f64 {
+fn odds(effect: &AnyEffect) -> f64 {
     if effect.is_rare() {
         SETTINGS.without_periods.rare_preference
     } else {
@@ -383,7 +383,7 @@ fn total(chosen: &Chosen) -> f64 {
 fn chosen<'a>(members: Vec<&'a Scored>, own: &Validated, p_value: f64) -> Chosen<'a> {
     let share = 1.0 / members.len() as f64;
     let accepted = |s: &&Scored| Accepted {
-        effect: s.candidate.effect.code(),
+        effect: s.candidate.effect.code().into(),
         gain: own.gain * share,
         evidence: s.evidence,
         p_value,

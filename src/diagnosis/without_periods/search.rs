@@ -61,7 +61,7 @@ fn grow(data: &mut Data, now: &mut Selected, [candidates, open]: [&[Candidate]; 
 }
 
 /// Effects that are not to be tried again: code and joints.
-type Refused = Vec<(&'static str, Vec<usize>)>;
+type Refused = Vec<(String, Vec<usize>)>;
 
 /// The selection with what was chosen, fitted to all rows.
 fn fitted(data: &Data, now: &Selected, chosen: &[Chosen]) -> Result<Selected, Refused> {
@@ -84,7 +84,7 @@ fn fitted(data: &Data, now: &Selected, chosen: &[Chosen]) -> Result<Selected, Re
     let system = data.fit(model);
     let wrong: Refused = (0..news.len())
         .filter(|i| !is_physical(&system, first + i))
-        .map(|i| (news[i].effect.code(), news[i].joints.clone()))
+        .map(|i| (news[i].effect.code().to_string(), news[i].joints.clone()))
         .collect();
     if !wrong.is_empty() {
         return Err(wrong);

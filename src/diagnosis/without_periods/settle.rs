@@ -25,7 +25,7 @@ pub(crate) fn settle(data: &Data, now: &mut Selected) -> Vec<Term> {
         match offset_in_place(&model, at) {
             Some(offset) => {
                 model.terms[at] = offset;
-                now.accepted[at - fixed].effect = "torque_offset";
+                now.accepted[at - fixed].effect = "torque_offset".into();
             }
             None => {
                 gone.push(model.terms.remove(at));

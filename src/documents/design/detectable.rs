@@ -37,7 +37,7 @@ pub struct DetectableDocument {
 pub struct DetectableEffectDocument {
     /// Code of the effect, such as `stribeck_friction`.
     #[cfg_attr(feature = "service", schema(example = "joint_spring"))]
-    pub effect: &'static str,
+    pub effect: String,
     /// None for an effect of the whole robot.
     pub joints: Vec<String>,
     /// The parameter that has the size; of a gain, its deviation from 1.
@@ -76,13 +76,13 @@ pub struct AssumedParameterDocument {
 #[cfg_attr(feature = "service", schema(as = InseparableEffects))]
 pub struct InseparableDocument {
     /// Code of the effect that is present.
-    pub effect: &'static str,
+    pub effect: String,
     /// Names of the joints that it acts on.
     pub joints: Vec<String>,
     /// The parameter of the effect that has the size.
     pub parameter: String,
     /// Code of the other effect.
-    pub rival: &'static str,
+    pub rival: String,
     /// Names of the joints that the other effect acts on.
     pub rival_joints: Vec<String>,
     /// Of the two, where base parameters do not imitate them.
@@ -107,10 +107,10 @@ pub(super) fn detectable(problem: &Problem, assessed: &Assessed) -> DetectableDo
     let joints = problem.robot().joints();
     let names = |list: &[usize]| -> Vec<String> { list.iter().map(|&j| joints[j].name.clone()).collect() };
     let pair = |p: &Inseparable| InseparableDocument {
-        effect: p.effect,
+        effect: p.effect.clone(),
         joints: names(&p.joints),
         parameter: p.parameter.clone(),
-        rival: p.rival,
+        rival: p.rival.clone(),
         rival_joints: names(&p.rival_joints),
         correlation: p.correlation,
         told_apart_from: p.told_apart_from.and_then(finite),
@@ -134,7 +134,7 @@ fn effect(visible: &Visible, joints: Vec<String>) -> DetectableEffectDocument {
         unit: info.unit.clone(),
     };
     DetectableEffectDocument {
-        effect: visible.effect,
+        effect: visible.effect.clone(),
         joints,
         parameter: visible.parameter.name.clone(),
         unit: visible.parameter.unit.clone(),

@@ -87,6 +87,7 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
         (Some(model), None) => Some(RobotDocument {
             robot: model.robot.clone(),
             notes: Vec::new(),
+            effects: Vec::new(),
         }),
         // What is wrong with the model is said already.
         (None, None) if fields.nullable("model").is_some() => None,

@@ -2,6 +2,7 @@
 
 use super::feasible::Feasible;
 use super::model::Model;
+use super::own_effect::OwnEffect;
 use super::robot::RobotOrName;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -68,6 +69,9 @@ pub struct IdentifyRequest {
     /// Estimate a constant torque for every joint.
     #[cfg_attr(feature = "service", schema(default = false))]
     pub offset: Option<bool>,
+    /// Effects with formulas of their own, beside those of the robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<Vec<OwnEffect>>,
     /// How physical parameters are found; by `consistent` if left out.
     pub feasible: Option<Feasible>,
     /// Points of every series of measured and predicted torque in the answer.

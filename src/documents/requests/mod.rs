@@ -8,6 +8,7 @@ mod identify;
 mod knowledge;
 mod model;
 mod motion;
+mod own_effect;
 mod robot;
 mod words;
 
@@ -17,4 +18,5 @@ pub use identify::*;
 pub use knowledge::*;
 pub use model::*;
 pub use motion::*;
+pub use own_effect::*;
 pub use robot::*;

@@ -1,5 +1,6 @@
 //! An identified model, with what tracing has added to it.
 
+use super::own_effect::OwnEffect;
 use super::robot::RobotOrName;
 use crate::formats::Missing;
 use crate::formats::models::BaseRow;
@@ -76,7 +77,7 @@ pub struct ModelParameter {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct AddedEffect {
-    /// Code of the effect.
+    /// Code of the effect, or the name of an own one.
     #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
     pub effect: String,
     /// Names of the joints that it acts on.
@@ -94,9 +95,12 @@ pub struct AddedEffect {
     /// The same values by name, with units.
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
     pub parameters: Option<Vec<ModelParameter>>,
-    /// Formula of a law, for people: what a reader takes is `form`.
+    /// Formula of a law or own effect, for people: what a reader takes is `form`, or `definition`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<crate::documents::LawDocument>,
+    /// Definition of an own effect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub definition: Option<OwnEffect>,
     /// Effects that the data do not exclude in its place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rivals: Option<Vec<RivalEffect>>,
@@ -106,7 +110,7 @@ pub struct AddedEffect {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct RivalEffect {
-    /// Code of the effect.
+    /// Code of the effect, or the name of an own one.
     #[cfg_attr(feature = "service", schema(example = "torque_offset"))]
     pub effect: String,
     /// Names of the joints that it acts on.
@@ -124,9 +128,12 @@ pub struct RivalEffect {
     /// The same values by name, with units.
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
     pub parameters: Option<Vec<ModelParameter>>,
-    /// Formula of a law, for people: what a reader takes is `form`.
+    /// Formula of a law or own effect, for people: what a reader takes is `form`, or `definition`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<crate::documents::LawDocument>,
+    /// Definition of an own effect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub definition: Option<OwnEffect>,
     /// Twice the log of the evidence ratio in favour of the finding.
     pub evidence: f64,
     /// Base parameters of that fit.

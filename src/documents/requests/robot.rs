@@ -1,5 +1,6 @@
 //! Robots, by their joints or as URDF.
 
+use super::own_effect::OwnEffect;
 use serde::{Deserialize, Serialize};
 
 /// The name of a known robot, or a robot.
@@ -43,6 +44,9 @@ pub struct JointRobot {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = Vec<Friction>, required = false))]
     pub friction: Option<Vec<Friction>>,
+    /// Effects with formulas of their own that every identification of this robot has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<Vec<OwnEffect>>,
     /// Where the numbers come from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
@@ -73,6 +77,9 @@ pub struct UrdfRobot {
     /// Capsules by the names of links, in the frames of the file, in the place of its `<collision>` shapes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
+    /// Effects with formulas of their own that every identification of this robot has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<Vec<OwnEffect>>,
     /// Where the file comes from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
@@ -103,6 +110,9 @@ pub struct MjcfRobot {
     /// Capsules by the names of bodies, in the frames of the file, in the place of its geoms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
+    /// Effects with formulas of their own that every identification of this robot has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<Vec<OwnEffect>>,
     /// Where the file comes from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]

@@ -9,7 +9,9 @@ pub use written::{robot_value, written_robot};
 
 use self::joint::{Reading, read_capsule, read_joint};
 use crate::documents::cursor::{Cursor, Fields, Findings};
+use crate::documents::own_effects::read_effects;
 use crate::documents::requests;
+use crate::effects::OwnEffect;
 use crate::formats::json::Parsed;
 use crate::model::{
     Capsule, ChainEnds, FieldProblem, Friction, INPUT_LIMITS, Robot, Rounding, from_mjcf_shaped, from_urdf_shaped,
@@ -19,6 +21,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A robot as read, and what a user should know about how it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +30,8 @@ pub struct RobotDocument {
     pub robot: Robot,
     /// Missing limits or inertials of a URDF file, in words.
     pub notes: Vec<String>,
+    /// Effects with formulas of their own.
+    pub effects: Vec<Arc<OwnEffect>>,
 }
 
 /// Robots, and results of a server, that documents may call by name.
@@ -82,12 +87,14 @@ fn read_xml<T: for<'de> Deserialize<'de>>(cursor: &Cursor, kind: &str, rounding:
     };
     match read {
         Ok(read) => Some(RobotDocument {
+            effects: read_effects(&fields, Some(&read.robot), &[]),
             robot: read.robot,
             notes: read.notes,
         }),
         Err(e) => {
             let at = cursor.pointer();
             cursor.findings().merge(e.0.into_iter().map(|p| in_file(at, kind, p)));
+            read_effects(&fields, None, &[]);
             None
         }
     }
@@ -150,6 +157,7 @@ fn read_joints(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
     reading.look_at_table(joints.len());
     match Robot::new(name, gravity, joints, friction) {
         Ok(robot) => Some(RobotDocument {
+            effects: read_effects(&fields, Some(&robot), &[]),
             robot,
             notes: reading.notes.into_list(),
         }),
@@ -164,6 +172,7 @@ fn read_joints(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
                 ..p
             };
             cursor.findings().merge(e.0.into_iter().map(placed));
+            read_effects(&fields, None, &[]);
             None
         }
     }

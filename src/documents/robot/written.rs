@@ -30,6 +30,7 @@ pub fn written_robot(robot: &Robot) -> requests::JointRobot {
             .map(|(joint, frame)| written_joint(joint, frame))
             .collect(),
         friction: Some(friction.into_iter().filter_map(|(is, word)| is.then_some(word)).collect()),
+        effects: None,
         source: None,
     }
 }

@@ -13,14 +13,14 @@ pub use form::{Class, Form};
 pub use formula::{formula, statements};
 pub use functions::{OfPosition, OfSpeed};
 
-use super::{About, Column, Effect, Formula, ParameterInfo, Scene, Shape, Span};
+use super::{About, AnyEffect, Column, Effect, Formula, ParameterInfo, Scene, Shape, Span};
 use crate::model::Robot;
 
 /// `tau_j += f(q, qd; c, shape)` for one of the forms of [`Form::all`]; `joints` is what [`Form`] says of its places.
 pub struct Law;
 
 /// Whether an effect is a law, and no listed one.
-pub fn is_law(effect: &dyn Effect) -> bool {
+pub fn is_law(effect: &AnyEffect) -> bool {
     effect.code() == Law.code()
 }
 

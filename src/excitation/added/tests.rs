@@ -70,7 +70,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
         ),
     };
     let term = Term {
-        effect,
+        effect: effect.into(),
         form,
         joints,
         coefficients: (0..coefficients).map(|i| 0.7 - 0.4 * i as f64).collect(),

@@ -134,7 +134,7 @@ impl FinalModel {
             .map(|j| j.prior.as_ref().map_or(0.0, |p| p.coulomb));
         let soft = friction.enumerate().filter(|(_, f)| *f > 0.0);
         soft.map(|(j, force)| Term {
-            effect: smooth,
+            effect: smooth.into(),
             form: SOFT_CONSTRAINT,
             joints: vec![j],
             coefficients: vec![force],

@@ -4,6 +4,7 @@ use super::FinalModel;
 use super::effects_held::coupling_ratio;
 use super::source::{literal, one_line};
 use crate::effects::law::{Form, statements as statements_of_law};
+use crate::effects::{Effect, OwnEffect};
 use crate::regression::Term;
 
 /// What an effect adds, in terms of `q, qd, qdd` (with encoder offsets in `q`), `rigid` (torques of the bodies) and `declared` (with friction).
@@ -47,6 +48,9 @@ fn statements(term: &Term, joints: usize) -> (Vec<String>, Vec<String>) {
     let s: Vec<String> = term.shape.iter().map(|v| literal(*v)).collect();
     let (q, v, a) = (format!("q[{j}]"), format!("qd[{j}]"), format!("qdd[{j}]"));
     let own = |value: String| (vec![format!("tau[{j}] += {value}")], Vec::new());
+    if let Some(defined) = term.effect.own() {
+        return own_effect(term, defined, joints);
+    }
     match term.effect.code() {
         "torque_offset" => own(c[0].clone()),
         "joint_spring" => own(format!("{} * {q} + {}", c[0], c[1])),
@@ -94,6 +98,17 @@ fn law(term: &Term) -> (Vec<String>, Vec<String>) {
     let all = statements_of_law(Form::numbered(term.form), &term.joints, &constants, &q, &v);
     let torque = all.into_iter().map(|(j, value)| format!("tau[{j}] += {value}"));
     (torque.collect(), Vec::new())
+}
+
+/// The formula with its constants as they are reported, and how it grows with the accelerations.
+fn own_effect(term: &Term, own: &OwnEffect, joints: usize) -> (Vec<String>, Vec<String>) {
+    let reported = own.reported(term.form, &term.coefficients, &term.shape);
+    let constants: Vec<String> = reported.iter().map(|v| format!("({})", literal(*v))).collect();
+    let state = |joint: usize, order: usize| format!("{}[{joint}]", ["q", "qd", "qdd"][order]);
+    let j = own.joint();
+    let torque = vec![format!("tau[{j}] += {}", own.source(&constants, &state))];
+    let entry = |k: usize| Some(format!("m[{j}][{k}] += {}", own.inertia_source(k, &constants, &state)?));
+    (torque, (0..joints).filter_map(entry).collect())
 }
 
 fn coupling(term: &Term, c: &[String]) -> (Vec<String>, Vec<String>) {

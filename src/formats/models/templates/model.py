@@ -1,4 +1,4 @@
-from math import ceil, cos, exp, fabs, floor, pow, sin, tanh
+from math import ceil, cos, exp, fabs, floor, log, pow, sin, sqrt, tan, tanh
 
 @TABLES@
 

@@ -1,0 +1,40 @@
+//! Effects with formulas of their own.
+
+use serde::{Deserialize, Serialize};
+
+/// An effect that a formula defines: a torque that is added to one joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", schema(example = json!({"name": "counterbalance", "joint": "A2", "expression": "k*sin(q2 - q0)",
+    "parameters": [{"name": "k", "unit": "N m", "low": 0}, {"name": "q0", "unit": "rad"}], "declared": false})))]
+#[serde(deny_unknown_fields)]
+pub struct OwnEffect {
+    /// What findings call it: a letter, then letters, digits, `_` and `-`; no effect of the program.
+    pub name: String,
+    /// Name of the joint whose torque it adds to.
+    pub joint: String,
+    /// The torque that it adds [N·m or N]: `q1`, `qd1`, `qdd1` are position, speed and acceleration of the first joint (`q_A1` by its name); `+ - * / ^`,
+    /// parentheses, `sin cos tan tanh exp ln log sqrt abs sign`, `pi`. `-x^2` is `-(x^2)`; `log` is the natural logarithm. One parameter at least must be a factor.
+    pub expression: String,
+    /// Every other name in the expression.
+    pub parameters: Vec<OwnParameter>,
+    /// Whether it belongs to the model from the start; otherwise the data decide.
+    #[cfg_attr(feature = "service", schema(default = false))]
+    pub declared: Option<bool>,
+}
+
+/// A parameter of an own effect.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct OwnParameter {
+    /// Name in the expression.
+    pub name: String,
+    /// SI unit without prefix, factors side by side: `N m/rad`; `1` for a number.
+    #[cfg_attr(feature = "service", schema(example = "N m/rad"))]
+    pub unit: String,
+    /// Smallest value. Needed where the expression is not linear in the parameter, unless it is an angle.
+    pub low: Option<f64>,
+    /// Largest value.
+    pub high: Option<f64>,
+}
