@@ -10,35 +10,44 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::effects::law::is_law;
 use crate::regression::{AugmentedModel, Data, System, Term, spans};
 
-/// The selection with laws for what `examined` leaves, and whatever listed effects can be seen beside them; `None` where no law earns its place.
+/// The selection with laws for what `examined` leaves, or in the place of listed effects that imitate one, and whatever listed effects can be seen beside them; `None` where
+/// no law earns its place.
 pub(crate) fn written(data: &Data, examined: &Selected, known: &[Candidate], threshold: &Threshold) -> Option<Selected> {
     if !examined.system.noise_is_measured {
         return None;
     }
-    let rows = suspicious(&examined.system);
-    if rows.is_empty() {
+    let added = added(data, examined, known, threshold);
+    let now = added.as_ref().unwrap_or(examined);
+    let instead = instead_of_listed(data, now, known, threshold);
+    Some(extend(data, instead.or(added)?, known, threshold))
+}
+
+/// Laws beside the effects of `examined`, for what they leave.
+fn added(data: &Data, examined: &Selected, known: &[Candidate], threshold: &Threshold) -> Option<Selected> {
+    let search = Search::new(data, &examined.system, known, threshold)?;
+    let start = search.begun(examined, examined.system.model.clone(), examined.accepted.clone());
+    search.clean(&examined.system, search.found(start))
+}
+
+/// Laws in the place of the effects that were accepted. A weak law over two joints looks like a crosstalk, a spring and an offset, each of which explains a part of it, and
+/// what they leave together is too little for a search that goes on from there. So laws and listed effects begin once more, side by side, and the account with laws
+/// stays where it is the better one by more than what would make the other its rival.
+fn instead_of_listed(data: &Data, now: &Selected, known: &[Candidate], threshold: &Threshold) -> Option<Selected> {
+    let terms = &now.system.model.terms[now.fixed..];
+    if terms.iter().all(|t| is_law(&t.effect)) {
         return None;
     }
-    let search = Search::new(data, &examined.system, known, threshold, &rows);
-    let fixed = examined.fixed;
-    let start = Selected {
-        system: data.linearise(examined.system.model.clone()),
-        accepted: examined.accepted.clone(),
-        noise: data.noise.clone(),
-        fixed,
-        declared: examined.declared,
-        given_up: false,
-    };
-    let mut now = search.forward(start);
-    for _ in 0..SETTINGS.laws.rounds {
-        let (there, changed) = search.exchanged(now);
-        now = there;
-        if !changed {
-            break;
-        }
+    let mut declared = now.system.model.clone();
+    declared.terms.truncate(now.fixed);
+    let without = data.fit(declared);
+    let search = Search::new(data, &without, known, threshold)?;
+    let forward = search.forward(search.begun(now, without.model.clone(), Vec::new()));
+    if !forward.system.model.terms[now.fixed..].iter().any(|t| is_law(&t.effect)) {
+        return None;
     }
-    let now = search.clean(&examined.system, now)?;
-    Some(extend(data, now, known, threshold))
+    let other = search.clean(&without, search.improved(forward))?;
+    let score = |s: &Selected| search.score(&s.system, s.fixed);
+    (score(&other) - score(now) > SETTINGS.laws.exchange).then_some(other)
 }
 
 /// χ² of a joint above its mean that noise alone has once in forty logs, at two standard deviations: a law of one column that is large enough to be named is far
@@ -64,13 +73,43 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(data: &'a Data<'a>, system: &System, known: &'a [Candidate], threshold: &'a Threshold, rows: &[usize]) -> Self {
-        Self {
-            hypotheses: library(&system.model.robot, data, &spans(data.stretches), rows),
+    /// The search for what `system` leaves; `None` where that is noise on all joints.
+    fn new(data: &'a Data<'a>, system: &System, known: &'a [Candidate], threshold: &'a Threshold) -> Option<Self> {
+        let rows = suspicious(system);
+        (!rows.is_empty()).then(|| Self {
+            hypotheses: library(&system.model.robot, data, &spans(data.stretches), &rows),
             data,
             known,
             threshold,
+        })
+    }
+
+    /// What a search begins with: `model` in the place of that of `selected`.
+    fn begun(&self, selected: &Selected, model: AugmentedModel, accepted: Vec<Accepted>) -> Selected {
+        Selected {
+            system: self.data.linearise(model),
+            accepted,
+            noise: self.data.noise.clone(),
+            given_up: false,
+            ..*selected
         }
+    }
+
+    /// Forward steps, then exchanges.
+    fn found(&self, start: Selected) -> Selected {
+        self.improved(self.forward(start))
+    }
+
+    /// Exchanges as long as one is the better account.
+    fn improved(&self, mut now: Selected) -> Selected {
+        for _ in 0..SETTINGS.laws.rounds {
+            let (there, changed) = self.exchanged(now);
+            now = there;
+            if !changed {
+                break;
+            }
+        }
+        now
     }
 
     /// Adds laws and listed effects as long as something is left and one earns its place.
@@ -112,7 +151,8 @@ impl<'a> Search<'a> {
         (now, changed)
     }
 
-    /// Numbers of effects that are taken out together: all laws that act on one joint, where there are several, then each alone.
+    /// Numbers of effects that are taken out together: all laws that act on one joint or are of the same joints, where there are several, then each alone. A seal over two
+    /// joints comes as two laws, each with the speed of the other.
     fn groups(&self, now: &Selected) -> Vec<Vec<usize>> {
         let terms = &now.system.model.terms[now.fixed..];
         let laws: Vec<usize> = (0..terms.len()).filter(|&i| is_law(&terms[i].effect)).collect();
@@ -121,6 +161,17 @@ impl<'a> Search<'a> {
             .map(|j| laws.iter().copied().filter(|&i| acts(i).contains(&j)).collect::<Vec<_>>())
             .filter(|g| g.len() > 1)
             .collect();
+        let joints = |i: usize| {
+            let mut all = terms[i].joints.clone();
+            all.sort_unstable();
+            all
+        };
+        for &i in &laws {
+            let alike: Vec<usize> = laws.iter().copied().filter(|&k| joints(k) == joints(i)).collect();
+            if alike.len() > 1 && !groups.contains(&alike) {
+                groups.push(alike);
+            }
+        }
         groups.dedup();
         groups.extend(laws.iter().map(|&i| vec![i]));
         groups
