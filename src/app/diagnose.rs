@@ -22,7 +22,7 @@ pub(super) fn report_faults(report: &mut ResidualReport, faults: Vec<DataFault>)
     if beyond_repair(&faults) {
         report.verdict = Verdict::Unexplained;
     }
-    report.data_faults = faults;
+    report.data_faults.splice(..0, faults);
 }
 
 /// Where the logs say that gravity points, if that is another mounting than the declared one.

@@ -1,6 +1,6 @@
 //! The `residual` part of an answer: what the declared model leaves, and the effects that explain it.
 
-use crate::diagnosis::Covered;
+use crate::diagnosis::{Covered, FaultKind};
 use crate::effects::Formula;
 use crate::formats::mathml;
 use serde::{Deserialize, Serialize};
@@ -246,7 +246,7 @@ pub struct HeldOutJoint {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = DataFault))]
 #[serde(default)]
 pub struct DataFaultDocument {
-    /// `gravity_direction`, `torque_sign`, `joint_order`, `unit_mismatch`, `bad_samples`, `gravity_compensated_torque` or `unit_unknown`.
+    /// `gravity_direction`, `torque_sign`, `joint_order`, `unit_mismatch`, `bad_samples`, `gravity_compensated_torque`, `unit_unknown` or `filtered_torque`.
     pub code: String,
     /// Joints whose columns are concerned.
     pub joints: Vec<String>,
@@ -256,6 +256,13 @@ pub struct DataFaultDocument {
     pub remedy: String,
     /// Numbers that put it right, where there are any.
     pub parameters: Vec<EffectParameter>,
+}
+
+impl DataFaultDocument {
+    /// Whether the model allows for it: then the answer is as good as without.
+    pub fn is_allowed_for(&self) -> bool {
+        self.code == FaultKind::FilteredTorque.code()
+    }
 }
 
 /// A parameter with one standard deviation, null where the data do not determine it.

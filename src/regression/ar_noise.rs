@@ -87,15 +87,21 @@ impl NoiseModel {
         if unseen > SETTINGS.negligible_variance * own {
             covariance[0] += unseen;
         }
-        Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom))
+        let known = repeating.iter().all(|s| s.recorded.is_some());
+        let floor = if known {
+            SETTINGS.known_filter_floor
+        } else {
+            SETTINGS.whitening_floor
+        };
+        Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom, floor))
     }
 
     /// Levinson's recursion, the order chosen by the Bayesian information criterion, with a little white noise added (white-noise correction; Kay, Modern
     /// Spectral Estimation, 1988). Where a log was filtered before it was recorded its noise has next to no power, and no model of a few terms says how little:
     /// differences there would be magnified by orders of magnitude and taken for effects.
-    fn from_covariance(source: NoiseSource, covariance: &[f64], freedom: f64) -> Self {
+    fn from_covariance(source: NoiseSource, covariance: &[f64], freedom: f64, floor: f64) -> Self {
         let variance = covariance[0].max(f64::MIN_POSITIVE.sqrt());
-        let floored = covariance[0].max(f64::MIN_POSITIVE) * (1.0 + SETTINGS.whitening_floor);
+        let floored = covariance[0].max(f64::MIN_POSITIVE) * (1.0 + floor);
         let r: Vec<f64> = std::iter::once(1.0)
             .chain(covariance[1..].iter().map(|c| c / floored))
             .collect();

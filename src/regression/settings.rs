@@ -8,6 +8,9 @@ pub struct Settings {
     /// Least density of noise, as a share of its mean over all frequencies. Sensors and filters leave 20 dB between passband and stopband (noise that keeps 0.7 of
     /// itself from sample to sample: 15 dB); what twelve terms say of 30 dB and more is chance.
     pub whitening_floor: f64,
+    /// The same behind a filter that is known: rows are so far apart that a hundredth of the density is left at the highest frequency, and a tenth of the floor above is
+    /// small beside that.
+    pub known_filter_floor: f64,
     /// Samples of a motion that the effect of its errors is evaluated at: the mean square over 64 is good to a quarter, and a period's
     /// motion has hardly more independent ones.
     pub motion_error_samples: usize,
@@ -86,6 +89,7 @@ pub struct Settings {
 pub const SETTINGS: Settings = Settings {
     noise_terms: 12,
     whitening_floor: 1e-3,
+    known_filter_floor: 1e-4,
     motion_error_samples: 64,
     negligible_variance: 1e-3,
     jackknife_blocks: 16,

@@ -8,7 +8,9 @@ mod words;
 
 use self::words::{known, phrase, sentence, variable_in_words};
 use super::diagnose::beyond_repair;
-use crate::diagnosis::{Change, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, ResidualReport, Verdict};
+use crate::diagnosis::{
+    Change, DataFault, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, Remedy, ResidualReport, Verdict,
+};
 use crate::documents::{Against, ResidualDocument};
 use crate::formats::{listed, significant, unit};
 use crate::model::Robot;
@@ -66,8 +68,12 @@ impl Teller<'_> {
     }
 
     fn faults(&self) -> Option<String> {
+        let filtered = |f: &DataFault| f.remedy == Remedy::Filter;
         match self.report.data_faults.len() {
             0 => None,
+            _ if self.report.data_faults.iter().all(filtered) => {
+                Some("The torques were filtered before they were recorded; the model allows for it, as described below.".into())
+            }
             1 => Some("The data have a fault, named below.".into()),
             _ => Some("The data have faults, named below.".into()),
         }

@@ -19,6 +19,8 @@ pub enum FaultKind {
     GravityCompensatedTorque,
     /// Torques that are no torques in one unit: currents, counts, or numbers of no size that a joint has.
     UnitUnknown,
+    /// Torques went through a low-pass before they were recorded.
+    FilteredTorque,
 }
 
 impl FaultKind {
@@ -32,6 +34,7 @@ impl FaultKind {
             Self::BadSamples => "bad_samples",
             Self::GravityCompensatedTorque => "gravity_compensated_torque",
             Self::UnitUnknown => "unit_unknown",
+            Self::FilteredTorque => "filtered_torque",
         }
     }
 }
@@ -72,6 +75,8 @@ pub enum Remedy {
     Reorient,
     /// Leaving the rows out that it has spoiled.
     LeaveOut,
+    /// Filtering the model as the torques are.
+    Filter,
     /// Nothing: as the data are, nothing physical can be said.
     Nothing,
 }
@@ -83,6 +88,9 @@ impl Remedy {
             Self::Turn => "The sign was turned in all logs before anything was estimated.",
             Self::Reorient => "Everything was estimated with this direction; put it into the robot's description as `gravity`.",
             Self::LeaveOut => "The rows concerned were left out of the estimate.",
+            Self::Filter => {
+                "Every column of the model went through the same filter, which leaves the equation as it is; where the controller offers unfiltered torques, record those."
+            }
             Self::Nothing => "Nothing was changed, and no effect was looked for: correct the data and identify again.",
         }
     }

@@ -4,8 +4,8 @@ use super::Circumstances;
 use super::formula;
 use super::html::{Cell, Html, capital, escaped, listed, text, words};
 use crate::documents::{
-    BaseValue, ChoiceDocument, EffectParameter, EffectValue, IdentifyDocument, JointErrors, LogDocument, LogOrigin, LogRms,
-    ResidualDocument,
+    BaseValue, ChoiceDocument, DataFaultDocument, EffectParameter, EffectValue, IdentifyDocument, JointErrors, LogDocument,
+    LogOrigin, LogRms, ResidualDocument,
 };
 use crate::web::figures::{error_figure, parameter_figures, torque_figure, unit};
 use serde_json::Value;
@@ -75,7 +75,7 @@ fn determined(result: &IdentifyDocument) -> [String; 2] {
 
 /// What the diagnosis came to, faults of the data, and every finding in its sentence.
 fn verdict(page: &mut Html, residual: &ResidualDocument) {
-    let faulty = !residual.data_faults.is_empty();
+    let faulty = !residual.data_faults.iter().all(DataFaultDocument::is_allowed_for);
     page.paragraph(if faulty { "verdict bad" } else { "verdict" }, &text(&residual.summary));
     for fault in &residual.data_faults {
         let sentence = format!(
