@@ -206,6 +206,7 @@ fn bodies_objective(robot: &Robot) -> FitObjective {
         rate_hz: 100.0,
         start_s: 0.0,
         usable: vec![true; recorded.time.len()],
+        channels: Vec::new(),
         q: recorded.q,
         qd: None,
         tau: recorded.tau,

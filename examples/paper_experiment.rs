@@ -102,6 +102,7 @@ impl Bench {
             rate_hz: RATE_HZ,
             start_s: 0.0,
             usable: vec![true; recorded.time.len()],
+            channels: Vec::new(),
             q: recorded.q,
             qd: None,
             tau: recorded.tau,

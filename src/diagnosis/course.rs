@@ -23,6 +23,8 @@ pub(crate) struct Course<'a> {
     pub options: &'a DiagnosisOptions,
     /// The model that the search starts from.
     pub start: AugmentedModel,
+    /// Laws in what the log has beside positions and torques.
+    pub channel_laws: Vec<Arc<OwnEffect>>,
     /// Share of the torques that the declared model explains on held-out data.
     pub explained: Explained,
 }
@@ -77,7 +79,13 @@ impl<'a> Course<'a> {
         let spans = spans(stretches);
         let open = |own: &&Arc<OwnEffect>| !own.is_declared() && !has(&self.start, own);
         // Of two that explain the same, the first is named: what the user thought of.
-        let own = self.options.own.iter().filter(open).map(|own| own_candidate(own, &spans));
+        let own = self
+            .options
+            .own
+            .iter()
+            .filter(open)
+            .chain(&self.channel_laws)
+            .map(|own| own_candidate(own, &spans));
         let mut list: Vec<Candidate> = own.collect();
         list.extend(candidates(&self.start, &spans, self.prior().is_some()));
         list.retain(|c| c.joints.iter().all(|&j| stretches.iter().any(|s| s.has_rows(j))));

@@ -19,6 +19,7 @@ mod nonparametric;
 mod options;
 mod outcome;
 mod pipeline;
+mod recorded_filter;
 mod replicates;
 mod report;
 mod search;

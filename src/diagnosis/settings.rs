@@ -15,6 +15,8 @@ pub struct Settings {
     pub alternatives: Alternatives,
     /// Smooth functions and the remainder.
     pub nonparametric: Nonparametric,
+    /// Filters that torques have been through.
+    pub recorded_filter: RecordedFilterTest,
     /// Laws for what no listed effect explains.
     pub laws: Laws,
     /// The search on logs without periods.
@@ -152,6 +154,8 @@ pub struct Replicates {
     pub parts: usize,
     /// Share of the first period that is left out: friction still depends on where the robot stood before the log.
     pub start_share: f64,
+    /// Evidence that a parameter costs: the log of about ten thousand rows.
+    pub parameter_price: f64,
     /// Drifts and contacts that one log may have: more of them are not single events.
     pub most_findings: usize,
     /// Cosines that a drift is tested with: a line has 98.6 % of its square in the first and 1.2 % in the third.
@@ -222,6 +226,36 @@ pub struct Nonparametric {
     /// Share of the noise of a single measurement from which a remainder without an account is reported: the error of single measurements is then a tenth above
     /// the noise (`√(1.1² − 1)`). Way-point motions with steps in their jerk leave up to 0.37 on a good model, because accelerations come from noisy positions.
     pub unaccounted: f64,
+}
+
+/// Filters that torques have been through before they were recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordedFilterTest {
+    /// Bands of frequency that the power of the noise is averaged over: the edge of a filter is wider than a hundredth of the band.
+    pub bands: usize,
+    /// Orders that are tried: controllers smooth by one or two poles, seldom more.
+    pub orders: [usize; 3],
+    /// Cut-offs that are tried, at equal ratios: neighbours are a tenth apart, within which a filter smooths alike.
+    pub cutoffs: usize,
+    /// Lowest of them, as a share of the rows' rate: a period has no friction to speak of below.
+    pub lowest: f64,
+    /// Highest of them, as a share of half the rows' rate: beyond, the steps of friction are as sharp as the rows show them.
+    pub highest: f64,
+    /// Power of white noise that is added behind the filter (steps of the file), as a share of the noise's before it.
+    pub added: [f64; 3],
+    /// Share of the noise's power below which nothing is made of it.
+    pub unseen: f64,
+    /// Factors to either side of the cut-off that the noise goes with, between which the model has the last word.
+    pub around: [f64; 2],
+    /// Golden-section steps of a cut-off: ten leave a hundredth of where they began.
+    pub refined: usize,
+    /// Deviance that noise of this shape must gain over white noise before the model is asked: chance has a few units.
+    pub not_white: f64,
+    /// Largest misfit of the density of a joint's noise to that behind the filter: a third of the density in every band is a ninth. Filters of other kinds than Butterworth's stay below.
+    pub misfit: f64,
+    /// Sum of squares that the declared model must gain behind the filter: the order and the cut-off are chosen, and coloured noise of sensors looks like a filter, but leaves
+    /// the model as it is.
+    pub gain: f64,
 }
 
 /// Laws for what no listed effect explains.
@@ -381,6 +415,7 @@ pub const SETTINGS: Settings = Settings {
         course_ratio: 3.0,
         parts: 10,
         start_share: 0.05,
+        parameter_price: 9.0,
         most_findings: 6,
         slow_cosines: 3,
         neighbour_cosines: 12,
@@ -411,6 +446,20 @@ pub const SETTINGS: Settings = Settings {
         least_size: 0.2,
         share_beside: 0.1,
         unaccounted: 0.458,
+    },
+    recorded_filter: RecordedFilterTest {
+        bands: 100,
+        orders: [1, 2, 4],
+        cutoffs: 40,
+        lowest: 0.01,
+        highest: 0.8,
+        added: [0.0, 1e-2, 5e-2],
+        unseen: 1e-3,
+        around: [0.8, 1.25],
+        refined: 10,
+        not_white: 60.0,
+        misfit: 0.15,
+        gain: 30.0,
     },
     laws: Laws {
         suspicious: 2.0,

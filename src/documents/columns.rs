@@ -2,7 +2,8 @@
 
 use super::cursor::{Cursor, Fields};
 use super::requests;
-use crate::formats::logs::{Columns, JointColumns, PLAUSIBLE_HZ, TimeUnit, Transformation};
+use crate::formats::logs::{ChannelColumn, Columns, JointColumns, PLAUSIBLE_HZ, TimeUnit, Transformation};
+use crate::model::INPUT_LIMITS;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -51,11 +52,72 @@ pub fn read_columns(cursor: &Cursor, joints: Option<usize>) -> Columns {
         position: quantity(&fields, "position", POSITION_UNITS, joints),
         velocity: quantity(&fields, "velocity", VELOCITY_UNITS, joints),
         torque: quantity(&fields, "torque", TORQUE_UNITS, joints),
+        channels: fields.nullable("channels").map_or_else(Vec::new, |c| channels(&c)),
     };
     if let Some(coupling) = fields.nullable("coupling") {
         couple(&coupling, joints, &mut columns);
     }
     columns
+}
+
+fn channels(cursor: &Cursor) -> Vec<ChannelColumn> {
+    let items = cursor.items().unwrap_or_default();
+    if items.len() > INPUT_LIMITS.channels {
+        cursor.complain(format!(
+            "has {} channels; at most {} are read",
+            items.len(),
+            INPUT_LIMITS.channels
+        ));
+        return Vec::new();
+    }
+    let mut found: Vec<ChannelColumn> = Vec::new();
+    for item in &items {
+        let Some(channel) = channel(item) else { continue };
+        if found.iter().any(|c| c.name == channel.name) {
+            item.complain_with(
+                format!("is a second channel `{}`", channel.name),
+                "give each a name of its own",
+            );
+        }
+        found.push(channel);
+    }
+    found
+}
+
+fn channel(cursor: &Cursor) -> Option<ChannelColumn> {
+    let fields = cursor.fields_of::<requests::ChannelColumn>()?;
+    let name = fields.required("name").and_then(|c| {
+        let name = c.string()?;
+        if !is_variable(name) {
+            c.complain_with(
+                format!("is `{name}`, which is no name of a variable beside q1, qd1, qdd1 and the functions"),
+                "use letters, digits and `_`, such as `temperature`",
+            );
+            return None;
+        }
+        Some(name.to_string())
+    });
+    let text = |field: &str| fields.nullable(field).and_then(|c| c.string()).map(str::to_string);
+    let (header, unit) = (text("header"), text("unit"));
+    let name = name?;
+    Some(ChannelColumn {
+        header: header.unwrap_or_else(|| name.clone()),
+        unit: unit.unwrap_or_else(|| "1".into()),
+        name,
+    })
+}
+
+/// Whether formulas can have a variable of this name that is not one of theirs already.
+fn is_variable(name: &str) -> bool {
+    const LONGEST: usize = 40;
+    const TAKEN: [&str; 14] = [
+        "sin", "cos", "tan", "tanh", "exp", "ln", "log", "sqrt", "abs", "sign", "pi", "e", "t", "time",
+    ];
+    let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+    let word = name.starts_with(letter) && name.chars().all(|c| letter(c) || c.is_ascii_digit());
+    let of_joint = ["qdd", "qd", "q", "tau"].iter().find_map(|stem| name.strip_prefix(stem));
+    let is_joint = of_joint.is_some_and(|rest| !rest.is_empty() && rest.chars().all(|c| c.is_ascii_digit()));
+    word && !is_joint && !TAKEN.contains(&name) && name.len() <= LONGEST
 }
 
 fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<usize>) -> JointColumns {

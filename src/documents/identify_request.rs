@@ -86,6 +86,7 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
     let preprocess = read_preprocess(&fields, period);
     let of_robot = robot.as_ref().map(|r| r.effects.clone()).unwrap_or_default();
     let effects = read_effects(&fields, robot.as_ref().map(|r| &r.robot), &of_robot);
+    check_channels(cursor, &columns, &effects);
     let feasible = read_feasible(&fields, robot.as_ref().map(|r| &r.robot));
     let flag = |name: &str, otherwise: bool| fields.nullable(name).and_then(|c| boolean(&c)).unwrap_or(otherwise);
     let (offset, trace) = (flag("offset", false), flag("trace", true));
@@ -112,6 +113,23 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         trace,
         document: cursor.value().clone(),
     })
+}
+
+/// Own effects of the request whose channels the logs are not read with: they would be computed with the reference, as if it never changed.
+fn check_channels(cursor: &Cursor, columns: &Columns, effects: &[Arc<OwnEffect>]) {
+    for definition in effects.iter().map(|e| e.definition()) {
+        let missing = |name: &String| columns.channels.iter().all(|c| c.name != *name);
+        for channel in definition.channels.iter().map(|c| &c.name).filter(|name| missing(name)) {
+            let detail = format!(
+                "`{}` depends on `{channel}`, which is no channel of the logs",
+                definition.name
+            );
+            let problem = FieldProblem::new("/effects", detail);
+            cursor
+                .findings()
+                .push(problem.with_hint("name its column in `columns.channels`"));
+        }
+    }
 }
 
 pub(super) fn boolean(cursor: &Cursor) -> Option<bool> {

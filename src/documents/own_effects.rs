@@ -3,7 +3,7 @@
 use super::cursor::{Cursor, Fields};
 use super::identify_request::boolean;
 use super::requests;
-use crate::effects::own::{MOST_PARAMETERS, ParameterDefinition};
+use crate::effects::own::{ChannelVariable, MOST_PARAMETERS, ParameterDefinition};
 use crate::effects::{Definition, OwnEffect};
 use crate::model::{FieldProblem, INPUT_LIMITS, Robot};
 use std::sync::Arc;
@@ -55,13 +55,35 @@ fn read_definition(cursor: &Cursor) -> Option<Definition> {
         .required("parameters")
         .and_then(|c| c.items_up_to(MOST_PARAMETERS, "parameters"));
     let parameters: Option<Vec<Option<ParameterDefinition>>> = items.map(|list| list.iter().map(read_parameter).collect());
+    let channels = match fields.nullable("channels") {
+        None => Some(Vec::new()),
+        Some(list) => list
+            .items_up_to(INPUT_LIMITS.channels, "channels")
+            .and_then(|items| items.iter().map(read_channel).collect()),
+    };
     let declared = fields.nullable("declared").and_then(|c| boolean(&c)).unwrap_or(false);
     Some(Definition {
         name: name?,
         joint: joint?,
         expression: expression?,
         parameters: parameters?.into_iter().collect::<Option<Vec<_>>>()?,
+        channels: channels?,
         declared,
+    })
+}
+
+fn read_channel(cursor: &Cursor) -> Option<ChannelVariable> {
+    let fields = cursor.fields_of::<requests::OwnChannel>()?;
+    let name = fields.required("name").and_then(|c| c.string()).map(str::to_string);
+    let unit = fields
+        .nullable("unit")
+        .and_then(|c| c.string())
+        .map_or_else(|| "1".into(), str::to_string);
+    let reference = fields.required("reference").and_then(|c| c.number());
+    Some(ChannelVariable {
+        name: name?,
+        unit,
+        reference: reference?,
     })
 }
 
@@ -87,7 +109,14 @@ pub(super) fn written(definition: &Definition) -> requests::OwnEffect {
         low: p.low,
         high: p.high,
     };
+    let channel = |c: &ChannelVariable| requests::OwnChannel {
+        name: c.name.clone(),
+        unit: Some(c.unit.clone()),
+        reference: c.reference,
+    };
+    let channels: Vec<requests::OwnChannel> = definition.channels.iter().map(channel).collect();
     requests::OwnEffect {
+        channels: (!channels.is_empty()).then_some(channels),
         name: definition.name.clone(),
         joint: definition.joint.clone(),
         expression: definition.expression.clone(),

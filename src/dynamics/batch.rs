@@ -1,6 +1,6 @@
 //! A motion sampled in time, laid out so that eight samples are read at once.
 
-use super::LANES;
+use super::{Channel, LANES};
 
 /// How the sign in the Coulomb column is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +45,8 @@ pub struct Motion {
     pub(crate) q: Vec<f64>,
     pub(crate) qd: Vec<f64>,
     pub(crate) qdd: Vec<f64>,
+    /// What else is known along the motion.
+    channels: Vec<Channel>,
 }
 
 impl Motion {
@@ -59,7 +61,26 @@ impl Motion {
             q: zeros.clone(),
             qd: zeros.clone(),
             qdd: zeros,
+            channels: Vec::new(),
         }
+    }
+
+    /// The same motion with these further quantities along it, N values each.
+    #[must_use]
+    pub fn with_channels(mut self, channels: Vec<Channel>) -> Self {
+        debug_assert!(channels.iter().all(|c| c.values.len() == self.samples));
+        self.channels = channels;
+        self
+    }
+
+    /// The further quantities.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Values of the quantity of this name; `None` where it was not measured.
+    pub fn channel(&self, name: &str) -> Option<&[f64]> {
+        self.channels.iter().find(|c| &*c.name == name).map(|c| &*c.values)
     }
 
     /// From functions of (joint, sample).

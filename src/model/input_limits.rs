@@ -55,6 +55,10 @@ pub struct InputLimits {
     pub measured_position: f64,
     /// Largest measured velocity: far beyond the spindle of any drive [rad/s or m/s].
     pub measured_velocity: f64,
+    /// Largest value of a further measured quantity, in whatever unit.
+    pub measured_channel: f64,
+    /// Further measured quantities of a log.
+    pub channels: usize,
     /// Largest measured torque: far above what the largest crane lifts [N·m or N].
     pub measured_torque: f64,
     /// Largest time stamp (s): nanoseconds since 1970 taken for seconds are 2e18.
@@ -107,6 +111,8 @@ pub const INPUT_LIMITS: InputLimits = InputLimits {
     log_rows: 8_000_000,
     measured_position: 1e6,
     measured_velocity: 1e6,
+    measured_channel: 1e12,
+    channels: 8,
     measured_torque: 1e9,
     time_stamp: 1e20,
     log_columns: 4_096,

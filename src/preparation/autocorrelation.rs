@@ -132,6 +132,7 @@ mod tests {
             tau: q.clone(),
             qd: None,
             usable: vec![true; 203],
+            channels: Vec::new(),
             q,
         };
         let found = lag_difference(&log, &CancelFlag::default()).unwrap();

@@ -1,5 +1,7 @@
 //! A measured record, uniform in time: what reading a file gives and preprocessing takes.
 
+use crate::dynamics::Channel;
+
 /// Positions and torques of all joints at a uniform rate. Every inner vector has the same length N.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
@@ -17,6 +19,8 @@ pub struct Log {
     pub tau: Vec<Vec<f64>>,
     /// False where a gap in the record had to be bridged: the values there are interpolated and are not data.
     pub usable: Vec<bool>,
+    /// Further quantities; none where the request names none.
+    pub channels: Vec<Channel>,
 }
 
 impl Log {
@@ -46,6 +50,7 @@ impl Log {
             qd: self.qd.as_deref().map(cut),
             tau: cut(&self.tau),
             usable: self.usable[range.clone()].to_vec(),
+            channels: self.channels.iter().map(|c| c.with(&c.values[range.clone()])).collect(),
         }
     }
 }

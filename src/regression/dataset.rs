@@ -1,7 +1,8 @@
 //! Measured torque along a motion, as the tracing sees it.
 
+use super::recorded_filter::RecordedFilter;
 use super::rows::clear_of_reversals;
-use crate::dynamics::Motion;
+use crate::dynamics::{Channel, Motion};
 use crate::effects::{Column, Span};
 use crate::preparation::{Exclusion, MotionError, PreparedLog};
 use std::sync::Arc;
@@ -28,6 +29,8 @@ pub struct Stretch {
     pub periods: Vec<Vec<Vec<f64>>>,
     /// When every period began on the log's clock (s).
     pub starts: Vec<f64>,
+    /// Further quantities in every period, over the samples of the motion; P lists, or none where the log has none.
+    pub channel_periods: Vec<Vec<Channel>>,
     /// Time between samples of the motion (s).
     pub interval: f64,
     /// Whether the sample after the last is the first.
@@ -44,6 +47,8 @@ pub struct Stretch {
     pub resolution: Vec<f64>,
     /// Per joint: what is not known of its motion, which no period shows.
     pub motion_error: Vec<MotionError>,
+    /// What the torque had been through before it was recorded, where that is known; columns go through it in `filter`.
+    pub(crate) recorded: Option<RecordedFilter>,
     /// What torque and columns go through; `None` where every sample is a row.
     pub filter: Option<ColumnFilter>,
     /// The same rows from fewer samples, where a filter leaves most of them without say.

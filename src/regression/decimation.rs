@@ -1,7 +1,7 @@
 //! The coarse form of a stretch: the same rows from fewer samples, or rows that are means over neighbouring ones.
 
 use super::dataset::{Coarse, Stretch};
-use crate::dynamics::Motion;
+use crate::dynamics::{Channel, Motion};
 use crate::preparation::RowFilter;
 use crate::preparation::filter::LowPass;
 use crate::regression::settings::SETTINGS;
@@ -27,7 +27,8 @@ impl Stretch {
             (0..self.joints()).map(|j| self.coarse_values(rows(motion, j))).collect()
         };
         let (q, qd, qdd) = (of(Motion::positions), of(Motion::velocities), of(Motion::accelerations));
-        Motion::from_fn(self.joints(), q[0].len(), |j, s| [q[j][s], qd[j][s], qdd[j][s]])
+        let channels = motion.channels().iter().map(|c| c.with(&self.coarse_values(&c.values)));
+        Motion::from_fn(self.joints(), q[0].len(), |j, s| [q[j][s], qd[j][s], qdd[j][s]]).with_channels(channels.collect())
     }
 
     pub(crate) fn coarse_form(&self) -> &Stretch {
@@ -74,8 +75,11 @@ impl Stretch {
             let m = &self.motion;
             [m.positions(j), m.velocities(j), m.accelerations(j)].map(|v| middle_of(v, s))
         };
+        let in_middle = |c: &Channel| c.with(&(0..rows).map(|s| middle_of(&c.values, s)).collect::<Vec<_>>());
+        let channels = |all: &[Channel]| all.iter().map(in_middle).collect::<Vec<_>>();
         let middle = Self {
-            motion: Motion::from_fn(self.joints(), rows, state),
+            motion: Motion::from_fn(self.joints(), rows, state).with_channels(channels(self.motion.channels())),
+            channel_periods: self.channel_periods.iter().map(|p| channels(p)).collect(),
             torque: all(&self.torque),
             periods: self.periods.iter().map(all).collect(),
             usable: bins(&self.usable),
@@ -111,8 +115,11 @@ impl Stretch {
                 .for_each(|y| y.resize(rows, y.last().copied().unwrap_or(0.0)));
             columns
         };
+        let at = |c: &Channel| c.with(&picked.iter().map(|&s| c.values[s]).collect::<Vec<_>>());
+        let channels = self.motion.channels().iter().map(at);
         let stretch = Box::new(Self {
-            motion: Motion::from_fn(self.joints(), picked.len(), |j, s| self.motion.get(j, picked[s])),
+            motion: Motion::from_fn(self.joints(), picked.len(), |j, s| self.motion.get(j, picked[s]))
+                .with_channels(channels.collect()),
             interval: self.interval * step as f64,
             filter: Some(Arc::new(columns)),
             periods: Vec::new(),

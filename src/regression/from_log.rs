@@ -3,7 +3,7 @@
 use super::dataset::{ColumnFilter, Stretch, Unfiltered, slices};
 use super::decimation::coarse_filter;
 use super::rows::at_rest;
-use crate::dynamics::Motion;
+use crate::dynamics::{Channel, Motion};
 use crate::preparation::{Log, MotionError, PreparedLog};
 use std::sync::Arc;
 
@@ -17,6 +17,7 @@ impl Stretch {
             torque: vec![vec![0.0; samples]; joints],
             periods: Vec::new(),
             starts: vec![0.0],
+            channel_periods: Vec::new(),
             interval,
             periodic,
             samples: (0..samples).collect(),
@@ -25,6 +26,7 @@ impl Stretch {
             excluded: vec![None; joints],
             resolution: vec![0.0; joints],
             motion_error: vec![MotionError::default(); joints],
+            recorded: None,
             filter: None,
             coarse: None,
             unfiltered: None,
@@ -89,7 +91,10 @@ impl Stretch {
             periods = (0..p.count).map(rows).collect();
             starts = (0..p.count).map(|k| prepared.start_s + k as f64 * p.period_s).collect();
         }
-        Self::from_periods(prepared, periods, starts)
+        Self {
+            channel_periods: channel_periods(prepared, log),
+            ..Self::from_periods(prepared, periods, starts)
+        }
     }
 
     /// From a prepared log with the torques of its periods, if it has any.
@@ -109,6 +114,7 @@ impl Stretch {
             torque: prepared.row_filter.torque_rows(&slices(&prepared.torque)),
             periods,
             starts,
+            channel_periods: Vec::new(),
             interval: 1.0 / prepared.rate_hz,
             periodic: prepared.is_periodic() && plain,
             samples: prepared.row_filter.rows(n).collect(),
@@ -117,12 +123,26 @@ impl Stretch {
             excluded: prepared.excluded.clone(),
             resolution: prepared.resolution.clone(),
             motion_error: prepared.motion_error.clone(),
+            recorded: None,
             filter: (!plain).then(|| Arc::new(move |x: &[&[f64]]| filter.column_rows(x)) as ColumnFilter),
             coarse: None,
             unfiltered: None,
             source: source_of(prepared),
         }
     }
+}
+
+/// The log's further quantities period by period; none where nothing repeats.
+fn channel_periods(prepared: &PreparedLog, log: &Log) -> Vec<Vec<Channel>> {
+    let (n, repeats) = (prepared.samples(), prepared.periods.as_ref().filter(|p| p.count >= 2));
+    let Some(p) = repeats.filter(|_| !log.channels.is_empty()) else {
+        return Vec::new();
+    };
+    let period = |k: usize| {
+        let part = |c: &Channel| c.with(&p.unfold(&c.values)[k * n..(k + 1) * n]);
+        log.channels.iter().map(part).collect()
+    };
+    (0..p.count).map(period).collect()
 }
 
 /// Rows at which a joint rests, the torque's filter reached from either side.

@@ -7,6 +7,7 @@
 //! residual, and of blocks of time where more is left (`block_jackknife`, `hac`). [`estimate`] is the whole in one call.
 
 mod ar_noise;
+mod behind_filter;
 mod block_jackknife;
 mod column_cache;
 mod dataset;
@@ -27,9 +28,11 @@ mod motion_error;
 mod noise_floor;
 mod normal_equations;
 mod partial_regression;
+mod period_groups;
 mod perturbed;
 mod product;
 mod rank;
+mod recorded_filter;
 mod rows;
 mod settings;
 mod solution;
@@ -55,9 +58,10 @@ pub use model::{AugmentedModel, Term, reported};
 pub(crate) use noise_floor::floor;
 pub use normal_equations::Prior;
 pub(crate) use normal_equations::{Data, System, Thinned};
-pub(crate) use partial_regression::{Whitened, reduce};
+pub(crate) use partial_regression::{Reduced, Whitened, reduce};
 pub(crate) use product::transposed_product;
 pub(crate) use rank::{directions, pseudo_inverse, pseudo_root};
+pub(crate) use recorded_filter::{Phase, RecordedFilter};
 pub use settings::{SETTINGS, Settings};
 pub use solution::Solution;
 pub(crate) use tail::{chi_square_tail, f_tail};

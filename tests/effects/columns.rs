@@ -37,6 +37,7 @@ fn own_term(robot: &Robot) -> Term {
         high: Some(range[1]),
     };
     let definition = Definition {
+        channels: Vec::new(),
         name: "mine".into(),
         joint: robot.joints()[1].name.clone(),
         expression: "k*sin(q2 - q0)*tanh(qd3/s) + j*qdd2*cos(q4) + c*exp(qd2/s)".into(),

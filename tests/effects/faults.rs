@@ -32,6 +32,7 @@ fn examined(robot: &Robot, recorded: &RecordedLog) -> Examined {
         qd: None,
         tau: raw.tau.clone(),
         usable: vec![true; raw.q[0].len()],
+        channels: Vec::new(),
     };
     leave_out(&mut log, &lost_rows(&raw));
     let prepared = prepare(&log, robot.joint_count(), &PreprocessOptions::default()).unwrap();

@@ -3,7 +3,7 @@
 use crate::bench::*;
 use dynident::diagnosis::{Diagnosis, DiagnosisOptions, Finding, Verdict, diagnose};
 use dynident::documents::{Cursor, Findings, augmented_value, read_augmented};
-use dynident::formats::logs::{Columns, read_log_file};
+use dynident::formats::logs::{ChannelColumn, Columns, read_log_file};
 use dynident::formats::{Parsed, parse};
 use dynident::model::Robot;
 use dynident::preparation::{PreprocessOptions, prepare};
@@ -23,16 +23,16 @@ fn folder(test: &str) -> Option<PathBuf> {
     folder
 }
 
-fn read(robot: &Robot, file: &Path) -> Stretch {
+fn read(robot: &Robot, file: &Path, columns: &Columns) -> Stretch {
     let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
-    let (log, _) = read_log_file(file, &Columns::default(), &names).unwrap();
+    let (log, _) = read_log_file(file, columns, &names).unwrap();
     let prepared = prepare(&log, robot.joint_count(), &PreprocessOptions::default()).unwrap();
     Stretch::new(&prepared, &log)
 }
 
-fn public(case: &Path) -> Diagnosis {
+fn public(case: &Path, columns: &Columns) -> Diagnosis {
     let (robot, _) = published();
-    let [own, held_out] = ["identify.csv.gz", "validate.csv.gz"].map(|f| read(&robot, &case.join(f)));
+    let [own, held_out] = ["identify.csv.gz", "validate.csv.gz"].map(|f| read(&robot, &case.join(f), columns));
     diagnose(&robot, &[own], &[held_out], &DiagnosisOptions::default())
 }
 
@@ -59,6 +59,42 @@ fn described(f: &Finding) -> String {
     )
 }
 
+/// Viscous friction that falls with the temperature of the gear: the law in the channel, with its constants, down to the noise on another log. Without the channel the same log has a
+/// drift, and no more.
+#[test]
+fn val_friction_that_follows_a_temperature_is_a_law_in_it() {
+    let Some(data) = folder("val_friction_that_follows_a_temperature_is_a_law_in_it") else {
+        return;
+    };
+    let columns = Columns {
+        channels: vec![ChannelColumn {
+            name: "temperature".into(),
+            header: "temperature".into(),
+            unit: "degC".into(),
+        }],
+        ..Columns::default()
+    };
+    let report = public(&data.join("laws/temperature"), &columns).report;
+    let all: Vec<String> = report.findings.iter().map(described).collect();
+    println!("{all:?} {:?} floor {:?}", report.rms_after.held_out, report.noise_floor);
+    let [finding] = &report.findings[..] else { panic!("{all:?}") };
+    assert_eq!(finding.effect, "temperature_viscous_friction_exponential", "{all:?}");
+    assert_eq!(finding.joints, ["A2"]);
+    assert!(finding.in_model && report.verdict == Verdict::Explained);
+    let formula = &finding.formula.as_ref().unwrap().torques[0].1;
+    assert_eq!(formula, "k*exp(-(temperature - 22)/c)*qd2");
+    for (name, truth) in [("k", 0.9), ("c", 14.0)] {
+        let p = finding.parameters.iter().find(|p| p.name == name).unwrap();
+        assert!((p.value - truth).abs() < 3.0 * p.std_dev, "{p:?}");
+    }
+    for (rms, floor) in report.rms_after.held_out.iter().zip(&report.noise_floor) {
+        assert!(*rms < 1.1 * floor, "{rms} {floor}");
+    }
+    let without = public(&data.join("laws/temperature"), &Columns::default()).report;
+    let effects: Vec<&str> = without.findings.iter().map(|f| f.effect.as_str()).collect();
+    assert_eq!(effects, ["friction_drift"]);
+}
+
 /// What was found in every public log; run with `--nocapture`.
 #[test]
 #[ignore = "prints a table"]
@@ -78,7 +114,7 @@ fn table_of_the_public_logs() {
             continue;
         }
         let start = std::time::Instant::now();
-        let report = public(&data.join(case)).report;
+        let report = public(&data.join(case), &Columns::default()).report;
         println!("{case}: {:?} in {:.1} s", report.verdict, start.elapsed().as_secs_f64());
         for f in &report.findings {
             println!(

@@ -22,6 +22,7 @@ fn own(robot: &Robot, name: &str, joint: usize, expression: &str, parameters: &[
         high,
     };
     let definition = Definition {
+        channels: Vec::new(),
         name: name.into(),
         joint: robot.joints()[joint].name.clone(),
         expression: expression.into(),

@@ -65,7 +65,7 @@ fn planar() -> Value {
 
 /// A candidate with every function, and a declared one.
 fn own_effects() -> Value {
-    json!([{"name": "hose", "joint": "J2", "expression": "k*tanh((q2 - q0)/s) + c*sign(qd1)*abs(qd2)^0.5 - a*exp(-(qd2/2)^2)*cos(2*pi*q1)", "declared": false,
+    json!([{"name": "hose", "joint": "J2", "expression": "k*tanh((q2 - q0)/s) + c*sign(qd1)*abs(qd2)^0.5 - a*exp(-(q2/2)^2)*cos(2*pi*q1)", "declared": false,
         "parameters": [{"name": "k", "unit": "N m", "low": 0}, {"name": "q0", "unit": "rad", "low": -1, "high": 1}, {"name": "s", "unit": "rad", "low": 0.05, "high": 2},
             {"name": "c", "unit": "N m s^0.5/rad^0.5"}, {"name": "a", "unit": "N m", "low": null, "high": 10}]},
         {"name": "cam", "joint": "J1", "expression": "m*qdd1/(1 + sqrt(q2^2)) + b*ln(2 + sin(q_J1))", "declared": true,

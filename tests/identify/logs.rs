@@ -1,7 +1,8 @@
 //! Reading log files, good and bad.
 
 use dynident::formats::logs::{
-    Columns, FindingKind, JointColumns, LogError, LogReport, Source, TimeUnit, Transformation, read_joined_log, read_log,
+    ChannelColumn, Columns, FindingKind, JointColumns, LogError, LogReport, Source, TimeUnit, Transformation, read_joined_log,
+    read_log,
 };
 use dynident::preparation::Log;
 use flate2::Compression;
@@ -380,4 +381,63 @@ fn prop_files_that_are_all_columns_or_all_lines_are_refused_with_the_limit() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("more than 100 times its size"), "{error}");
+}
+
+fn with_temperature(unit: &str) -> Columns {
+    Columns {
+        channels: vec![ChannelColumn {
+            name: "temperature".into(),
+            header: "T_gear".into(),
+            unit: unit.into(),
+        }],
+        ..Columns::default()
+    }
+}
+
+/// A temperature in every tenth row: the other rows count all the same, and straight lines join its values.
+#[test]
+fn prop_a_slow_channel_is_joined_by_straight_lines() {
+    let rows: Vec<String> = rows(1000)
+        .iter()
+        .enumerate()
+        .map(|(i, row)| match i % 10 {
+            0 => format!("{row},{}", 20.0 + 0.01 * i as f64),
+            5 => format!("{row},nan"),
+            _ => format!("{row},"),
+        })
+        .collect();
+    let text = format!("time,q1,tau1,T_gear\n{}\n", rows.join("\n"));
+    let (log, report) = read(&text, &with_temperature("degC"), 1).unwrap();
+    assert_eq!((log.samples(), report.rows_used), (1000, 1000));
+    assert_eq!(count(&report, FindingKind::SlowChannel), 900);
+    let [channel] = &log.channels[..] else {
+        panic!("{:?}", log.channels.len())
+    };
+    assert_eq!((&*channel.name, &*channel.unit), ("temperature", "degC"));
+    for (i, value) in channel.values.iter().enumerate() {
+        let truth = 20.0 + 0.01 * i.min(990) as f64;
+        assert!((value - truth).abs() < 1e-9, "{i}: {value}, not {truth}");
+    }
+    // Without the channel the column does not matter.
+    let (plain, _) = read(&text, &Columns::default(), 1).unwrap();
+    assert_eq!((plain.q, plain.tau), (log.q, log.tau));
+}
+
+#[test]
+fn a_channel_without_column_or_numbers_is_refused_by_name() {
+    let rows: Vec<String> = rows(100).iter().map(|row| format!("{row},-")).collect();
+    let error = |header: &str| {
+        let text = format!("time,q1,tau1,{header}\n{}\n", rows.join("\n"));
+        read(text, &with_temperature("degC"), 1).unwrap_err().to_string()
+    };
+    let missing = error("T_motor");
+    assert!(
+        missing.contains("`T_gear` (channel temperature)") && missing.contains("`T_motor`"),
+        "{missing}"
+    );
+    let empty = error("T_gear");
+    assert!(
+        empty.contains("`T_gear` has no numbers") && empty.contains("columns.channels"),
+        "{empty}"
+    );
 }

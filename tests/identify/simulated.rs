@@ -76,6 +76,7 @@ impl Virtual {
             qd: None,
             tau: (0..n).map(torque).collect(),
             usable: vec![true; samples],
+            channels: Vec::new(),
         }
     }
 }

@@ -96,7 +96,8 @@ fn identification() -> Value {
         "robot": "planar_two_link",
         "excitation": {"fundamental_hz": 0.1, "coefficients": {"a": [[1.0]]}},
         "period_s": 10.0,
-        "columns": {"time": "t", "time_unit": "ms", "sample_rate_hz": 100.0, "position": side("deg"), "velocity": side("rpm"), "torque": side("A"), "coupling": [[1, 0], [0.5, 1]]},
+        "columns": {"time": "t", "time_unit": "ms", "sample_rate_hz": 100.0, "position": side("deg"), "velocity": side("rpm"), "torque": side("A"), "coupling": [[1, 0], [0.5, 1]],
+            "channels": [{"name": "heat", "header": "T_gear", "unit": "degC"}]},
         "preprocess": {
             "method": "parallel_filter", "average": true, "position_filter": {"order": 4, "cutoff_hz": 5.0}, "torque_filter": {"order": 4, "cutoff_hz": 5.0},
             "discard_edges_s": 0.5, "decimation": 2, "dead_zone": 0.01,
@@ -109,7 +110,25 @@ fn identification() -> Value {
         },
         "prediction_points": 100,
         "trace": false,
+        "effects": [{
+            "name": "warm", "joint": "J1", "expression": "k*exp(-(heat - 20)/c)*qd1", "declared": true,
+            "parameters": [{"name": "k", "unit": "N m s/rad", "low": 0.0, "high": 9.0}, {"name": "c", "unit": "degC", "low": 2.0, "high": 60.0}],
+            "channels": [{"name": "heat", "unit": "degC", "reference": 20.0}],
+        }],
     })
+}
+
+/// An own effect in a quantity that the logs are not read with is refused, with what to do.
+#[test]
+fn prop_channels_of_effects_are_channels_of_the_logs() {
+    let mut value = identification();
+    value["columns"]["channels"] = json!([]);
+    let problems = read_identify_request(&parsed(&value), &Shipped, &NoExcitations).unwrap_err();
+    let text = format!("{problems:?}");
+    assert!(
+        text.contains("`warm` depends on `heat`") && text.contains("columns.channels"),
+        "{text}"
+    );
 }
 
 #[test]

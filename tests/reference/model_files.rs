@@ -69,6 +69,7 @@ fn of_formulas(robot: &Robot) -> Vec<Term> {
             high: Some(3.0),
         };
         let definition = Definition {
+            channels: Vec::new(),
             name: name.into(),
             joint: robot.joints()[joint].name.clone(),
             expression: expression.into(),

@@ -4,9 +4,11 @@
 //! effects among them. One at a time they are added, exchanged and taken back (`search`), under physics: what is called an energy must be one, and friction may not drive
 //! the arm (`physics`). What does not leave the joint (nearly) clean is no law: the remainder is then described as before.
 
+mod channel;
 mod contest;
 mod library;
 mod physics;
 mod search;
 
+pub(crate) use channel::channel_laws;
 pub(crate) use search::{law_contests, written};

@@ -24,9 +24,9 @@ pub(crate) struct BetweenFinding {
 }
 
 impl BetweenFinding {
-    /// BIC difference, at the log of about ten thousand rows for every parameter.
+    /// BIC difference.
     pub(crate) fn evidence(&self) -> f64 {
-        self.gain - self.parameters.len() as f64 * 9.0
+        self.gain - self.parameters.len() as f64 * SETTINGS.replicates.parameter_price
     }
 
     /// Whether the periods say what every parameter is: a column that is zero in the rows that count, or too few of them, can be fitted and tells nothing.

@@ -5,6 +5,7 @@
 //! goes on until neither is beyond chance. Where a level of one joint that goes with time or period, which no cause is known of, explains clearly more,
 //! it is taken out as well, and reported as a remainder.
 
+use super::channel::{Following, best_following};
 use super::contact::{best_contact, shortest};
 use super::drift::best_drift;
 use super::instability::{TakenOut, Unsteady};
@@ -23,6 +24,8 @@ pub(crate) struct Separated {
     pub found: Vec<BetweenFinding>,
     /// Levels that nothing explains.
     pub unsteady: Vec<Unsteady>,
+    /// Joints whose torque follows a channel. It is still in the data: a law has to explain it.
+    pub following: Vec<Following>,
 }
 
 impl Separated {
@@ -33,6 +36,7 @@ impl Separated {
             explained: stretches.to_vec(),
             found: Vec::new(),
             unsteady: Vec::new(),
+            following: Vec::new(),
         }
     }
 }
@@ -43,6 +47,7 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> Sepa
         explained: Vec::new(),
         found: Vec::new(),
         unsteady: Vec::new(),
+        following: Vec::new(),
     };
     for stretch in stretches {
         let mut steady = stretch.clone();
@@ -54,10 +59,12 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> Sepa
             let mut rows = own
                 .as_ref()
                 .map_or_else(|| stretch.as_coarse(), |u| Stretch::clone(&u.stretch));
-            let taken = separated(robot, &mut rows, limit, &mut all.found);
+            let first = all.following.len();
+            let taken = separated(robot, &mut rows, limit, &mut all.found, &mut all.following);
             if let Some(noise) = robust_noise(&rows).filter(|_| taken.count() > 0) {
                 all.unsteady.extend(taken.reported(&rows, &noise));
             }
+            put_back(&all.following[first..], &mut rows);
             let whole = taken.put_back(&rows);
             let filtered = |found: Stretch| match &own {
                 Some(u) => (found.periods.iter().map(|p| u.rows(p)).collect(), u.rows(&found.torque)),
@@ -73,7 +80,13 @@ pub(crate) fn separate(robot: &Robot, stretches: &[Stretch], limit: f64) -> Sepa
 }
 
 /// Takes out of a stretch what changes between its periods, the strongest first; levels are handed back.
-fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<BetweenFinding>) -> TakenOut {
+fn separated(
+    robot: &Robot,
+    stretch: &mut Stretch,
+    limit: f64,
+    found: &mut Vec<BetweenFinding>,
+    following: &mut Vec<Following>,
+) -> TakenOut {
     let mut taken = TakenOut::default();
     let (mut named, most_levels) = (0, 2 * stretch.joints());
     leave_out_start(stretch);
@@ -84,6 +97,15 @@ fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<B
         let least = best
             .as_ref()
             .map_or(f64::NEG_INFINITY, |(f, _)| f.evidence() + SETTINGS.nonparametric.preference);
+        // Of a time and a channel that explain alike, the channel is the cause.
+        let tied = best.as_ref().map_or(0.0, |(f, _)| f.evidence()) - SETTINGS.alternatives.not_excluded;
+        let follows = best_following(stretch, &noise, &seams).filter(|f| f.p_value < limit && f.evidence > tied.max(0.0));
+        if let Some(follows) = follows.filter(|_| following.len() < most_levels) {
+            take_out(&follows, stretch);
+            following.push(follows);
+            leave_out_start(stretch);
+            continue;
+        }
         let level = best_level(stretch, &noise, start_rows(stretch), limit).filter(|l| l.evidence > least);
         match (level, best) {
             (Some(level), _) => taken.take(level, stretch),
@@ -104,6 +126,24 @@ fn separated(robot: &Robot, stretch: &mut Stretch, limit: f64, found: &mut Vec<B
         leave_out_start(stretch);
     }
     taken
+}
+
+fn take_out(following: &Following, stretch: &mut Stretch) {
+    add(following, stretch, -1.0);
+}
+
+/// What [`take_out`] took of all of them.
+fn put_back(all: &[Following], stretch: &mut Stretch) {
+    all.iter().for_each(|f| add(f, stretch, 1.0));
+    let periods: Vec<usize> = (0..stretch.periods.len()).collect();
+    stretch.torque = stretch.mean_over(&periods);
+}
+
+fn add(following: &Following, stretch: &mut Stretch, factor: f64) {
+    for (period, own) in stretch.periods.iter_mut().zip(&following.torque) {
+        let torque = period[following.joint].iter_mut();
+        torque.zip(own).for_each(|(t, v)| *t += factor * v);
+    }
 }
 
 /// Drift or contact, whichever explains more.

@@ -139,6 +139,27 @@ pub struct Columns {
     pub torque: Option<ColumnQuantity>,
     /// Matrix R with motor positions p = R q: then q = R⁻¹ p, and torques Rᵀ c.
     pub coupling: Option<Vec<Vec<f64>>>,
+    /// Further measured quantities, such as a temperature, that what the model leaves may depend on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Vec<ChannelColumn>, required = false))]
+    pub channels: Option<Vec<ChannelColumn>>,
+}
+
+/// A further measured quantity, in a column of the log itself. Rows may be without it where it is slow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ChannelColumn {
+    /// Name in formulas: letters, digits and `_`, such as `temperature`.
+    pub name: String,
+    /// Header of its column; the name if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub header: Option<String>,
+    /// Unit of its numbers, such as `degC`; they stay as they are. `1` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub unit: Option<String>,
 }
 
 /// The columns of one quantity. What is per joint may be one value for all.

@@ -18,9 +18,28 @@ pub struct OwnEffect {
     pub expression: String,
     /// Every other name in the expression.
     pub parameters: Vec<OwnParameter>,
+    /// Further measured quantities in the expression, named as in `columns.channels`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Vec<OwnChannel>, required = false))]
+    pub channels: Option<Vec<OwnChannel>>,
     /// Whether it belongs to the model from the start; otherwise the data decide.
     #[cfg_attr(feature = "service", schema(default = false))]
     pub declared: Option<bool>,
+}
+
+/// A further measured quantity in an own effect.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
+pub struct OwnChannel {
+    /// Name of the channel, in the expression and in `columns.channels`.
+    pub name: String,
+    /// Unit of its values; `1` if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
+    pub unit: Option<String>,
+    /// Value that is taken along a motion that it was not measured on: a design, a log without it, an export.
+    pub reference: f64,
 }
 
 /// A parameter of an own effect.

@@ -33,6 +33,7 @@ impl OwnEffect {
             found.push(problem.with_hint(format!("one of: {}", names.join(", "))));
         }
         let dimensions = check_parameters(&definition.parameters, &mut found);
+        check_channels(&definition, &mut found);
         // Their sets are tried one by one.
         if definition.parameters.len() > MOST_PARAMETERS {
             return Err(found);
@@ -63,6 +64,13 @@ impl OwnEffect {
     }
 }
 
+impl OwnEffect {
+    /// Whether a unit can stand in a definition.
+    pub(crate) fn knows_unit(unit: &str) -> bool {
+        dimension(unit).is_ok()
+    }
+}
+
 fn check_name(name: &str, found: &mut Vec<FieldProblem>) {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let first = name.starts_with(|c: char| c.is_ascii_alphabetic());
@@ -74,6 +82,27 @@ fn check_name(name: &str, found: &mut Vec<FieldProblem>) {
         let problem = FieldProblem::new("/name", format!("`{name}` is an effect of the program"));
         found.push(problem.with_hint("give it another name"));
     }
+}
+
+fn check_channels(definition: &Definition, found: &mut Vec<FieldProblem>) {
+    for (i, channel) in definition.channels.iter().enumerate() {
+        let at = format!("/channels/{i}/name");
+        let taken = definition.parameters.iter().any(|p| p.name == channel.name)
+            || definition.channels[..i].iter().any(|c| c.name == channel.name);
+        if let Some(detail) = name_fault(&channel.name) {
+            found.push(FieldProblem::new(at, detail).with_hint("letters, digits and _, as in `columns.channels`"));
+        } else if taken {
+            let problem = FieldProblem::new(
+                at,
+                format!("`{}` is the name of a parameter or an earlier channel", channel.name),
+            );
+            found.push(problem.with_hint("give it another name"));
+        }
+    }
+}
+
+fn dimension_of(unit: &str) -> Dimension {
+    dimension(unit).unwrap_or_default()
 }
 
 /// Checks names, units and ranges; the dimensions, where all units are known.
@@ -142,6 +171,9 @@ fn resolved(definition: &Definition, robot: &Robot, names: &[String], found: &mu
         if let Some(p) = definition.parameters.iter().position(|p| p.name == *name) {
             return Some(Symbol::Parameter(p));
         }
+        if let Some(c) = definition.channels.iter().position(|c| c.name == *name) {
+            return Some(Symbol::Channel(c));
+        }
         let state = numbered(name).and_then(|(order, number)| {
             let joint = number.parse::<usize>().ok().filter(|k| (1..=n).contains(k))?;
             Some((order, joint - 1))
@@ -160,6 +192,12 @@ fn resolved(definition: &Definition, robot: &Robot, names: &[String], found: &mu
 
 fn check_used(definition: &Definition, tree: &Tree, symbols: &[Symbol], found: &mut Vec<FieldProblem>) {
     let is_used = |p: usize| tree.has(&|s| symbols[s] == Symbol::Parameter(p));
+    for (c, channel) in definition.channels.iter().enumerate() {
+        if !tree.has(&|s| symbols[s] == Symbol::Channel(c)) {
+            let detail = format!("`{}` changes nothing in the expression", channel.name);
+            found.push(FieldProblem::new(format!("/channels/{c}/name"), detail).with_hint("use it, or take it away"));
+        }
+    }
     for (p, parameter) in definition.parameters.iter().enumerate().filter(|(p, _)| !is_used(*p)) {
         let detail = format!("`{}` changes nothing in the expression", parameter.name);
         found.push(FieldProblem::new(format!("/parameters/{p}/name"), detail).with_hint("use it, or take it away"));
@@ -182,6 +220,7 @@ impl Raw {
     fn name(&self, symbol: usize) -> String {
         match self.symbols[symbol] {
             Symbol::Parameter(p) => self.definition.parameters[p].name.clone(),
+            Symbol::Channel(c) => self.definition.channels[c].name.clone(),
             Symbol::State { joint, order } => state_name(joint, order),
         }
     }
@@ -192,12 +231,15 @@ impl Raw {
         let turns = |joint: usize| robot.joints()[joint].is_revolute();
         let dimension = |s: &Symbol| match s {
             Symbol::Parameter(p) => parameters[*p],
+            // A unit that is none of those known counts as a number.
+            Symbol::Channel(c) => dimension_of(&self.definition.channels[*c].unit),
             Symbol::State { joint, order } => Dimension::of_state(turns(*joint), *order),
         };
         let symbols: Vec<Dimension> = self.symbols.iter().map(dimension).collect();
         let checked = Checked {
             tree: &self.tree,
             symbols: &symbols,
+            channel: &|s| matches!(self.symbols[s], Symbol::Channel(_)),
             effort: Dimension::of_effort(turns(self.joint)),
             name: &|s| self.name(s),
         };
@@ -228,7 +270,7 @@ impl Raw {
         }
         let parameter = |s: usize| match self.symbols[s] {
             Symbol::Parameter(p) => p,
-            Symbol::State { .. } => unreachable!("only parameters were asked for"),
+            Symbol::State { .. } | Symbol::Channel(_) => unreachable!("only parameters were asked for"),
         };
         let bent: Vec<usize> = symbols.iter().copied().filter(|s| !linear.contains(s)).collect();
         if bent.len() > MOST_SHAPES {

@@ -34,8 +34,21 @@ pub struct Definition {
     pub expression: String,
     /// Its parameters.
     pub parameters: Vec<ParameterDefinition>,
+    /// Further measured quantities in the expression.
+    pub channels: Vec<ChannelVariable>,
     /// Whether it is a part of the model from the start; otherwise the data decide.
     pub declared: bool,
+}
+
+/// A further measured quantity in an own effect, such as a temperature.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelVariable {
+    /// Name of the channel, in the expression and in the log.
+    pub name: String,
+    /// Unit of its values.
+    pub unit: String,
+    /// Value that is taken along a motion that it was not measured on: a design, a log without it, an export.
+    pub reference: f64,
 }
 
 /// A parameter of an own effect.
@@ -56,6 +69,8 @@ pub struct ParameterDefinition {
 enum Symbol {
     /// A parameter of the definition.
     Parameter(usize),
+    /// A further measured quantity.
+    Channel(usize),
     /// Position (order 0), speed (1) or acceleration (2) of a joint.
     State { joint: usize, order: usize },
 }
@@ -143,6 +158,11 @@ impl OwnEffect {
     fn symbol(&self, symbol: usize, scene: &Scene, sample: usize, shape: &[f64]) -> f64 {
         match self.symbols[symbol] {
             Symbol::State { joint, order } => scene.motion.get(joint, sample)[order],
+            Symbol::Channel(c) => {
+                let channel = &self.definition.channels[c];
+                let measured = scene.motion.channel(&channel.name);
+                measured.map_or(channel.reference, |values| values[sample])
+            }
             Symbol::Parameter(p) => self.shapes.iter().position(|s| s.parameter == p).map_or(0.0, |at| shape[at]),
         }
     }
@@ -184,6 +204,7 @@ impl OwnEffect {
     fn name(&self, symbol: usize) -> String {
         match self.symbols[symbol] {
             Symbol::Parameter(p) => self.definition.parameters[p].name.clone(),
+            Symbol::Channel(c) => self.definition.channels[c].name.clone(),
             Symbol::State { joint, order } => state_name(joint, order),
         }
     }
@@ -205,6 +226,7 @@ impl OwnEffect {
     fn written(&self, tree: &Tree, constants: &[String], state: &dyn Fn(usize, usize) -> String) -> String {
         let name = |s: usize| match self.symbols[s] {
             Symbol::State { joint, order } => state(joint, order),
+            Symbol::Channel(c) => format!("({:?})", self.definition.channels[c].reference),
             Symbol::Parameter(p) => self
                 .order()
                 .position(|o| o == p)
@@ -238,8 +260,10 @@ impl Effect for OwnEffect {
     }
 
     fn reads(&self) -> Reads {
-        let own =
-            |s: &Symbol| matches!(s, Symbol::Parameter(_)) || matches!(s, Symbol::State { joint, .. } if *joint == self.joint);
+        let own = |s: &Symbol| {
+            matches!(s, Symbol::Parameter(_) | Symbol::Channel(_))
+                || matches!(s, Symbol::State { joint, .. } if *joint == self.joint)
+        };
         if self.symbols.iter().all(own) {
             Reads::OwnJoints
         } else {
@@ -257,14 +281,18 @@ impl Effect for OwnEffect {
             .iter()
             .filter_map(|s| match s {
                 Symbol::State { joint, order } => Some((*joint, *order)),
-                Symbol::Parameter(_) => None,
+                Symbol::Parameter(_) | Symbol::Channel(_) => None,
             })
             .collect();
         variables.sort_unstable();
         Some(Formula {
             torques: vec![(self.joint, self.tree.written(Syntax::Text, &|s| self.name(s)))],
             energy: None,
-            variables: variables.into_iter().map(|(joint, order)| state_name(joint, order)).collect(),
+            variables: variables
+                .into_iter()
+                .map(|(joint, order)| state_name(joint, order))
+                .chain(self.definition.channels.iter().map(|c| c.name.clone()))
+                .collect(),
         })
     }
 

@@ -42,6 +42,7 @@ fn parameter(name: &str, unit: &str, range: [Option<f64>; 2]) -> ParameterDefini
 /// An effect on A2 with free parameters.
 fn definition(expression: &str, parameters: &[(&str, &str)]) -> Definition {
     Definition {
+        channels: Vec::new(),
         name: "mine".into(),
         joint: "A2".into(),
         expression: expression.into(),
@@ -375,6 +376,7 @@ fn a_wrong_unit_is_named_with_the_one_that_fits() {
 #[test]
 fn every_fault_is_found_at_once_with_its_place_and_a_remedy() {
     let given = Definition {
+        channels: Vec::new(),
         name: "torque_offset".into(),
         joint: "A9".into(),
         expression: "k*sin(q2 - q0) + z*q9".into(),

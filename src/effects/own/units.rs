@@ -243,6 +243,8 @@ pub struct Checked<'a> {
     pub tree: &'a Tree,
     /// Dimension of every symbol.
     pub symbols: &'a [Dimension],
+    /// Whether a symbol is a further measured quantity: a number that is added to one is in its unit, as the 22 in `temperature - 22`.
+    pub channel: &'a dyn Fn(usize) -> bool,
     /// What it is to have.
     pub effort: Dimension,
     /// Names of symbols.
@@ -312,7 +314,11 @@ impl Checked<'_> {
             }
             Tree::Pair(o, a, b) => {
                 let (left, right) = (self.found(a, unknown, list), self.found(b, unknown, list));
+                let channel = |t: &Tree| matches!(t, Tree::Symbol(s) if (self.channel)(*s));
+                let number = |t: &Tree| matches!(t, Tree::Number(_));
                 match (o, &**b) {
+                    (Operation::Add | Operation::Subtract, _) if channel(a) && number(b) => left,
+                    (Operation::Add | Operation::Subtract, _) if number(a) && channel(b) => right,
                     (Operation::Multiply, _) => together(left, right, 1.0),
                     (Operation::Divide, _) => together(left, right, -1.0),
                     (Operation::Power, Tree::Number(exponent)) => scaled(left, *exponent),

@@ -17,6 +17,19 @@ pub struct Columns {
     pub velocity: JointColumns,
     /// Torques or forces [N·m or N].
     pub torque: JointColumns,
+    /// Further quantities, in the log itself.
+    pub channels: Vec<ChannelColumn>,
+}
+
+/// A further quantity: a temperature, a pressure, a current.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChannelColumn {
+    /// Name in formulas.
+    pub name: String,
+    /// Header of its column.
+    pub header: String,
+    /// Unit of its numbers, which stay as they are.
+    pub unit: String,
 }
 
 /// The columns of one quantity. Empty `headers` look for the default names.

@@ -54,6 +54,14 @@ pub enum LogError {
         /// Number of columns.
         columns: usize,
     },
+    /// A further quantity has no numbers.
+    #[error("{file}: column `{column}` has no numbers; leave it out of `columns.channels`, or name the column that has them")]
+    EmptyChannel {
+        /// Name of the file.
+        file: String,
+        /// Its header.
+        column: String,
+    },
     /// Joints have no column of a quantity.
     #[error(
         "{}: no column for {}; found {}; {remedy}",
@@ -357,6 +365,7 @@ impl LogError {
             | Self::Empty { file }
             | Self::CutOff { file, .. }
             | Self::NoHeader { file, .. }
+            | Self::EmptyChannel { file, .. }
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }
@@ -394,6 +403,7 @@ impl LogError {
             | Self::Empty { file }
             | Self::CutOff { file, .. }
             | Self::NoHeader { file, .. }
+            | Self::EmptyChannel { file, .. }
             | Self::MissingColumns { file, .. }
             | Self::RepeatedColumn { file, .. }
             | Self::LongHeader { file, .. }

@@ -28,7 +28,7 @@ mod time_base;
 mod time_unit;
 mod unpack;
 
-pub use columns::{Columns, JointColumns, TimeUnit, Transformation};
+pub use columns::{ChannelColumn, Columns, JointColumns, TimeUnit, Transformation};
 pub use error::LogError;
 pub use header::{FoundColumns, found_columns};
 pub use overview::{LogColumn, LogOverview, log_overview};

@@ -29,6 +29,8 @@ pub(super) struct Places {
     /// Empty when the file has no velocities.
     pub qd: Vec<usize>,
     pub tau: Vec<usize>,
+    /// Further quantities. A row need not have them.
+    pub channels: Vec<usize>,
     /// What the units in the names are times SI, for every column of [`Places::all`].
     pub factors: Vec<f64>,
     pub findings: Vec<Finding>,
@@ -65,10 +67,15 @@ impl Places {
             },
             None => names::known_time(all, stream).map_or((None, None), |(at, nanos)| (Some(at), nanos)),
         };
+        let channels = if is_wanted(Quantity::Position) {
+            channels_of(all, columns, &mut missing)
+        } else {
+            Vec::new()
+        };
         if !missing.is_empty() {
             return Err(absent(heading, missing, tau.is_empty(), joints));
         }
-        for &at in time.iter().chain(&q).chain(&qd).chain(&tau) {
+        for &at in time.iter().chain(&q).chain(&qd).chain(&tau).chain(&channels) {
             let times = all.iter().filter(|n| n.name == all[at].name).count();
             if times > 1 {
                 return Err(LogError::RepeatedColumn {
@@ -88,6 +95,7 @@ impl Places {
             q,
             qd,
             tau,
+            channels,
             factors: Vec::new(),
             findings: Vec::new(),
         };
@@ -98,7 +106,7 @@ impl Places {
     /// Every column beside time, in the order of the table.
     pub fn all(&self) -> impl Iterator<Item = usize> {
         let motion = self.q.iter().chain(&self.qd).chain(&self.tau);
-        motion.chain(self.nanos.iter()).copied()
+        motion.chain(self.nanos.iter()).chain(&self.channels).copied()
     }
 
     /// Names of the columns of positions, velocities and torques.
@@ -172,6 +180,18 @@ fn columns_of(quantity: Quantity, names: &[Named], columns: &Columns, joints: &[
         return Ok(Vec::new());
     }
     Err(absent)
+}
+
+/// The columns of further quantities; those that are not there join `missing`.
+fn channels_of(names: &[Named], columns: &Columns, missing: &mut Vec<String>) -> Vec<usize> {
+    let mut found = Vec::new();
+    for channel in &columns.channels {
+        match names.iter().position(|n| n.is_called(&channel.header)) {
+            Some(at) => found.push(at),
+            None => missing.push(format!("`{}` (channel {})", channel.header, channel.name)),
+        }
+    }
+    found
 }
 
 fn absent(heading: &Heading, missing: Vec<String>, no_torque: bool, joints: &[String]) -> LogError {

@@ -57,6 +57,8 @@ pub enum FindingKind {
     TimeUnit,
     /// Units that the header names, converted.
     HeaderUnit,
+    /// A further quantity that is not in every row, interpolated.
+    SlowChannel,
     /// Columns of another topic, interpolated.
     Aligned,
     /// Values beyond those of any arm.
@@ -77,6 +79,7 @@ impl FindingKind {
             Self::Jitter => "jitter",
             Self::TimeUnit => "time_unit",
             Self::HeaderUnit => "header_unit",
+            Self::SlowChannel => "slow_channel",
             Self::Aligned => "aligned",
             Self::ImplausibleValue => "implausible_value",
         }

@@ -14,6 +14,8 @@ pub(super) struct RowShape {
     time: Option<usize>,
     /// Field of every value that is kept.
     values: Vec<usize>,
+    /// How many of them, from the first, must be numbers.
+    required: usize,
     /// Per field: whether it is read.
     is_read: Vec<bool>,
 }
@@ -22,6 +24,7 @@ impl RowShape {
     pub fn new(dialect: &Dialect, places: &Places) -> Self {
         Self {
             decimal_comma: dialect.decimal_comma,
+            required: places.all().count() - places.channels.len(),
             ..Self::of_fields(dialect.delimiter, dialect.fields, places.time, places.all().collect())
         }
     }
@@ -33,6 +36,7 @@ impl RowShape {
             decimal_comma: false,
             fields,
             time,
+            required: values.len(),
             values,
             is_read,
         }
@@ -163,9 +167,10 @@ impl RowShape {
             part.garbage.add(line, || format!("{} fields instead of {fields}", row.len()));
             return;
         }
-        for (value, &at) in values.iter_mut().zip(&self.values) {
+        for (i, (value, &at)) in values.iter_mut().zip(&self.values).enumerate() {
             match number_of(row.field(at), self.decimal_comma) {
                 Some(v) => *value = v,
+                None if i >= self.required => *value = f64::NAN,
                 None => {
                     part.garbage
                         .add(line, || format!("`{}` in column {}", shown(row.field(at)), at + 1));

@@ -59,8 +59,10 @@ pub(super) fn table_of(file: &str, sheet: &mut dyn Sheet, places: &Places) -> Re
     let mut columns = loaded.columns;
     columns.iter_mut().for_each(|c| c.truncate(rows));
     let time = places.time.is_some().then(|| columns.remove(0));
+    // A row need not have what is slow.
+    let required = &columns[..columns.len() - places.channels.len()];
     let keep: Vec<bool> = (0..rows)
-        .map(|row| is_row(&mut table, row, time.as_deref(), &columns))
+        .map(|row| is_row(&mut table, row, time.as_deref(), required))
         .collect();
     table.rows = rows;
     (table.numbers, table.lines) = ((1..=rows as u32).collect(), (1..=rows as u32).collect());

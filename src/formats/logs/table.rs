@@ -31,6 +31,8 @@ pub(super) struct Table {
     pub names: [Vec<String>; 3],
     /// Nanoseconds beside whole seconds: one column, or none.
     pub nanos: Vec<Vec<f64>>,
+    /// Further quantities; NaN in rows that have none.
+    pub channels: Vec<Vec<f64>>,
     pub rows: usize,
     /// What the rows are counted by: lines of text, or rows.
     pub counted: &'static str,
@@ -60,6 +62,7 @@ impl Table {
             tau: empty(&places.tau),
             names: Default::default(),
             nanos: vec![Vec::new(); places.nanos.iter().count()],
+            channels: empty(&places.channels),
             rows: 0,
             counted: "line",
             time_unit: places.time_unit,

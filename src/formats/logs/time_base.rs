@@ -6,6 +6,7 @@ use super::table::Table;
 use super::time_unit::{PLAUSIBLE_HZ, is_rate_of, to_seconds};
 use super::{Columns, Finding, LogError, LogReport};
 use crate::cancel::CancelFlag;
+use crate::dynamics::Channel;
 use crate::model::INPUT_LIMITS;
 use crate::preparation::Log;
 
@@ -59,6 +60,7 @@ pub(super) fn uniform(mut table: Table, columns: &Columns, cancel: &CancelFlag) 
         cancel.leave_if_set();
         grid.resample(&table.time, column);
     }
+    let channels = channels(&mut table, columns, &grid, &mut findings)?;
     let qd = (!table.qd.is_empty()).then(|| std::mem::take(&mut table.qd));
     let report = LogReport {
         file: table.file.clone(),
@@ -78,8 +80,40 @@ pub(super) fn uniform(mut table: Table, columns: &Columns, cancel: &CancelFlag) 
         qd,
         tau: table.tau,
         usable: grid.usable,
+        channels,
     };
     Ok((log, report))
+}
+
+/// The further quantities on the grid. They are slow, and need not be in every row: straight lines join their values.
+fn channels(table: &mut Table, columns: &Columns, grid: &Grid, findings: &mut Vec<Finding>) -> Result<Vec<Channel>, LogError> {
+    let mut found = Vec::new();
+    for (values, column) in std::mem::take(&mut table.channels).into_iter().zip(&columns.channels) {
+        let known: Vec<(f64, f64)> = table
+            .time
+            .iter()
+            .copied()
+            .zip(values)
+            .filter(|(_, v)| v.abs() <= INPUT_LIMITS.measured_channel)
+            .collect();
+        if known.is_empty() {
+            return Err(LogError::EmptyChannel {
+                file: table.file.clone(),
+                column: column.header.clone(),
+            });
+        }
+        let without = table.time.len() - known.len();
+        if without > 0 {
+            findings.push(Finding {
+                kind: FindingKind::SlowChannel,
+                count: without,
+                lines: Vec::new(),
+                detail: format!("rows without a number in `{}`; straight lines join its values", column.header),
+            });
+        }
+        found.push(Channel::new(&column.name, &column.unit, grid.joined(table.time[0], &known)));
+    }
+    Ok(found)
 }
 
 /// Factors, coupling and offsets that the request states.
@@ -204,7 +238,8 @@ fn drop_polled_again(table: &Table, keep: &mut [bool], tally: &mut Tally) {
 impl Table {
     pub(super) fn columns_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         let motion = self.q.iter_mut().chain(&mut self.qd);
-        motion.chain(&mut self.tau).chain(&mut self.nanos)
+        let measured = motion.chain(&mut self.tau).chain(&mut self.nanos);
+        measured.chain(&mut self.channels)
     }
 
     fn same(&self, a: usize, b: usize) -> bool {
@@ -285,6 +320,24 @@ impl Grid {
         gaps.mark(&mut grid, time);
         gaps.report(findings, table.counted);
         Ok(grid)
+    }
+
+    /// Values on the grid from `(time, value)` pairs, joined by straight lines and constant beyond the first and the last.
+    fn joined(&self, start: f64, known: &[(f64, f64)]) -> Vec<f64> {
+        let mut i = 0;
+        let mut at = |s: usize| {
+            let t = start + s as f64 / self.rate_hz;
+            while i + 1 < known.len() && known[i + 1].0 <= t {
+                i += 1;
+            }
+            let (t0, y0) = known[i];
+            let (t1, y1) = known[(i + 1).min(known.len() - 1)];
+            if t <= t0 || t1 <= t0 {
+                return y0;
+            }
+            y0 + (y1 - y0) * ((t - t0) / (t1 - t0)).clamp(0.0, 1.0)
+        };
+        (0..self.samples).map(&mut at).collect()
     }
 
     /// Replaces the values at `time` by those on the grid: cubic Hermite with slopes of the parabola through three neighbours.

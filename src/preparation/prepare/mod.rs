@@ -8,7 +8,7 @@ use super::autocorrelation::{NO_MOTION, moments};
 use super::torque_column::{exclusions, resolution};
 use super::{Choice, Exclusion, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, Scatter};
 use crate::cancel::CancelFlag;
-use crate::dynamics::Motion;
+use crate::dynamics::{Channel, Motion};
 use crate::model::INPUT_LIMITS;
 use crate::preparation::Log;
 use crate::preparation::filter::{LowPass, Padding};
@@ -77,7 +77,7 @@ pub fn prepare_until(
         name: log.name.clone(),
         rate_hz: record.rate_hz,
         start_s: log.start_s + first as f64 / log.rate_hz,
-        motion: Arc::new(motion),
+        motion: Arc::new(motion.with_channels(record.channels)),
         torque: record.tau.into_owned(),
         usable: record.usable,
         periods: record.periods,
@@ -129,6 +129,8 @@ struct Record<'a> {
     /// Noise of the mean positions, where periods scatter.
     position_noise: Option<Vec<PositionNoise>>,
     scatter: Option<Scatter>,
+    /// Further quantities over the stretch, or averaged over the periods.
+    channels: Vec<Channel>,
 }
 
 struct Chain<'a> {

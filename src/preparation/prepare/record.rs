@@ -1,6 +1,7 @@
 //! From a log to one stretch, or to one mean period where the torques repeat as well as the positions.
 
 use super::{Chain, Record};
+use crate::dynamics::Channel;
 use crate::model::shortest;
 use crate::preparation::average::{Periods, Scatter, mean_spectrum};
 use crate::preparation::error::PreprocessError;
@@ -112,6 +113,7 @@ impl<'a> Chain<'a> {
             order: None,
             position_noise: None,
             scatter: None,
+            channels: self.log.channels.clone(),
         }
     }
 
@@ -144,6 +146,8 @@ impl<'a> Chain<'a> {
         });
         let torque = || self.log.tau.par_iter().map(|x| periods.unfold(x).into_owned()).collect();
         let scatter = (k > 1).then(|| Scatter::new(&periods, torque(), &tau, usable.clone(), self.cancel));
+        let of_channel = |c: &Channel| c.with(&periods.mean(&periods.unfold(&c.values), &usable));
+        let channels = self.log.channels.iter().map(of_channel).collect();
         let left = self.log.duration_s() - k as f64 * periods.period_s;
         choices.push(Choice::new("period", format!("{:.6} s", periods.period_s), source));
         choices.push(Choice::new(
@@ -167,6 +171,7 @@ impl<'a> Chain<'a> {
             order,
             position_noise,
             scatter,
+            channels,
         }
     }
 }

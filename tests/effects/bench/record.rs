@@ -118,6 +118,7 @@ pub fn as_log(recorded: &RecordedLog, name: &str, rate_hz: f64) -> Log {
         qd: None,
         tau: recorded.tau.clone(),
         usable: vec![true; recorded.time.len()],
+        channels: Vec::new(),
     }
 }
 
