@@ -11,6 +11,7 @@ mod course;
 mod data_quality;
 mod declared_effects;
 mod detectable;
+mod golden_section;
 mod held_out;
 mod laws;
 mod mounting;

@@ -20,7 +20,7 @@ pub fn diagnose(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], opti
     let filter = options
         .existing
         .is_none()
-        .then(|| recorded_filter(&start, stretches))
+        .then(|| recorded_filter(&start, stretches, &options.cancel))
         .flatten();
     let (stretches, held_out) = (behind(stretches, filter), behind(held_out, filter));
     let (stretches, held_out) = (&stretches[..], &held_out[..]);

@@ -2,6 +2,7 @@
 
 use super::cursor::{Cursor, Fields};
 use super::requests;
+use crate::effects::own::name_fault;
 use crate::formats::logs::{ChannelColumn, Columns, JointColumns, PLAUSIBLE_HZ, TimeUnit, Transformation};
 use crate::model::INPUT_LIMITS;
 use nalgebra::DMatrix;
@@ -88,14 +89,13 @@ fn channel(cursor: &Cursor) -> Option<ChannelColumn> {
     let fields = cursor.fields_of::<requests::ChannelColumn>()?;
     let name = fields.required("name").and_then(|c| {
         let name = c.string()?;
-        if !is_variable(name) {
-            c.complain_with(
-                format!("is `{name}`, which is no name of a variable beside q1, qd1, qdd1 and the functions"),
-                "use letters, digits and `_`, such as `temperature`",
-            );
-            return None;
+        match name_fault(name) {
+            Some(detail) => {
+                c.complain_with(detail, "use letters, digits and `_`, such as `temperature`");
+                None
+            }
+            None => Some(name.to_string()),
         }
-        Some(name.to_string())
     });
     let text = |field: &str| fields.nullable(field).and_then(|c| c.string()).map(str::to_string);
     let (header, unit) = (text("header"), text("unit"));
@@ -105,19 +105,6 @@ fn channel(cursor: &Cursor) -> Option<ChannelColumn> {
         unit: unit.unwrap_or_else(|| "1".into()),
         name,
     })
-}
-
-/// Whether formulas can have a variable of this name that is not one of theirs already.
-fn is_variable(name: &str) -> bool {
-    const LONGEST: usize = 40;
-    const TAKEN: [&str; 14] = [
-        "sin", "cos", "tan", "tanh", "exp", "ln", "log", "sqrt", "abs", "sign", "pi", "e", "t", "time",
-    ];
-    let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
-    let word = name.starts_with(letter) && name.chars().all(|c| letter(c) || c.is_ascii_digit());
-    let of_joint = ["qdd", "qd", "q", "tau"].iter().find_map(|stem| name.strip_prefix(stem));
-    let is_joint = of_joint.is_some_and(|rest| !rest.is_empty() && rest.chars().all(|c| c.is_ascii_digit()));
-    word && !is_joint && !TAKEN.contains(&name) && name.len() <= LONGEST
 }
 
 fn quantity(fields: &Fields, name: &str, units: &[(&str, f64)], joints: Option<usize>) -> JointColumns {

@@ -30,10 +30,4 @@ impl Channel {
             ..self.clone()
         }
     }
-
-    /// Difference of the largest and the smallest value.
-    pub fn range(&self) -> f64 {
-        let extreme = |from: f64, pick: fn(f64, f64) -> f64| self.values.iter().copied().fold(from, pick);
-        extreme(f64::NEG_INFINITY, f64::max) - extreme(f64::INFINITY, f64::min)
-    }
 }

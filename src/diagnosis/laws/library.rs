@@ -5,7 +5,7 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::effects::law::{Class, Form, OfPosition};
 use crate::effects::{AnyEffect, Effect, Law, Span, by_code};
 use crate::model::Robot;
-use crate::regression::Data;
+use crate::regression::{Data, Term};
 
 /// A law on a place, one of `tried`.
 pub(super) struct Hypothesis {
@@ -78,4 +78,9 @@ fn is_listed(form: Form, joints: &[usize], spans: &[Span]) -> bool {
 /// Whether a law on these joints is among those that act on `rows`.
 pub(super) fn acts_on(candidate: &Candidate, rows: &[usize], joints: usize) -> bool {
     reach(candidate, joints).iter().any(|j| rows.contains(j))
+}
+
+/// Whether a term is of this candidate, in the same form.
+pub(super) fn is_of(candidate: &Candidate, term: &Term) -> bool {
+    candidate.form == term.form && candidate.is_same_effect(term)
 }

@@ -8,7 +8,9 @@ mod channel;
 mod contest;
 mod library;
 mod physics;
+mod rivals;
 mod search;
 
 pub(crate) use channel::channel_laws;
-pub(crate) use search::{law_contests, written};
+pub(crate) use rivals::law_contests;
+pub(crate) use search::written;

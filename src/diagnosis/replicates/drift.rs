@@ -1,6 +1,7 @@
 //! Friction of one joint that drifts over a log as the joint warms up, from what the periods deviate from their mean.
 
 use super::period_finding::{BetweenFinding, Explained, Seams, start_rows};
+use crate::diagnosis::golden_section::golden_section;
 use crate::diagnosis::report::ReportedParameter;
 use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
@@ -76,17 +77,10 @@ struct Drift {
 /// Golden section on the logarithm of the time constant, a factor of three to either side: thirty steps leave 1e-6 of it, a hundredth of the standard
 /// deviation of the strongest drift.
 fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], seams: &Seams, joint: usize, coarse: f64) -> Drift {
-    let ratio = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut low, mut high) = (
-        (coarse / SETTINGS.replicates.course_ratio).ln(),
-        (coarse * SETTINGS.replicates.course_ratio).ln(),
-    );
-    for _ in 0..30 {
-        let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-        let gain = |x: f64| drift_fit(stretch, noise, seams, joint, x.exp()).0;
-        if gain(a) > gain(b) { high = b } else { low = a }
-    }
-    let course = (0.5 * (low + high)).exp();
+    let ratio = SETTINGS.replicates.course_ratio;
+    let around = [coarse / ratio, coarse * ratio].map(f64::ln);
+    let gain = |x: f64| drift_fit(stretch, noise, seams, joint, x.exp()).0;
+    let course = golden_section(gain, around, 30).exp();
     let (gain, solution, covariance) = drift_fit(stretch, noise, seams, joint, course);
     Drift {
         joint,

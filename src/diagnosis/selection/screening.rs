@@ -2,6 +2,7 @@
 
 use super::candidate::{Candidate, columns_of, columns_on_grid};
 use super::score::{Scored, appraise};
+use crate::diagnosis::golden_section::golden_section;
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::Shape;
 use crate::regression::{Data, System, reduce};
@@ -68,6 +69,9 @@ pub(crate) fn best_on_grid(data: &Data, system: &System, candidate: &Candidate, 
     })
 }
 
+/// Golden-section steps of a shape: sixteen narrow the bracket to a two-thousandth; Gauss-Newton does the rest.
+const STEPS: usize = 16;
+
 /// Refines the shape of a scored candidate: golden section along each shape in turn, between the neighbours on the grid.
 pub(crate) fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
     if scored.candidate.shapes.is_empty() {
@@ -83,7 +87,7 @@ pub(crate) fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
                 there[i] = v;
                 gain_at(&there).gain
             };
-            let best = golden_section(along, low, high);
+            let best = golden_section(along, [low, high], STEPS);
             if along(best) > along(shape[i]) {
                 shape[i] = best;
             }
@@ -119,23 +123,4 @@ fn neighbours(shape: &Shape, value: f64) -> (f64, f64) {
         .filter(|&g| g > value * (1.0 + 1e-12 * value.signum()))
         .fold(shape.high, f64::min);
     (below, above)
-}
-
-/// Sixteen steps narrow the bracket to a two-thousandth; Gauss-Newton does the rest.
-fn golden_section(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let ratio = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut fa, mut fb) = (f(a), f(b));
-    for _ in 0..16 {
-        if fa > fb {
-            (high, b, fb) = (b, a, fa);
-            a = high - ratio * (high - low);
-            fa = f(a);
-        } else {
-            (low, a, fa) = (a, b, fb);
-            b = low + ratio * (high - low);
-            fb = f(b);
-        }
-    }
-    if fa > fb { a } else { b }
 }

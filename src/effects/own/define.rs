@@ -137,11 +137,12 @@ fn check_parameters(parameters: &[ParameterDefinition], found: &mut Vec<FieldPro
     (dimensions.len() == parameters.len()).then_some(dimensions)
 }
 
-fn name_fault(name: &str) -> Option<String> {
+/// Why a formula can have no parameter or channel of this name; `None` where it can.
+pub fn name_fault(name: &str) -> Option<String> {
     let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let first = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     if !first || !name.chars().all(word) || name.len() > MOST_NAME {
-        return Some("is no name of a parameter".into());
+        return Some("is no name in an expression".into());
     }
     let taken = name == "pi" || Function::NAMED.iter().any(|(f, _)| *f == name) || numbered(name).is_some();
     taken.then(|| format!("`{name}` has a meaning in expressions already"))

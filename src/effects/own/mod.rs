@@ -13,7 +13,7 @@ mod tokens;
 mod tree;
 mod units;
 
-pub use define::MOST_PARAMETERS;
+pub use define::{MOST_PARAMETERS, name_fault};
 pub use tokens::{MOST_CHARACTERS, MOST_NESTED};
 
 use self::derivative::derivative;
