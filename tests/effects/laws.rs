@@ -78,7 +78,7 @@ fn val_friction_that_follows_a_temperature_is_a_law_in_it() {
     let all: Vec<String> = report.findings.iter().map(described).collect();
     println!("{all:?} {:?} floor {:?}", report.rms_after.held_out, report.noise_floor);
     let [finding] = &report.findings[..] else { panic!("{all:?}") };
-    assert_eq!(finding.effect, "temperature_viscous_friction_exponential", "{all:?}");
+    assert_eq!(finding.effect, "law_temperature_viscous_friction_exponential", "{all:?}");
     assert_eq!(finding.joints, ["A2"]);
     assert!(finding.in_model && report.verdict == Verdict::Explained);
     let formula = &finding.formula.as_ref().unwrap().torques[0].1;

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::Finding;
 use crate::effects::Formula;
+use crate::effects::own::FOUND_LAW;
 use crate::formats::{listed, measured, unit};
 
 /// How an effect is spoken of.
@@ -62,7 +63,7 @@ pub(super) fn subject(code: &str, formula: Option<&Formula>, joints: &[String]) 
         .collect();
     let energy = formula.energy.as_ref().map(|e| format!(" (energy {e})"));
     let what = match code {
-        "law" => "the law".to_string(),
+        law if law == "law" || law.starts_with(FOUND_LAW) => "the law".to_string(),
         own => format!("the own effect {own},"),
     };
     format!("{what} {}{}", listed(&each, "and"), energy.unwrap_or_default())

@@ -5,6 +5,7 @@
 
 use crate::diagnosis::replicates::Following;
 use crate::dynamics::Channel;
+use crate::effects::own::FOUND_LAW;
 use crate::effects::{ChannelVariable, Definition, OwnEffect, ParameterDefinition};
 use crate::model::{Robot, shortest};
 use crate::regression::Stretch;
@@ -129,7 +130,7 @@ impl Seen {
             });
         }
         let definition = Definition {
-            name: format!("{name}_{}", kind.name),
+            name: format!("{FOUND_LAW}{name}_{}", kind.name),
             joint: axis.name.clone(),
             expression,
             parameters,

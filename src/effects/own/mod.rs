@@ -23,6 +23,9 @@ use crate::model::Robot;
 use nalgebra::DMatrix;
 use std::f64::consts::{PI, TAU};
 
+/// What the names of laws that the program found begin with: they are reported as laws.
+pub const FOUND_LAW: &str = "law_";
+
 /// An own effect as a request or a robot has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Definition {

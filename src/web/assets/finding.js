@@ -3,10 +3,13 @@ import { formula } from './expression.js';
 import { figure, h, measured, number, said, sentence, table, term, unit, words } from './dom.js';
 
 /** Whether a finding or effect has a formula of a user's own. */
-const isOwn = ({ effect, law }) => Boolean(law) && effect !== 'law';
+const isOwn = ({ effect, law }) => Boolean(law) && !isLaw(effect);
+
+/** Whether an effect is a law that was found: in positions and speeds, or in a further quantity. */
+const isLaw = (effect) => effect === 'law' || effect.startsWith('law_');
 
 /** The name of an effect of `{effect, law}`, with help. */
-export const effectName = (of) => (isOwn(of) ? term('own_effect', of.effect) : term(`effect_${of.effect}`, words(of.effect)));
+export const effectName = (of) => (isOwn(of) ? term('own_effect', of.effect) : isLaw(of.effect) ? term('effect_law', 'Law') : term(`effect_${of.effect}`, words(of.effect)));
 
 /** The name of a fault of a log, with help. */
 export const faultName = (code) => term(`fault_${code}`, words(code));
@@ -20,7 +23,7 @@ export const parameterName = ({ law }, name) => (law ? GREEK[name] ?? name : wor
 /** A fault of the data: what was seen, and what was done about it. */
 export function dataFault(fault) {
   const joints = fault.joints.length ? ` on ${fault.joints.join(', ')}` : '';
-  return h('article', { class: 'finding', 'data-fault': fault.code }, h('h3', {}, faultName(fault.code), `${joints} `, h('span', { class: 'tag bad' }, term('data_fault', 'fault of the data'))),
+  return h('article', { class: 'finding', 'data-fault': fault.code }, h('h3', {}, faultName(fault.code), `${joints} `, fault.code === 'filtered_torque' ? h('span', { class: 'tag' }, 'allowed for') : h('span', { class: 'tag bad' }, term('data_fault', 'fault of the data'))),
     h('p', { class: 'sentence' }, said(sentence(fault.detail))), h('p', { class: 'soft' }, said(fault.remedy)), findingParameters(fault));
 }
 
