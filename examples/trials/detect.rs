@@ -11,8 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-fn codes(only: &[String]) -> Vec<&'static str> {
-    let all = CODES.iter().copied().chain(["payload"]);
+fn wanted(only: &[String]) -> Vec<&'static str> {
+    let all = codes().into_iter().chain(["payload"]);
     all.filter(|c| only.is_empty() || only.iter().any(|o| o == c)).collect()
 }
 
@@ -49,7 +49,7 @@ const CLEAR: f64 = 5.0;
 /// Per effect, bisection on `repeats` random joints and motions, the noise the same at every size.
 pub fn detect(repeats: u64, only: &[String]) {
     let (robot, phi) = published();
-    let tasks: Vec<(&'static str, u64)> = codes(only)
+    let tasks: Vec<(&'static str, u64)> = wanted(only)
         .into_iter()
         .flat_map(|c| (0..repeats).map(move |r| (c, r)))
         .collect();
@@ -59,7 +59,7 @@ pub fn detect(repeats: u64, only: &[String]) {
         .map(|(code, repeat)| limit(code, repeat, &robot, &phi))
         .collect();
     println!("\n| effect | found from | smallest on | largest on | seen at |\n|---|---|---|---|---|");
-    for code in codes(only) {
+    for code in wanted(only) {
         let mut own: Vec<&Limit> = limits.iter().flatten().filter(|l| l.code == code).collect();
         if own.is_empty() {
             println!("| `{code}` | never | | | |");
@@ -144,7 +144,7 @@ const SEEN: [f64; 3] = [30.0, 100.0, 300.0];
 /// Single effects on random joints, and what is named first; `+` where more is named than was hidden.
 pub fn confusion(repeats: u64, only: &[String]) {
     let (robot, phi) = published();
-    let tasks: Vec<(&'static str, u64, f64)> = codes(only)
+    let tasks: Vec<(&'static str, u64, f64)> = wanted(only)
         .into_iter()
         .flat_map(|c| (0..repeats).flat_map(move |r| SEEN.map(|seen| (c, r, seen))))
         .collect();

@@ -18,27 +18,27 @@ const SIGHT: [f64; 2] = [12.0, 400.0];
 /// What is hidden in case `number`, with what it adds beside the noise.
 pub fn hide(number: u64, only: &[String], robot: &Robot, phi: &[f64]) -> Vec<(HiddenEffect, f64)> {
     let mut rng = ChaCha8Rng::seed_from_u64(number ^ 0xfa111);
-    let singles: Vec<&'static str> = CODES.iter().copied().chain(["payload"]).collect();
+    let singles: Vec<&'static str> = codes().into_iter().chain(["payload"]).collect();
     let wanted: Vec<&'static str> = match only.is_empty() {
         true => singles.clone(),
         false => singles.iter().copied().filter(|c| only.iter().any(|o| o == c)).collect(),
     };
     // Every second log has one effect, each in turn; of the others every second has two, every second three.
     let first = wanted[(number / 2) as usize % wanted.len()];
-    let mut codes = vec![first];
+    let mut chosen = vec![first];
     let count = if number.is_multiple_of(2) || first == "payload" {
         1
     } else {
         2 + (number / 2 % 2) as usize
     };
-    while codes.len() < count {
-        let code = CODES[rng.random_range(0..CODES.len())];
-        if !codes.contains(&code) {
-            codes.push(code);
+    while chosen.len() < count {
+        let code = singles[rng.random_range(0..singles.len() - 1)];
+        if !chosen.contains(&code) {
+            chosen.push(code);
         }
     }
     let sight = Sight::new(robot, phi, seed(number));
-    codes.iter().map(|code| visible(code, &sight, robot, &mut rng)).collect()
+    chosen.iter().map(|code| visible(code, &sight, robot, &mut rng)).collect()
 }
 
 fn seed(number: u64) -> u64 {

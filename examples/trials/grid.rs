@@ -58,7 +58,7 @@ pub fn grid(only: &[String]) {
     let mut confusion: BTreeMap<(String, String), usize> = BTreeMap::new();
     let mut right_at: BTreeMap<(String, usize), usize> = BTreeMap::new();
     let wanted = |code: &&&str| only.is_empty() || only.iter().any(|o| o == **code);
-    for code in CODES.iter().filter(wanted) {
+    for code in codes().iter().filter(wanted) {
         for (i, &size) in SIZES.iter().enumerate() {
             for joint in [1, 3, 5] {
                 let hidden = effect(code, joint, size, &robot);
@@ -100,7 +100,7 @@ pub fn grid(only: &[String]) {
         }
     }
     println!("\n| effect | right of 3 at 0.15 | at 0.5 | at 1.5 |\n|---|---|---|---|");
-    for code in CODES.iter().filter(wanted) {
+    for code in codes().iter().filter(wanted) {
         let at = |i: usize| right_at[&(code.to_string(), i)];
         println!("| `{code}` | {} | {} | {} |", at(0), at(1), at(2));
     }
@@ -130,6 +130,7 @@ fn on_joint(finding: &str, robot: &Robot, hidden: &HiddenEffect) -> bool {
         | FrictionDrift { joint, .. }
         | TorqueDrift { joint, .. } => *joint,
         TransmissionCoupling { joints, .. } | Unmodelled { joints, .. } => joints[0],
+        Listed(listed) => listed.joints[0],
         ExternalContact { torque, .. } => torque.iter().position(|t| *t != 0.0).unwrap_or(0),
     };
     finding
@@ -168,9 +169,9 @@ fn explain(outcome: &Diagnosis) {
 pub fn pairs(count: u64, first: u64) {
     let robot = seven_axes();
     let noise = sensor_noise(7);
-    let mut right = 0;
+    let (all, mut right) = (codes(), 0);
     for k in first..first + count {
-        let (a, b) = (CODES[(k * 5 % 16) as usize], CODES[((k * 7 + 3) % 16) as usize]);
+        let (a, b) = (all[(k * 5 % 16) as usize], all[((k * 7 + 3) % 16) as usize]);
         if a == b {
             continue;
         }

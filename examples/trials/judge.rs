@@ -3,6 +3,7 @@
 
 use crate::bench::noise_levels;
 use dynident::diagnosis::{Diagnosis, Finding};
+use dynident::effects::by_code;
 use dynident::model::Robot;
 use dynident::simulate::HiddenEffect;
 
@@ -17,6 +18,10 @@ pub struct Truth {
 pub fn truth(hidden: &HiddenEffect) -> Truth {
     use HiddenEffect::*;
     let (code, joints, values) = match hidden {
+        Listed(listed) => {
+            let code = by_code(&listed.code).expect("a listed effect").code();
+            (code, listed.joints.clone(), Vec::new())
+        }
         TorqueOffset { joint, offset } => ("torque_offset", vec![*joint], vec![("offset", *offset)]),
         StribeckFriction {
             joint,

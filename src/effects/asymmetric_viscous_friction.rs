@@ -1,6 +1,6 @@
 //! Viscous friction that differs between the directions.
 
-use super::{About, Column, Effect, ParameterInfo, Scene, own_joint, times_position_unit};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Statements, Written, own_joint, times_position_unit};
 use crate::model::Robot;
 
 /// `tau_j += a |qd|`: half the difference of the two directions' coefficients.
@@ -13,7 +13,10 @@ impl Effect for AsymmetricViscousFriction {
 
     fn about(&self) -> About {
         About {
-            meaning: "viscous friction that differs between the two directions of motion",
+            name: "Asymmetric viscous friction",
+            phrase: "direction-dependent viscous friction",
+            meaning: "Viscous friction that differs between the two directions of motion.",
+            over: PlotVariable::Speed,
             identifiable: "when both directions are driven at several speeds; at one speed it is a torque offset",
             rivals: &["torque_offset", "nonlinear_viscous_friction"],
             source: "Bittencourt & Gunnarsson 2012",
@@ -26,6 +29,10 @@ impl Effect for AsymmetricViscousFriction {
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         vec![own_joint(scene, joints[0], |[_, v, _]| v * scene.sign(v))]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        w.on_own_joint(|[_, v, _]| format!("{} * fabs({v})", w.coefficients[0]))
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

@@ -1,7 +1,7 @@
 //! A base that does not stand as the model says.
 
 use super::ranges::TILT;
-use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 use nalgebra::{Rotation3, Vector3};
 
@@ -35,7 +35,10 @@ impl Effect for BaseTilt {
 
     fn about(&self) -> About {
         About {
-            meaning: "the direction of gravity is not the one of the model: a base that is not level, a table that is not flat",
+            name: "Base tilt",
+            phrase: "a base tilt",
+            meaning: "The base is mounted at another angle to gravity than described.",
+            over: PlotVariable::Position,
             identifiable: "on robots whose gravity torques change with the first joints; a turn about gravity itself is never seen",
             rivals: &["torque_offset", "encoder_offset"],
             source: "Swevers, Verdonck & De Schutter 2007",

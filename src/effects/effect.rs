@@ -1,6 +1,6 @@
 //! What an effect says about itself, and what it is evaluated on.
 
-use super::Formula;
+use super::{Formula, Statements, Written};
 use crate::dynamics::{Coulomb, Motion};
 use crate::model::Robot;
 use nalgebra::{DMatrix, Vector3};
@@ -150,11 +150,32 @@ pub struct Travel {
     pub high: f64,
 }
 
-/// Description of an effect for readers.
+/// What the residual of an effect's joint is plotted over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlotVariable {
+    /// Of the joint.
+    Position,
+    /// Of the joint.
+    Speed,
+    /// Of the joint.
+    Acceleration,
+    /// Of the joint.
+    Torque,
+    /// Of the log.
+    Time,
+}
+
+/// Description of an effect for readers: all that pages, reports and sentences say of it comes from here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct About {
-    /// What it is, in words.
+    /// Its name, as a heading.
+    pub name: &'static str,
+    /// Its name within a sentence, with an article where it takes one.
+    pub phrase: &'static str,
+    /// What it is, in a sentence for the glossary.
     pub meaning: &'static str,
+    /// What shows it best.
+    pub over: PlotVariable,
     /// When it can be identified, and when base parameters hide it.
     pub identifiable: &'static str,
     /// Codes of effects it is easily taken for.
@@ -204,6 +225,17 @@ pub trait Effect: Sync + Send {
     /// Its formula, where the code alone does not say what is added.
     fn formula(&self, _form: usize, _joints: &[usize]) -> Option<Formula> {
         None
+    }
+
+    /// What it adds as source code; `None` where it is no function of the state at one sample, and where nobody has written it.
+    fn statements(&self, _written: &Written) -> Option<Statements> {
+        None
+    }
+
+    /// `count` coefficients that are well visible in noise of `noise` [N·m or N] on a joint that carries about `load` [N·m or N], at speeds and positions of about 1:
+    /// for tests. Four times the noise by every column unless said otherwise.
+    fn example(&self, count: usize, noise: f64, _load: f64) -> Vec<f64> {
+        vec![4.0 * noise; count]
     }
 
     /// Variants with fewer or more shape parameters, simplest first.

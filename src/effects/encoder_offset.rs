@@ -1,7 +1,7 @@
 //! An encoder whose zero is not where the model has it.
 
 use super::ranges::{ENCODER_OFFSET_M, ENCODER_OFFSET_RAD, by_kind};
-use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `q_true = q + δ_j`.
@@ -14,7 +14,10 @@ impl Effect for EncoderOffset {
 
     fn about(&self) -> About {
         About {
-            meaning: "the joint's zero differs from the model's: lost mastering, a wrong DH angle",
+            name: "Encoder offset",
+            phrase: "an encoder offset",
+            meaning: "The zero of a position sensor differs from that of the description.",
+            over: PlotVariable::Position,
             identifiable: "when gravity or coupling torques change with the joint's angle in a way that the base parameters cannot turn \
                            with; joint 1 on a vertical axis cannot be seen, nor can the last joint, whose link turns with it",
             rivals: &["base_tilt", "joint_elasticity", "joint_spring"],

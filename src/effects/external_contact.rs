@@ -1,6 +1,6 @@
 //! Something the robot touched.
 
-use super::{About, Effect, Kind, ParameterInfo};
+use super::{About, Effect, Kind, ParameterInfo, PlotVariable};
 use crate::model::Robot;
 
 /// Torque in an interval of time only, one level per joint. Found between the periods, and the interval is left out of the fit.
@@ -13,7 +13,10 @@ impl Effect for ExternalContact {
 
     fn about(&self) -> About {
         About {
-            meaning: "the robot touched something, or was touched, for a while",
+            name: "External contact",
+            phrase: "an external contact",
+            meaning: "A force from outside during a part of the log.",
+            over: PlotVariable::Time,
             identifiable: "when it happens in some periods only: one that comes back in every period at the same place is a part of the \
                            robot's world",
             rivals: &["torque_offset", "friction_drift", "bad_samples"],

@@ -1,6 +1,6 @@
 //! Friction that changes while the robot runs.
 
-use super::{About, Column, Effect, Kind, ParameterInfo, Scene, own_joint};
+use super::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Scene, Statements, Written, own_joint};
 use crate::model::Robot;
 
 /// `tau_j += (dFV qd + dFS sign qd) g(t)`: over the periods of a log g is the course of warming up, `exp(−t/T)`; against an existing
@@ -14,7 +14,10 @@ impl Effect for FrictionDrift {
 
     fn about(&self) -> About {
         About {
-            meaning: "friction changes with time: the lubricant warms up, wear, a change since the model was made",
+            name: "Friction drift",
+            phrase: "friction that changes over time",
+            meaning: "Friction changes during the log, for example while the gear warms up.",
+            over: PlotVariable::Time,
             identifiable: "with periods looked at one by one (their average hides it), or against an existing model",
             rivals: &["torque_offset", "nonlinear_viscous_friction"],
             source: "Bittencourt & Gunnarsson 2012 (temperature)",
@@ -30,6 +33,11 @@ impl Effect for FrictionDrift {
             own_joint(scene, joints[0], |[_, v, _]| v),
             own_joint(scene, joints[0], |[_, v, _]| scene.sign(v)),
         ]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let c = &w.coefficients;
+        w.on_own_joint(|[_, v, _]| format!("{} * {v} + {} * sign({v})", c[0], c[1]))
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

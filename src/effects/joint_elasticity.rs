@@ -2,7 +2,7 @@
 
 use super::interpolation::derivatives;
 use super::ranges::{COMPLIANCE_M, COMPLIANCE_RAD, by_kind};
-use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// Encoder on the motor side: `q_link = q − c tau_rigid(q_link)`, c = 1/K the compliance, with velocity and acceleration to match.
@@ -15,7 +15,10 @@ impl Effect for JointElasticity {
 
     fn about(&self) -> About {
         About {
-            meaning: "the gear between a motor-side encoder and the link gives way under load",
+            name: "Joint elasticity",
+            phrase: "elasticity between motor and link",
+            meaning: "Torsional compliance between motor and link, which matters where the motion is fast for the stiffness.",
+            over: PlotVariable::Torque,
             identifiable: "when load and its change move the link visibly: gravity loads of tens of N m at some 10 kN m/rad",
             rivals: &["encoder_offset", "rotor_inertia", "torque_gain", "base_tilt"],
             source: "Spong 1987; De Luca & Book 2016 (quasi-static part)",

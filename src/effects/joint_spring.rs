@@ -1,6 +1,6 @@
 //! A spring across a joint.
 
-use super::{About, Column, Effect, ParameterInfo, Scene, Travel, own_joint, times_position_unit};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Statements, Travel, Written, own_joint, times_position_unit};
 use crate::model::Robot;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -18,7 +18,10 @@ impl Effect for JointSpring {
 
     fn about(&self) -> About {
         About {
-            meaning: "hoses and cables that bend with the joint, springs that balance gravity",
+            name: "Joint spring",
+            phrase: "a joint spring",
+            meaning: "Torque proportional to the distance from a rest position: a counterbalance, a hose or a cable.",
+            over: PlotVariable::Position,
             identifiable: "over a travel on which q is not a combination of the gravity terms sin q and cos q of the joint; with little \
                            travel it is a torque offset",
             rivals: &["torque_offset", "base_tilt", "encoder_offset", "position_ripple"],
@@ -31,6 +34,11 @@ impl Effect for JointSpring {
             own_joint(scene, joints[0], |[q, _, _]| q),
             own_joint(scene, joints[0], |_| 1.0),
         ]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let c = &w.coefficients;
+        w.on_own_joint(|[q, _, _]| format!("{} * {q} + {}", c[0], c[1]))
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

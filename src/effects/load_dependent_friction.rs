@@ -1,7 +1,7 @@
 //! Friction that grows with the torque carried.
 
 use super::ranges::LOAD_FRICTION;
-use super::{About, Column, Effect, ParameterInfo, Reads, Scene, Travel};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Reads, Scene, Statements, Travel, Written};
 use crate::model::Robot;
 use nalgebra::DMatrix;
 
@@ -15,7 +15,10 @@ impl Effect for LoadDependentFriction {
 
     fn about(&self) -> About {
         About {
-            meaning: "friction in proportion to the torque the gear carries, as in harmonic drives",
+            name: "Load-dependent friction",
+            phrase: "load-dependent friction",
+            meaning: "Friction that grows with the torque that the gear transmits.",
+            over: PlotVariable::Torque,
             identifiable: "when the load of the joint changes along the motion: gravity loads do, a joint on a vertical axis needs acceleration",
             rivals: &["torque_gain", "stribeck_friction"],
             source: "Hamon, Gautier, Garrec, Janot 2010",
@@ -44,6 +47,11 @@ impl Effect for LoadDependentFriction {
             .zip(load)
             .map(|(&v, t)| t.abs() * scene.sign(v));
         vec![Column::on(j, values.collect())]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let j = w.joints[0];
+        w.on_own_joint(|[_, v, _]| format!("{} * fabs(rigid[{j}]) * sign({v})", w.coefficients[0]))
     }
 
     fn positive(&self, _form: usize) -> &'static [usize] {

@@ -5,37 +5,18 @@
 //! more effect is one more file and one more line there. How they are distinguished on data is the business of
 //! [`diagnosis`](crate::diagnosis).
 
-mod asymmetric_viscous_friction;
-mod base_tilt;
 mod effect;
-mod encoder_offset;
-mod external_contact;
 mod formula;
-mod friction_drift;
 mod handle;
 mod interpolation;
-mod joint_elasticity;
-mod joint_spring;
 pub mod law;
-mod load_dependent_friction;
-mod nonlinear_viscous_friction;
 pub mod own;
-mod payload;
-mod position_ripple;
-mod presliding_hysteresis;
 pub mod ranges;
-mod rotor_inertia;
-mod smooth_coulomb_friction;
-mod stribeck_friction;
-mod torque_crosstalk;
-mod torque_delay;
-mod torque_gain;
-mod torque_offset;
-mod transmission_coupling;
+mod statements;
 mod unexplained;
 
 pub use base_tilt::tilted;
-pub use effect::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene, Shape, Span, Travel, World};
+pub use effect::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, Shape, Span, Travel, World};
 pub(crate) use effect::{own_joint, times_position_unit};
 pub use formula::Formula;
 pub use handle::AnyEffect;
@@ -43,32 +24,42 @@ pub use interpolation::{FEWEST, REACH};
 pub use law::Law;
 pub use own::{ChannelVariable, Definition, OwnEffect, ParameterDefinition};
 pub use payload::consistent_payload;
+pub use statements::{Statements, Written};
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};
 
-/// Every effect that a search tries, in the order of the table in the documentation.
-pub fn all() -> &'static [&'static dyn Effect] {
-    &[
-        &torque_offset::TorqueOffset,
-        &stribeck_friction::StribeckFriction,
-        &nonlinear_viscous_friction::NonlinearViscousFriction,
-        &asymmetric_viscous_friction::AsymmetricViscousFriction,
-        &load_dependent_friction::LoadDependentFriction,
-        &presliding_hysteresis::PreslidingHysteresis,
-        &smooth_coulomb_friction::SmoothCoulombFriction,
-        &rotor_inertia::RotorInertia,
-        &transmission_coupling::TransmissionCoupling,
-        &joint_spring::JointSpring,
-        &position_ripple::PositionRipple,
-        &joint_elasticity::JointElasticity,
-        &encoder_offset::EncoderOffset,
-        &base_tilt::BaseTilt,
-        &payload::Payload,
-        &torque_delay::TorqueDelay,
-        &torque_gain::TorqueGain,
-        &torque_crosstalk::TorqueCrosstalk,
-        &friction_drift::FrictionDrift,
-        &external_contact::ExternalContact,
-    ]
+/// Declares the modules of the effects and [`all`], so that one more effect is one more line.
+macro_rules! registry {
+    ($($module:ident::$effect:ident,)*) => {
+        $(mod $module;)*
+
+        /// Every effect that a search tries, in the order of the table in the documentation.
+        pub fn all() -> &'static [&'static dyn Effect] {
+            &[$(&$module::$effect),*]
+        }
+    };
+}
+
+registry! {
+    torque_offset::TorqueOffset,
+    stribeck_friction::StribeckFriction,
+    nonlinear_viscous_friction::NonlinearViscousFriction,
+    asymmetric_viscous_friction::AsymmetricViscousFriction,
+    load_dependent_friction::LoadDependentFriction,
+    presliding_hysteresis::PreslidingHysteresis,
+    smooth_coulomb_friction::SmoothCoulombFriction,
+    rotor_inertia::RotorInertia,
+    transmission_coupling::TransmissionCoupling,
+    joint_spring::JointSpring,
+    position_ripple::PositionRipple,
+    joint_elasticity::JointElasticity,
+    encoder_offset::EncoderOffset,
+    base_tilt::BaseTilt,
+    payload::Payload,
+    torque_delay::TorqueDelay,
+    torque_gain::TorqueGain,
+    torque_crosstalk::TorqueCrosstalk,
+    friction_drift::FrictionDrift,
+    external_contact::ExternalContact,
 }
 
 /// The effect with this code: one of [`all`], or a [`Law`], which no search tries by name.

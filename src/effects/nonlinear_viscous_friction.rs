@@ -1,7 +1,7 @@
 //! Friction that grows faster or slower than the speed.
 
 use super::ranges::VISCOUS_EXPONENT;
-use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint, times_position_unit};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written, own_joint, times_position_unit};
 use crate::model::Robot;
 
 /// `tau_j += f |qd|^α sign qd`. Forms: α = 2, α = 3, α = 1/2, α free.
@@ -22,7 +22,10 @@ impl Effect for NonlinearViscousFriction {
 
     fn about(&self) -> About {
         About {
-            meaning: "viscous friction that is not proportional to speed: churning (above 1), shear-thinning grease (below 1)",
+            name: "Nonlinear viscous friction",
+            phrase: "nonlinear viscous friction",
+            meaning: "Viscous friction with a quadratic, cubic or power-law part in speed, typical of grease.",
+            over: PlotVariable::Speed,
             identifiable: "when the joint is driven over a wide range of speeds; near α = 0 and α = 1 it is Coulomb and viscous friction",
             rivals: &["stribeck_friction", "asymmetric_viscous_friction"],
             source: "Bittencourt & Gunnarsson 2012; Simoni et al. 2015",
@@ -50,6 +53,12 @@ impl Effect for NonlinearViscousFriction {
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         let alpha = Self::exponent(form, shape);
         vec![own_joint(scene, joints[0], |[_, v, _]| v.abs().powf(alpha) * scene.sign(v))]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let fixed = ["2.0", "3.0", "0.5"].get(w.form).map(ToString::to_string);
+        let exponent = fixed.unwrap_or_else(|| w.shape[0].clone());
+        w.on_own_joint(|[_, v, _]| format!("{} * pow(fabs({v}), {exponent}) * sign({v})", w.coefficients[0]))
     }
 
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

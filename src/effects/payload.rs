@@ -1,6 +1,6 @@
 //! A body that was not there when the model was made.
 
-use super::{About, Column, Effect, Kind, ParameterInfo, Reads, Scene};
+use super::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{Inertial, Layout};
@@ -17,7 +17,10 @@ impl Effect for Payload {
 
     fn about(&self) -> About {
         About {
-            meaning: "a body at the last link that the existing model does not carry",
+            name: "Payload",
+            phrase: "a payload at the last link",
+            meaning: "A body at the last link that the model does not contain.",
+            over: PlotVariable::Torque,
             identifiable: "against an existing model only: in an identification it is a part of the last link's parameters",
             rivals: &["base_tilt", "torque_gain", "torque_offset"],
             source: "Khalil, Gautier & Lemoine 2007; consistency: Traversaro et al. 2016",

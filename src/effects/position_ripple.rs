@@ -1,6 +1,6 @@
 //! Torque that repeats with the position: gear teeth, magnets, sensors.
 
-use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written};
 use crate::dynamics::sines_and_cosines;
 use crate::model::Robot;
 
@@ -17,7 +17,10 @@ impl Effect for PositionRipple {
 
     fn about(&self) -> About {
         About {
-            meaning: "torque that repeats with the joint angle: gear meshing, cogging, eccentric wave generators, sensor ripple",
+            name: "Position ripple",
+            phrase: "position ripple",
+            meaning: "Torque that varies periodically with position: cogging, gear mesh or eccentricity.",
+            over: PlotVariable::Position,
             identifiable: "when the joint passes several waves, and fewer than half a wave from sample to sample; at one or two waves per \
                            turn gravity terms hide it",
             rivals: &["joint_spring", "encoder_offset"],
@@ -52,6 +55,11 @@ impl Effect for PositionRipple {
         let angles: Vec<f64> = scene.motion.positions(joints[0]).iter().map(|q| shape[0] * q).collect();
         let (sine, cosine) = sines_and_cosines(&angles);
         vec![Column::on(joints[0], sine), Column::on(joints[0], cosine)]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let (c, n) = (&w.coefficients, &w.shape[0]);
+        w.on_own_joint(|[q, _, _]| format!("{} * sin({n} * {q}) + {} * cos({n} * {q})", c[0], c[1]))
     }
 
     /// Of phase zero.

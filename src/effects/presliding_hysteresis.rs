@@ -1,7 +1,7 @@
 //! Friction that builds up over a distance after reversal instead of jumping.
 
 use super::ranges::{PRESLIDING_WIDTH_M, PRESLIDING_WIDTH_RAD, by_kind};
-use super::{About, Column, Effect, ParameterInfo, Reads, Scene, Shape, Span};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Reads, Scene, Shape, Span};
 use crate::model::Robot;
 
 /// `tau_j += F (z − sign qd)` with Dahl's state `dz/dq = (1 − z sign qd)/w`, w the width [rad or m].
@@ -17,7 +17,10 @@ impl Effect for PreslidingHysteresis {
 
     fn about(&self) -> About {
         About {
-            meaning: "asperities bend before they slide: after a reversal friction builds up over a distance",
+            name: "Presliding hysteresis",
+            phrase: "presliding friction hysteresis",
+            meaning: "Elastic deformation of the contacts before sliding: after a reversal, friction builds up over a small displacement.",
+            over: PlotVariable::Position,
             identifiable: "when the joint reverses during the motion and the width is above the travel between two samples",
             rivals: &["stribeck_friction", "nonlinear_viscous_friction", "joint_spring"],
             source: "Dahl 1968; Canudas de Wit et al. 1995 (LuGre)",

@@ -1,6 +1,6 @@
 //! Inertia of the motor, seen through the gear.
 
-use super::{About, Column, Effect, ParameterInfo, Scene, own_joint, times_position_unit};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Statements, Written, own_joint, times_position_unit};
 use crate::model::Robot;
 
 /// `tau_j += Ia qdd_j`.
@@ -13,7 +13,10 @@ impl Effect for RotorInertia {
 
     fn about(&self) -> About {
         About {
-            meaning: "reflected inertia of rotor and gear (ratio squared times rotor inertia); with link-side sensors it is not in the torque",
+            name: "Rotor inertia",
+            phrase: "rotor inertia",
+            meaning: "Inertia of the motor as seen at the joint, rotor inertia times gear ratio squared.",
+            over: PlotVariable::Acceleration,
             identifiable: "where the base parameters do not hold it already: on joint 1 it is part of ZZR1, and on the next joints of \
                            ZZR_j as long as their axes keep a constant direction relative to the first",
             rivals: &["torque_gain", "torque_delay", "joint_elasticity"],
@@ -23,6 +26,14 @@ impl Effect for RotorInertia {
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         vec![own_joint(scene, joints[0], |[_, _, a]| a)]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let (j, c) = (w.joints[0], &w.coefficients[0]);
+        Some(Statements {
+            torque: vec![(j, format!("{c} * qdd[{j}]"))],
+            inertia: vec![(j, j, c.clone())],
+        })
     }
 
     fn positive(&self, _form: usize) -> &'static [usize] {

@@ -1,7 +1,7 @@
 //! Coulomb friction without a jump.
 
 use super::ranges::{FRICTION_LEAD, SMOOTHING_M, SMOOTHING_RAD, by_kind};
-use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written, own_joint};
 use crate::model::Robot;
 
 /// `tau_j += F (s(qd/v) − sign qd)`: with the declared Coulomb friction at the same level F the sum is `F s(qd/v)`, which goes through zero with the speed. Forms:
@@ -23,8 +23,10 @@ impl Effect for SmoothCoulombFriction {
 
     fn about(&self) -> About {
         About {
-            meaning: "Coulomb friction that grows from zero over a small speed instead of jumping: simulators' friction, creep, speeds that were \
-                      filtered",
+            name: "Smooth Coulomb friction",
+            phrase: "Coulomb friction smooth around zero speed",
+            meaning: "Coulomb friction whose sign changes gradually around zero speed.",
+            over: PlotVariable::Speed,
             identifiable: "when samples lie within the speed over which it grows; which of its shapes it has is hard to tell",
             rivals: &["presliding_hysteresis", "stribeck_friction", "torque_delay"],
             source: "Andersson, Söderberg & Björklund 2007 (smoothed friction laws); Todorov 2014 (friction loss as a soft constraint)",
@@ -65,6 +67,18 @@ impl Effect for SmoothCoulombFriction {
         let lead = if form == LEADS { shape[1] } else { 0.0 };
         let missing = |[_, v, a]: [f64; 3]| smooth(form, (v + lead * a) / shape[0]) - scene.sign(v);
         vec![own_joint(scene, joints[0], missing)]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let (c, s) = (&w.coefficients[0], &w.shape);
+        w.on_own_joint(|[_, v, a]| {
+            let smooth = match w.form {
+                0 => format!("tanh({v} / {})", s[0]),
+                1 => format!("clamp({v} / {})", s[0]),
+                _ => format!("clamp(({v} + {} * {a}) / {})", s[1], s[0]),
+            };
+            format!("{c} * ({smooth} - sign({v}))")
+        })
     }
 
     fn positive(&self, _form: usize) -> &'static [usize] {

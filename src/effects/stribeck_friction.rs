@@ -1,7 +1,7 @@
 //! Friction that falls with speed just after breaking away.
 
 use super::ranges::{STRIBECK_EXPONENT, STRIBECK_VELOCITY_M, STRIBECK_VELOCITY_RAD, by_kind};
-use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span, own_joint};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written, own_joint};
 use crate::model::Robot;
 
 /// `tau_j += F exp(-(|qd|/v_s)^δ) sign qd`. Forms: δ = 2 (Gaussian), δ = 1 (exponential), δ free.
@@ -14,7 +14,10 @@ impl Effect for StribeckFriction {
 
     fn about(&self) -> About {
         About {
-            meaning: "friction above the Coulomb level at low speed, while the lubricant film builds up",
+            name: "Stribeck friction",
+            phrase: "Stribeck friction",
+            meaning: "Friction that is larger at low speed and falls to its Coulomb level as the lubricant film builds up.",
+            over: PlotVariable::Speed,
             identifiable: "when the joint is driven below and well above the Stribeck velocity; a very small v_s hides in the samples around \
                            reversal, a very large one in viscous and Coulomb friction",
             rivals: &[
@@ -61,6 +64,13 @@ impl Effect for StribeckFriction {
         let exponent = [2.0, 1.0, shape.get(1).copied().unwrap_or(2.0)][form];
         let bump = |[_, v, _]: [f64; 3]| (-(v.abs() / shape[0]).powf(exponent)).exp() * scene.sign(v);
         vec![own_joint(scene, joints[0], bump)]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let fixed = ["2.0", "1.0"].get(w.form).map(ToString::to_string);
+        let exponent = fixed.unwrap_or_else(|| w.shape[1].clone());
+        let (c, s) = (&w.coefficients[0], &w.shape[0]);
+        w.on_own_joint(|[_, v, _]| format!("{c} * exp(-pow(fabs({v}) / {s}, {exponent})) * sign({v})"))
     }
 
     fn positive(&self, _form: usize) -> &'static [usize] {

@@ -1,7 +1,7 @@
 //! A torque sensor that feels its neighbour.
 
 use super::ranges::CROSSTALK;
-use super::{About, Column, Effect, ParameterInfo, Reads, Scene, Travel};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Reads, Scene, Statements, Travel, Written};
 use crate::model::Robot;
 use nalgebra::DMatrix;
 
@@ -15,7 +15,10 @@ impl Effect for TorqueCrosstalk {
 
     fn about(&self) -> About {
         About {
-            meaning: "the torque signal of one joint carries a part of another's: sensor cross-coupling, a wrong coupling matrix",
+            name: "Torque crosstalk",
+            phrase: "torque crosstalk",
+            meaning: "A part of the torque of one joint appears in the measurement of another.",
+            over: PlotVariable::Torque,
             identifiable: "when the other joint's torque is not a combination of terms the joint's own row holds",
             rivals: &["transmission_coupling", "torque_gain"],
             source: "Hashimoto 1993 (torque sensors in gears)",
@@ -39,6 +42,14 @@ impl Effect for TorqueCrosstalk {
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {
         vec![Column::on(joints[0], scene.declared[joints[1]].clone())]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let (j, i, c) = (w.joints[0], w.joints[1], &w.coefficients[0]);
+        Some(Statements {
+            torque: vec![(j, format!("{c} * declared[{i}]"))],
+            inertia: (0..w.count).map(|k| (j, k, format!("{c} * r[{i}][{k}]"))).collect(),
+        })
     }
 
     fn is_plausible(&self, coefficients: &[f64], _covariance: &DMatrix<f64>, _travel: Travel) -> bool {

@@ -2,7 +2,7 @@
 
 use super::interpolation::at_time;
 use super::ranges::DELAY;
-use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `tau(t) = tau_model(t − T)` on all joints; T in seconds, any fraction of a sample.
@@ -15,7 +15,10 @@ impl Effect for TorqueDelay {
 
     fn about(&self) -> About {
         About {
-            meaning: "the torque channel is later than the positions: transport, filtering, another clock",
+            name: "Torque delay",
+            phrase: "a torque delay",
+            meaning: "The torque channel is late by a constant time relative to the positions.",
+            over: PlotVariable::Speed,
             identifiable: "when torques change quickly; on slow motion it is a change of viscous friction and of inertia",
             rivals: &["rotor_inertia", "nonlinear_viscous_friction", "joint_elasticity"],
             source: "Swevers, Verdonck & De Schutter 2007; Gautier 1997 (filter delays)",

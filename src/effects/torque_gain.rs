@@ -1,7 +1,7 @@
 //! A torque channel with the wrong scale.
 
 use super::ranges::GAIN;
-use super::{About, Effect, Kind, ParameterInfo, Reads, Scene, World};
+use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `tau_j = (1 + γ) tau_true,j`.
@@ -14,7 +14,10 @@ impl Effect for TorqueGain {
 
     fn about(&self) -> About {
         About {
-            meaning: "torque constant, gear ratio or sensor sensitivity of one joint is off",
+            name: "Torque gain",
+            phrase: "a torque scale error",
+            meaning: "The torque channel has a wrong factor, such as a torque constant or gear ratio that is off.",
+            over: PlotVariable::Torque,
             identifiable: "relative to the other joints, through the inertial parameters they share; on a joint that shares none it is \
                            the parameters' scale",
             rivals: &["load_dependent_friction", "rotor_inertia", "joint_elasticity"],

@@ -1,7 +1,7 @@
 //! A motor that turns with two joints at once.
 
 use super::ranges::COUPLING_RATIO;
-use super::{About, Column, Effect, ParameterInfo, Scene, Shape, Span};
+use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written};
 use crate::model::Robot;
 
 /// Friction and inertia of the motor speed `v = qd_i + k qd_j` on joint i, and k times that on joint j:
@@ -23,7 +23,10 @@ impl Effect for TransmissionCoupling {
 
     fn about(&self) -> About {
         About {
-            meaning: "a motor, belt or gear turns with the sum of two joints' speeds: its friction and inertia load both",
+            name: "Transmission coupling",
+            phrase: "transmission coupling",
+            meaning: "Torque at one joint from the motion of a neighbouring joint, as in coupled wrist gears or belts.",
+            over: PlotVariable::Speed,
             identifiable: "when the two joints move independently of each other",
             rivals: &["torque_crosstalk", "rotor_inertia"],
             source: "Gautier, Vandanjon & Janot 2011 (Stäubli TX40, joints 5 and 6)",
@@ -69,6 +72,24 @@ impl Effect for TransmissionCoupling {
             rows: vec![(j, x.iter().map(|x| k * x).collect()), (i, x)],
         };
         vec![both(v), both(sign), both(a)]
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let (i, j, c) = (w.joints[0], w.joints[1], &w.coefficients);
+        let k = ["1.0", "-1.0"].get(w.form).map_or_else(|| w.shape[0].clone(), ToString::to_string);
+        let sum = |x: &str| format!("({x}[{i}] + {k} * {x}[{j}])");
+        let (v, a) = (sum("qd"), sum("qdd"));
+        let load = format!("{} * {v} + {} * sign{v} + {} * {a}", c[0], c[1], c[2]);
+        let entry = |row: usize, column: usize, factor: &str| (row, column, format!("{factor} * {}", c[2]));
+        Some(Statements {
+            inertia: vec![
+                entry(i, i, "1.0"),
+                entry(i, j, &k),
+                entry(j, i, &k),
+                entry(j, j, &format!("{k} * {k}")),
+            ],
+            torque: vec![(i, load.clone()), (j, format!("{k} * ({load})"))],
+        })
     }
 
     fn positive(&self, _form: usize) -> &'static [usize] {

@@ -1,7 +1,7 @@
 //! A smooth function of one or two variables: what is left when no effect explains it. Never in the list of effects: it names
 //! variables, not causes.
 
-use super::{About, Column, Effect, Kind, ParameterInfo, Scene};
+use super::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Scene};
 use crate::model::Robot;
 
 /// `tau_j += Σ c f(u) g(v)` with f and g from a small dictionary: waves of a position, powers of anything.
@@ -60,7 +60,10 @@ impl Effect for Unexplained {
 
     fn about(&self) -> About {
         About {
-            meaning: "a smooth dependence that no effect accounts for",
+            name: "Unexplained residual",
+            phrase: "a dependence without a listed cause",
+            meaning: "A smooth dependence that no effect accounts for.",
+            over: PlotVariable::Position,
             identifiable: "where the motion covers the variables",
             rivals: &[],
             source: "Mallat & Zhang 1993 (matching pursuit)",

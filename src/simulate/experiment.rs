@@ -142,6 +142,8 @@ fn true_torque(experiment: &Experiment, times: &[f64]) -> Vec<Vec<f64>> {
         }
         for (effect, memory) in experiment.effects.iter().zip(&memories) {
             let along = Along {
+                robot: &robot,
+                interval: 1.0 / experiment.rate_hz,
                 times,
                 motor: &motor,
                 rigid: &rigid,

@@ -1,5 +1,6 @@
 //! Effects that a virtual robot can have and nobody declares.
 
+use super::ListedEffect;
 use serde::Deserialize;
 
 /// One physical effect with its true values; joints count from 0.
@@ -185,6 +186,8 @@ pub enum HiddenEffect {
         /// Time in which it falls to 1/e (s).
         time_constant: f64,
     },
+    /// Any other effect of the list, by its columns.
+    Listed(ListedEffect),
     /// Something nobody has a model of: `amplitude · sin(2 q_a) cos(3 q_b)` on joint a.
     Unmodelled {
         /// Joints a and b, from 0.

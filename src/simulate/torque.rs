@@ -2,11 +2,16 @@
 
 use super::HiddenEffect;
 use super::friction::direction;
+use super::listed::Part;
 use crate::dynamics::Motion;
+use crate::model::Robot;
 
 /// A part of an experiment.
 pub(super) struct Along<'a> {
+    pub robot: &'a Robot,
     pub times: &'a [f64],
+    /// Between samples (s).
+    pub interval: f64,
     pub motor: &'a Motion,
     /// Torque of the bodies alone, per joint.
     pub rigid: &'a [&'a [f64]],
@@ -21,6 +26,7 @@ pub(super) fn add_torque(effect: &HiddenEffect, along: &Along, tau: &mut [Vec<f6
         motor,
         rigid,
         memory,
+        ..
     } = along;
     let mut add = |joint: usize, value: &dyn Fn(usize, [f64; 3]) -> f64| {
         tau[joint]
@@ -111,6 +117,15 @@ pub(super) fn add_torque(effect: &HiddenEffect, along: &Along, tau: &mut [Vec<f6
                 amplitude * (2.0 * q).sin() * (3.0 * motor.get(other, s)[0]).cos()
             });
         }
+        Listed(effect) => effect.add(
+            &Part {
+                robot: along.robot,
+                motor: along.motor,
+                rigid: along.rigid,
+                interval: along.interval,
+            },
+            tau,
+        ),
         JointElasticity { .. }
         | EncoderOffset { .. }
         | BaseTilt { .. }

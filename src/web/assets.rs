@@ -1,9 +1,11 @@
 //! Files inside the program.
 
+use super::glossary;
 use flate2::Compression;
 use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
 use rust_embed::RustEmbed;
+use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::io::{Read, Write};
 use std::sync::LazyLock;
@@ -52,18 +54,27 @@ pub(super) fn asset(name: &str) -> Option<Asset> {
             gzip: Some(PLOTLY_GZIP),
         });
     }
+    if name == glossary::NAME {
+        return Some(Asset {
+            media_type: media_type(name).to_string(),
+            etag: etag(&Sha256::digest(glossary::EFFECTS.as_bytes())),
+            plain: Cow::Borrowed(glossary::EFFECTS.as_bytes()),
+            gzip: None,
+        });
+    }
     let file = Files::get(name)?;
     let packed = (name == "three.js").then(|| THREE.as_slice());
-    let hash = file.metadata.sha256_hash();
-    let etag = hash[..12]
-        .iter()
-        .fold(String::from("\""), |text, byte| format!("{text}{byte:02x}"));
     Some(Asset {
         media_type: media_type(name).to_string(),
-        etag: etag + "\"",
+        etag: etag(&file.metadata.sha256_hash()),
         plain: file.data,
         gzip: packed,
     })
+}
+
+fn etag(hash: &[u8]) -> String {
+    let start = String::from("\"");
+    hash[..12].iter().fold(start, |text, byte| format!("{text}{byte:02x}")) + "\""
 }
 
 /// The text of a file that is known to be there.

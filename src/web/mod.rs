@@ -6,6 +6,7 @@
 #[cfg(feature = "service")]
 mod assets;
 pub mod figures;
+mod glossary;
 #[cfg(feature = "service")]
 mod pages;
 mod report;

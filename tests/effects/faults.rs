@@ -259,8 +259,8 @@ fn prop_no_effect_is_taken_for_a_wrong_column() {
     let spring = |joint, stiffness, rest| HiddenEffect::JointSpring { joint, stiffness, rest };
     let springs =
         (0..robot.joint_count()).flat_map(|j| [(0.5, 0.2), (2.0, 0.2), (5.0, -0.4)].map(|(k, rest)| spring(j, k, rest)));
-    let others = CODES
-        .iter()
+    let others = codes()
+        .into_iter()
         .flat_map(|code| [1, 3, 5].map(|j| Hidden::plain(code, j, &robot)))
         .map(|h| h.at(h.largest().min(6.0)));
     for hidden in springs.chain(others) {

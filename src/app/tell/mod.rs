@@ -6,12 +6,13 @@ mod finding;
 mod tests;
 mod words;
 
-use self::words::{known, phrase, sentence, variable_in_words};
+use self::words::{phrase, sentence, variable, variable_in_words};
 use super::diagnose::beyond_repair;
 use crate::diagnosis::{
     Change, DataFault, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, Remedy, ResidualReport, Verdict,
 };
 use crate::documents::{Against, ResidualDocument};
+use crate::effects::by_code;
 use crate::formats::{listed, significant, unit};
 use crate::model::Robot;
 
@@ -36,8 +37,8 @@ pub(super) fn residual_document(robot: &Robot, report: &ResidualReport) -> Resid
 /// What a finding is drawn against: of an own effect, the kind of the first of its variables.
 fn variable_of(finding: &Finding) -> &str {
     let own = || finding.formula.as_ref()?.variables.first();
-    match (known(&finding.effect), own()) {
-        (Some(known), _) => known.variable,
+    match (by_code(&finding.effect), own()) {
+        (Some(effect), _) => variable(effect),
         (None, Some(first)) => first.trim_end_matches(|c: char| c.is_ascii_digit()),
         (None, None) => "time",
     }

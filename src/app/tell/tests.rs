@@ -6,7 +6,6 @@ use crate::diagnosis::{
 };
 use crate::documents::shipped::Shipped;
 use crate::documents::{NamedRobots, RobotDocument};
-use crate::effects::all;
 
 fn robot() -> Robot {
     let RobotDocument { robot, .. } = Shipped.named("planar_two_link").expect("is shipped");
@@ -99,13 +98,6 @@ fn report(robot: &Robot, held_out: bool) -> ResidualReport {
         rms_before: pair([0.3, 3.32]),
         rms_after: pair([0.3, 0.2]),
         at_rest: None,
-    }
-}
-
-#[test]
-fn every_effect_has_words() {
-    for effect in all() {
-        assert!(known(effect.code()).is_some(), "{}", effect.code());
     }
 }
 

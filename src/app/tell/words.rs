@@ -1,53 +1,24 @@
 //! How effects, their parameters and variables are spoken of.
 
 use crate::diagnosis::Finding;
-use crate::effects::Formula;
 use crate::effects::own::FOUND_LAW;
+use crate::effects::{Effect, Formula, PlotVariable, by_code};
 use crate::formats::{listed, measured, unit};
 
-/// How an effect is spoken of.
-pub(super) struct Known {
-    code: &'static str,
-    /// As the subject of a sentence.
-    phrase: &'static str,
-    /// What of its joint it is a function of, for pictures: `q`, `qd`, `qdd`, `tau` or `time`.
-    pub(super) variable: &'static str,
+/// What the effect of a finding is drawn against: `q`, `qd`, `qdd`, `tau` or `time`.
+pub(super) fn variable(effect: &dyn Effect) -> &'static str {
+    match effect.about().over {
+        PlotVariable::Position => "q",
+        PlotVariable::Speed => "qd",
+        PlotVariable::Acceleration => "qdd",
+        PlotVariable::Torque => "tau",
+        PlotVariable::Time => "time",
+    }
 }
 
-const fn effect(code: &'static str, phrase: &'static str, variable: &'static str) -> Known {
-    Known { code, phrase, variable }
-}
-
-const KNOWN: &[Known] = &[
-    effect("torque_offset", "a constant torque offset", "time"),
-    effect("stribeck_friction", "Stribeck friction", "qd"),
-    effect("nonlinear_viscous_friction", "nonlinear viscous friction", "qd"),
-    effect("asymmetric_viscous_friction", "direction-dependent viscous friction", "qd"),
-    effect("load_dependent_friction", "load-dependent friction", "tau"),
-    effect("presliding_hysteresis", "presliding friction hysteresis", "q"),
-    effect("smooth_coulomb_friction", "Coulomb friction smooth around zero speed", "qd"),
-    effect("rotor_inertia", "rotor inertia", "qdd"),
-    effect("transmission_coupling", "transmission coupling", "qd"),
-    effect("joint_spring", "a joint spring", "q"),
-    effect("position_ripple", "position ripple", "q"),
-    effect("joint_elasticity", "elasticity between motor and link", "tau"),
-    effect("encoder_offset", "an encoder offset", "q"),
-    effect("base_tilt", "a base tilt", "q"),
-    effect("payload", "a payload at the last link", "tau"),
-    effect("torque_delay", "a torque delay", "qd"),
-    effect("torque_gain", "a torque scale error", "tau"),
-    effect("torque_crosstalk", "torque crosstalk", "tau"),
-    effect("law", "a law", "q"),
-    effect("friction_drift", "friction that changes over time", "time"),
-    effect("external_contact", "an external contact", "time"),
-];
-
-pub(super) fn known(code: &str) -> Option<&'static Known> {
-    KNOWN.iter().find(|k| k.code == code)
-}
-
+/// An effect as the subject of a sentence: own ones by their names.
 pub(super) fn phrase(code: &str) -> &str {
-    known(code).map_or(code, |k| k.phrase)
+    by_code(code).map_or(code, |effect| effect.about().phrase)
 }
 
 /// A finding, or a rival, as the subject of a sentence; laws and own effects with their formula.

@@ -64,12 +64,13 @@ pub(super) fn check(request: &Request, robot: &Robot, problems: &mut Vec<FieldPr
     positive("/periods", &[request.periods]);
     positive("/sample_rate_hz", &[request.sample_rate_hz]);
     if problems.is_empty() {
-        check_size(request, n, problems);
+        check_size(request, robot, problems);
     }
 }
 
 /// Length in time and rows, and what must fit into it: an input of a line must not ask for work without end.
-fn check_size(request: &Request, joints: usize, problems: &mut Vec<FieldProblem>) {
+fn check_size(request: &Request, robot: &Robot, problems: &mut Vec<FieldProblem>) {
+    let joints = robot.joint_count();
     let seconds = request.periods * duration(&request.trajectory);
     let rows = (seconds * request.sample_rate_hz).round();
     let most = (INPUT_LIMITS.simulated_values / (joints + 2)) as f64;
@@ -90,7 +91,7 @@ fn check_size(request: &Request, joints: usize, problems: &mut Vec<FieldProblem>
         problems.push(FieldProblem::new("/periods", detail));
     }
     for (i, effect) in request.effects.iter().enumerate() {
-        if let Some(detail) = misfit(effect, joints, seconds) {
+        if let Some(detail) = misfit(effect, robot, seconds) {
             problems.push(FieldProblem::new(format!("/effects/{i}"), detail));
         }
     }
@@ -132,8 +133,10 @@ fn duration(path: &Path) -> f64 {
     }
 }
 
-fn misfit(effect: &HiddenEffect, joints: usize, seconds: f64) -> Option<String> {
+fn misfit(effect: &HiddenEffect, robot: &Robot, seconds: f64) -> Option<String> {
+    let joints = robot.joint_count();
     match effect {
+        HiddenEffect::Listed(listed) => listed.misfit(robot),
         HiddenEffect::ExternalContact { torque, .. } if torque.len() != joints => {
             Some(format!("has {} torques, the robot has {joints} joints", torque.len()))
         }

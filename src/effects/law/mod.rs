@@ -13,7 +13,7 @@ pub use form::{Class, Form};
 pub use formula::{formula, statements};
 pub use functions::{OfPosition, OfSpeed};
 
-use super::{About, AnyEffect, Column, Effect, Formula, ParameterInfo, Scene, Shape, Span};
+use super::{About, AnyEffect, Column, Effect, Formula, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written};
 use crate::model::Robot;
 
 /// `tau_j += f(q, qd; c, shape)` for one of the forms of [`Form::all`]; `joints` is what [`Form`] says of its places.
@@ -31,8 +31,11 @@ impl Effect for Law {
 
     fn about(&self) -> About {
         About {
-            meaning: "a formula in positions and speeds, found in the residual: hoses over two joints, balancing springs between pins, friction that depends on \
-                      the angle or on another joint's speed",
+            name: "Law",
+            phrase: "a law",
+            meaning: "A formula in positions, speeds and further quantities of the log, found where no listed effect explains the residual, with its \
+                      constants and the range that the log covers.",
+            over: PlotVariable::Position,
             identifiable: "over the range of the variables that the motion covers, and only there",
             rivals: &[],
             source: "Brunton, Proctor & Kutz 2016 (sparse search); Golub & Pereyra 1973 (variable projection)",
@@ -65,6 +68,14 @@ impl Effect for Law {
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
         Form::numbered(form).columns(scene, joints, shape)
+    }
+
+    fn statements(&self, w: &Written) -> Option<Statements> {
+        let (q, v) = (|j: usize| format!("q[{j}]"), |j: usize| format!("qd[{j}]"));
+        Some(Statements {
+            torque: statements(Form::numbered(w.form), w.joints, &w.reported, &q, &v),
+            inertia: Vec::new(),
+        })
     }
 
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

@@ -18,13 +18,25 @@ pub use tokens::{MOST_CHARACTERS, MOST_NESTED};
 
 use self::derivative::derivative;
 use self::tree::{Syntax, Tree, plain_sign};
-use super::{About, Column, Effect, Formula, ParameterInfo, Reads, Scene, Shape, Span, Travel};
+use super::{About, Column, Effect, Formula, ParameterInfo, PlotVariable, Reads, Scene, Shape, Span, Travel};
 use crate::model::Robot;
 use nalgebra::DMatrix;
 use std::f64::consts::{PI, TAU};
 
 /// What the names of laws that the program found begin with: they are reported as laws.
 pub const FOUND_LAW: &str = "law_";
+
+/// What is said of every own effect.
+pub const ABOUT: About = About {
+    name: "Own effect",
+    phrase: "an own effect",
+    meaning: "A torque that a formula of yours adds to one joint. As a candidate it is tested like every effect; declared, it belongs to the model \
+              from the start.",
+    over: PlotVariable::Position,
+    identifiable: "where its columns are no combination of those of the base parameters over the motion",
+    rivals: &[],
+    source: "the definition",
+};
 
 /// An own effect as a request or a robot has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -254,12 +266,7 @@ impl Effect for OwnEffect {
     }
 
     fn about(&self) -> About {
-        About {
-            meaning: "an effect with a formula of its own, from the request or the robot",
-            identifiable: "where its columns are no combination of those of the base parameters over the motion",
-            rivals: &[],
-            source: "the definition",
-        }
+        ABOUT
     }
 
     fn reads(&self) -> Reads {

@@ -25,7 +25,7 @@ impl ModelFormat {
         let positive = || term.coefficients.iter().all(|c| *c >= 0.0);
         match self {
             Self::Json | Self::Csv => true,
-            Self::C | Self::Python => super::source_effects::is_written(code) || super::source_memory::is_remembered(term),
+            Self::C | Self::Python => super::source_effects::is_written(term) || super::source_memory::is_remembered(term),
             Self::Urdf => is_geometry(code),
             // A spring that pushes away from its rest is refused by simulators.
             Self::Sdf => is_geometry(code) || code == "joint_spring" && term.coefficients[0] > 0.0,

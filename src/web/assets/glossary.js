@@ -1,6 +1,8 @@
 // Help on terms: one glossary, read when a term is first asked for. A term is a button, so that mouse, touch and keyboard reach it.
 import { h, term } from './dom.js';
 
+/** Terms of the pages, and those of effects as the program has them. */
+const FILES = ['/assets/glossary.json', '/assets/effects.json'];
 /** Milliseconds that the pointer rests before help opens, and that it has to reach the help before that closes. */
 const REST = 250;
 /** Pixels between help, its term, and the edges of the window. */
@@ -8,7 +10,7 @@ const GAP = 8;
 
 let reading = null;
 function topics() {
-  reading ??= fetch('/assets/glossary.json').then((answer) => answer.json());
+  reading ??= Promise.all(FILES.map(async (file) => (await fetch(file)).json())).then((parts) => parts.flat());
   return reading;
 }
 

@@ -1,8 +1,9 @@
 //! Effects to hide in a log, at any size.
 
 use super::noise_levels;
+use dynident::effects::{Effect, all};
 use dynident::model::Robot;
-use dynident::simulate::HiddenEffect;
+use dynident::simulate::{HiddenEffect, ListedEffect};
 use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
@@ -19,7 +20,11 @@ pub struct Hidden {
     /// Noise of the joint over 0.2: sizes of torques go with it.
     level: f64,
     joints: usize,
+    robot: Robot,
 }
+
+/// Torque that a joint of the bench carries, over its noise.
+const TORQUE_OVER_NOISE: f64 = 50.0;
 
 impl Hidden {
     /// In the middle of all shapes.
@@ -33,6 +38,7 @@ impl Hidden {
             shape: [0.5; 3],
             level: noise_levels(joints)[joint] / 0.2,
             joints,
+            robot: robot.clone(),
         }
     }
 
@@ -78,6 +84,15 @@ impl Hidden {
     /// One of three, by a shape.
     fn of_three(&self, i: usize, values: [f64; 3]) -> f64 {
         values[((self.shape[i] * 3.0) as usize).min(2)]
+    }
+
+    /// An effect without a simulation of its own, in its simplest form.
+    fn listed(&self, code: &str, size: f64) -> ListedEffect {
+        let noise = noise_levels(self.robot.joint_count())[self.joint];
+        let example = ListedEffect::example(code, &self.robot, self.joint, [noise, TORQUE_OVER_NOISE * noise]);
+        let mut effect = example.unwrap_or_else(|| panic!("no effect `{code}` on joint {}", self.joint));
+        effect.coefficients.iter_mut().for_each(|c| *c *= self.sign * size);
+        effect
     }
 
     /// At `size`: 1 is well visible.
@@ -197,7 +212,7 @@ impl Hidden {
                 joints: [joint, other],
                 amplitude: 1.5 * level,
             },
-            code => panic!("no such effect: {code}"),
+            code => Listed(self.listed(code, size)),
         }
     }
 }
@@ -207,25 +222,8 @@ pub fn effect(code: &'static str, joint: usize, size: f64, robot: &Robot) -> Hid
     Hidden::plain(code, joint, robot).at(size)
 }
 
-pub const CODES: [&str; 20] = [
-    "torque_offset",
-    "stribeck_friction",
-    "nonlinear_viscous_friction",
-    "asymmetric_viscous_friction",
-    "load_dependent_friction",
-    "presliding_hysteresis",
-    "smooth_coulomb_friction",
-    "rotor_inertia",
-    "transmission_coupling",
-    "joint_spring",
-    "position_ripple",
-    "joint_elasticity",
-    "encoder_offset",
-    "base_tilt",
-    "torque_delay",
-    "torque_gain",
-    "torque_crosstalk",
-    "friction_drift",
-    "external_contact",
-    "unexplained",
-];
+/// All that can be hidden in a log that no model is held against: the effects of the list, and one that is in no list.
+pub fn codes() -> Vec<&'static str> {
+    let listed = all().iter().map(|e| e.code()).filter(|code| *code != "payload");
+    listed.chain(["unexplained"]).collect()
+}
