@@ -22,6 +22,7 @@ build:
 test:
 	@scripts/setup test
 	cargo fmt --check
+	rustfmt --check --edition 2024 src/effects/*.rs
 	target/tools/bin/cargo-deny --locked check licenses sources bans
 	cargo clippy --release --locked --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps

@@ -1,6 +1,8 @@
 //! A spring across a joint.
 
-use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Statements, Travel, Written, own_joint, times_position_unit};
+use super::{
+    About, Column, Effect, ParameterInfo, PlotVariable, Scene, Statements, Travel, Written, own_joint, times_position_unit,
+};
 use crate::model::Robot;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;

@@ -1,7 +1,9 @@
 //! Friction that grows faster or slower than the speed.
 
 use super::ranges::VISCOUS_EXPONENT;
-use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written, own_joint, times_position_unit};
+use super::{
+    About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written, own_joint, times_position_unit,
+};
 use crate::model::Robot;
 
 /// `tau_j += f |qd|^α sign qd`. Forms: α = 2, α = 3, α = 1/2, α free.

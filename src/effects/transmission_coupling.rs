@@ -76,7 +76,9 @@ impl Effect for TransmissionCoupling {
 
     fn statements(&self, w: &Written) -> Option<Statements> {
         let (i, j, c) = (w.joints[0], w.joints[1], &w.coefficients);
-        let k = ["1.0", "-1.0"].get(w.form).map_or_else(|| w.shape[0].clone(), ToString::to_string);
+        let k = ["1.0", "-1.0"]
+            .get(w.form)
+            .map_or_else(|| w.shape[0].clone(), ToString::to_string);
         let sum = |x: &str| format!("({x}[{i}] + {k} * {x}[{j}])");
         let (v, a) = (sum("qd"), sum("qdd"));
         let load = format!("{} * {v} + {} * sign{v} + {} * {a}", c[0], c[1], c[2]);
