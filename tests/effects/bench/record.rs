@@ -145,23 +145,31 @@ pub fn traced_mounted(
     }
 }
 
-/// A minute of random way-points that never come back, traced.
-pub fn once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) -> Diagnosis {
-    let n = robot.joint_count();
+/// A minute of random way-points that never come back.
+pub fn single_run(joints: usize, seed: u64) -> QuinticWayPoints {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x3a7);
     let points = (0..31)
-        .map(|_| (0..n).map(|_| rng.random_range(-1.0..1.0)).collect())
+        .map(|_| (0..joints).map(|_| rng.random_range(-1.0..1.0)).collect())
         .collect();
-    let motion = QuinticWayPoints::new(points, &[2.0; 30]);
-    let log = simulate(&Experiment {
+    QuinticWayPoints::new(points, &[2.0; 30])
+}
+
+/// The log of [`single_run`].
+pub fn recorded_once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) -> RecordedLog {
+    simulate(&Experiment {
         robot,
         parameters: &bodies(robot, seed),
-        trajectory: &motion,
+        trajectory: &single_run(robot.joint_count(), seed),
         periods: 1.0,
         rate_hz: RATE,
         effects: hidden,
         noise,
         seed,
-    });
+    })
+}
+
+/// The same, traced.
+pub fn once(robot: &Robot, hidden: &[HiddenEffect], noise: &Noise, seed: u64) -> Diagnosis {
+    let log = recorded_once(robot, hidden, noise, seed);
     diagnose(robot, &[stretch(&log, "once")], &[], &DiagnosisOptions::default())
 }
