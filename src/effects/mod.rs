@@ -57,6 +57,7 @@ registry! {
     payload::Payload,
     torque_delay::TorqueDelay,
     torque_gain::TorqueGain,
+    torque_saturation::TorqueSaturation,
     torque_crosstalk::TorqueCrosstalk,
     friction_drift::FrictionDrift,
     external_contact::ExternalContact,
