@@ -1,7 +1,7 @@
 //! Effects to hide in a log, at any size.
 
 use super::noise_levels;
-use dynident::effects::{Effect, all};
+use dynident::effects::{Effect, all, by_code};
 use dynident::model::Robot;
 use dynident::simulate::{HiddenEffect, ListedEffect};
 use rand::{Rng, RngExt};
@@ -91,7 +91,9 @@ impl Hidden {
         let noise = noise_levels(self.robot.joint_count())[self.joint];
         let example = ListedEffect::example(code, &self.robot, self.joint, [noise, TORQUE_OVER_NOISE * noise]);
         let mut effect = example.unwrap_or_else(|| panic!("no effect `{code}` on joint {}", self.joint));
-        effect.coefficients.iter_mut().for_each(|c| *c *= self.sign * size);
+        let one_sided = by_code(code).is_some_and(|e| !e.positive(0).is_empty());
+        let sign = if one_sided { 1.0 } else { self.sign };
+        effect.coefficients.iter_mut().for_each(|c| *c *= sign * size);
         effect
     }
 
