@@ -3,9 +3,12 @@
 //! `tau_j += f(q, qd, qdd; p)`, read by `parse`, held against its units by `units`. Parameters that f is linear in, all of them together, are coefficients
 //! with columns `∂f/∂p`; the others are shape parameters with the range that the definition gives.
 
+mod any_robot;
+mod arm;
 mod define;
 mod derivative;
 mod linear;
+mod names;
 mod parse;
 #[cfg(test)]
 mod tests;
@@ -13,7 +16,8 @@ mod tokens;
 mod tree;
 mod units;
 
-pub use define::{MOST_PARAMETERS, name_fault};
+pub use define::MOST_PARAMETERS;
+pub use names::name_fault;
 pub use tokens::{MOST_CHARACTERS, MOST_NESTED};
 
 use self::derivative::derivative;
@@ -141,6 +145,16 @@ impl OwnEffect {
     /// Whether it has parameters that it is not linear in.
     pub fn has_shapes(&self) -> bool {
         !self.shapes.is_empty()
+    }
+
+    /// Joints that it adds to or that its formula speaks of, from 0, in order.
+    fn joints(&self) -> Vec<usize> {
+        let spoken_of = self.symbols.iter().filter_map(|s| match s {
+            Symbol::State { joint, .. } => Some(*joint),
+            Symbol::Parameter(_) | Symbol::Channel(_) => None,
+        });
+        let all: std::collections::BTreeSet<usize> = spoken_of.chain([self.joint]).collect();
+        all.into_iter().collect()
     }
 
     /// Parameters as they are reported: coefficients, then shapes.
