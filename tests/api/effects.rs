@@ -92,10 +92,10 @@ fn definitions_are_checked_as_far_as_they_need_no_robot() {
             "/parameters/1/unit: is `Nm`: `Nm` is not known (write N m)",
         ],
     );
-    refused(&[("joint", json!(3))], &["/joint: is a number, expected a string"]);
+    refused(&[("joint", json!(3))], &["/joint: is a number, expected a string ()"]);
     refused(
         &[("extra", json!(1))],
-        &["/extra: is not a field of this document (did you mean `expression`?)"],
+        &["/extra: is not a field of this document (one of: name, joint, expression, parameters, channels, declared)"],
     );
     // k is no torque per angle and no force per length on any joint.
     let mut body = hose();
