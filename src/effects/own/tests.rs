@@ -283,12 +283,15 @@ fn columns_are_the_formula_and_follow_the_definition() {
     assert_eq!(formula.variables, ["qd1", "q2", "qd2", "qdd2"]);
     let constants = ["A", "B", "C", "D"].map(String::from);
     let state = |joint: usize, order: usize| format!("{}[{joint}]", ["q", "v", "a"][order]);
-    assert_eq!(
-        effect.source(&constants, &state),
-        "A*sin(q[1] - D) + B*v[0]*fabs(v[1]) + C*a[1]"
-    );
-    assert_eq!(effect.inertia_source(1, &constants, &state).as_deref(), Some("C"));
-    assert_eq!(effect.inertia_source(0, &constants, &state), None);
+    let channel = |c: &ChannelVariable| c.name.clone();
+    let names = SourceNames {
+        constants: &constants,
+        state: &state,
+        channel: &channel,
+    };
+    assert_eq!(effect.source(&names), "A*sin(q[1] - D) + B*v[0]*fabs(v[1]) + C*a[1]");
+    assert_eq!(effect.inertia_source(1, &names).as_deref(), Some("C"));
+    assert_eq!(effect.inertia_source(0, &names), None);
 }
 
 #[test]

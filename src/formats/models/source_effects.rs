@@ -3,8 +3,9 @@
 use super::FinalModel;
 use super::effects_held::coupling_ratio;
 use super::source::{literal, one_line};
+use super::source_channels::SourceChannels;
 use crate::effects::law::{Form, statements as statements_of_law};
-use crate::effects::{Effect, OwnEffect};
+use crate::effects::{ChannelVariable, Effect, OwnEffect, SourceNames};
 use crate::regression::Term;
 
 /// What an effect adds, in terms of `q, qd, qdd` (with encoder offsets in `q`), `rigid` (torques of the bodies) and `declared` (with friction).
@@ -29,9 +30,10 @@ pub(super) fn is_written(code: &str) -> bool {
 
 impl FinalModel {
     pub(super) fn statements(&self) -> Vec<Statements> {
+        let channels = SourceChannels::of(self);
         let written = self.terms.iter().filter(|t| is_written(t.effect.code()));
         let all = written.map(|term| {
-            let (torque, mass) = statements(term, self.robot.joint_count());
+            let (torque, mass) = statements(term, self.robot.joint_count(), &channels);
             Statements {
                 comment: one_line(&format!("{} on {}", term.effect.code(), self.joint_names(term).join(", "))),
                 torque,
@@ -42,14 +44,14 @@ impl FinalModel {
     }
 }
 
-fn statements(term: &Term, joints: usize) -> (Vec<String>, Vec<String>) {
+fn statements(term: &Term, joints: usize, channels: &SourceChannels) -> (Vec<String>, Vec<String>) {
     let j = term.joints.first().copied().unwrap_or(0);
     let c: Vec<String> = term.coefficients.iter().map(|v| literal(*v)).collect();
     let s: Vec<String> = term.shape.iter().map(|v| literal(*v)).collect();
     let (q, v, a) = (format!("q[{j}]"), format!("qd[{j}]"), format!("qdd[{j}]"));
     let own = |value: String| (vec![format!("tau[{j}] += {value}")], Vec::new());
     if let Some(defined) = term.effect.own() {
-        return own_effect(term, defined, joints);
+        return own_effect(term, defined, joints, channels);
     }
     match term.effect.code() {
         "torque_offset" => own(c[0].clone()),
@@ -101,13 +103,19 @@ fn law(term: &Term) -> (Vec<String>, Vec<String>) {
 }
 
 /// The formula with its constants as they are reported, and how it grows with the accelerations.
-fn own_effect(term: &Term, own: &OwnEffect, joints: usize) -> (Vec<String>, Vec<String>) {
+fn own_effect(term: &Term, own: &OwnEffect, joints: usize, channels: &SourceChannels) -> (Vec<String>, Vec<String>) {
     let reported = own.reported(term.form, &term.coefficients, &term.shape);
     let constants: Vec<String> = reported.iter().map(|v| format!("({})", literal(*v))).collect();
     let state = |joint: usize, order: usize| format!("{}[{joint}]", ["q", "qd", "qdd"][order]);
+    let channel = |c: &ChannelVariable| channels.value(c);
+    let names = SourceNames {
+        constants: &constants,
+        state: &state,
+        channel: &channel,
+    };
     let j = own.joint();
-    let torque = vec![format!("tau[{j}] += {}", own.source(&constants, &state))];
-    let entry = |k: usize| Some(format!("m[{j}][{k}] += {}", own.inertia_source(k, &constants, &state)?));
+    let torque = vec![format!("tau[{j}] += {}", own.source(&names))];
+    let entry = |k: usize| Some(format!("m[{j}][{k}] += {}", own.inertia_source(k, &names)?));
     (torque, (0..joints).filter_map(entry).collect())
 }
 
