@@ -7,8 +7,8 @@ const BODY: &str = include_str!("templates/model.py");
 
 impl Source {
     pub(super) fn python(&self, remarks: &[String]) -> String {
-        let how = "The argument channels takes them as a dictionary by name (predict: of a series each); without it, or without a name in it, effects take what \
-            they have where it is not measured.";
+        let how = "The argument channels is a dictionary of them by name (predict: of a series each). Without it, and without a name in it, effects take the \
+            reference of the quantity.";
         let heading = self.heading(remarks, how).join("\n");
         let (torque, mass) = self.python_statements();
         let filled = self

@@ -16,8 +16,8 @@ const DECLARATIONS: &str = " *   int @PREFIX@_predict(long count, double sample_
 impl Source {
     pub(super) fn c(&self, remarks: &[String]) -> String {
         let mut text = String::new();
-        let how = "Functions whose names end with _at take them as channels, CHANNELS values in this order (predict_at: of every sample), and the others what \
-            effects take where they are not measured; so does NAN.";
+        let how = "Functions whose names end with _at take them as channels: CHANNELS values in this order (predict_at: of every sample). The other functions, and \
+            NAN as a value, stand for a quantity that is not measured: effects then take its reference.";
         for (at, line) in self.heading(remarks, how).iter().enumerate() {
             let _ = writeln!(text, "{} {line}", if at == 0 { "/*" } else { " *" });
         }
