@@ -76,7 +76,7 @@ pub struct CatalogueEffect {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
     pub joint: Option<String>,
-    /// The torque that it adds [N·m or N], as in [`OwnEffect`]; `q`, `qd`, `qdd` are position, speed and acceleration of the joint that it acts on.
+    /// The torque that it adds [N·m or N], as in `OwnEffect`; `q`, `qd`, `qdd` are position, speed and acceleration of the joint that it acts on.
     pub expression: String,
     /// Every other name in the expression.
     pub parameters: Vec<OwnParameter>,
