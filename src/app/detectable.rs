@@ -2,11 +2,13 @@
 
 use crate::diagnosis::{DiagnosisOptions, Plan, SETTINGS, detectable};
 use crate::documents::{Assessed, ExcitationRequest};
+use crate::effects::OwnEffect;
 use crate::excitation::{Design, Problem};
 use crate::model::Robot;
 use crate::parameters::Layout;
-use crate::regression::AugmentedModel;
+use crate::regression::{AugmentedModel, Term};
 use crate::trajectory::FourierSeries;
+use std::sync::Arc;
 
 /// Torque noise of an arm of which nothing is said, as part of the largest torque of each joint: a thousandth. Torque sensors in joints resolve that (0.3 N m of the
 /// 320 N m of an iiwa's first joints); motor currents scatter by several times as much.
@@ -26,7 +28,7 @@ impl Basis {
     pub fn new(request: &ExcitationRequest) -> Self {
         let (torque_noise, noise_source) = noise(request);
         Self {
-            model: model(request),
+            model: with_declared(model(request), &request.own),
             torque_noise,
             noise_source,
         }
@@ -73,6 +75,35 @@ fn model(request: &ExcitationRequest) -> AugmentedModel {
             ..declared
         },
         None => declared,
+    }
+}
+
+/// The model with the declared effects of the robot, which an identification of the recording has from the start, at the middle of what it searches.
+fn with_declared(mut model: AugmentedModel, own: &[Arc<OwnEffect>]) -> AugmentedModel {
+    let is_known = |effect: &OwnEffect| {
+        let names = model.terms.iter().filter_map(|t| t.effect.own());
+        names
+            .map(|o| &o.definition().name)
+            .any(|name| *name == effect.definition().name)
+    };
+    let declared: Vec<Term> = own.iter().filter(|e| e.is_declared() && !is_known(e)).map(unseen).collect();
+    model.terms.extend(declared);
+    model
+}
+
+/// An own effect without a size.
+fn unseen(effect: &Arc<OwnEffect>) -> Term {
+    let mut grid = effect.grid();
+    let shape = grid.swap_remove(grid.len() / 2);
+    Term {
+        effect: effect.clone().into(),
+        form: 0,
+        joints: vec![effect.joint()],
+        coefficients: vec![0.0; effect.coefficients()],
+        shape,
+        // Without a size its shape changes nothing.
+        free_shapes: 0,
+        bounds: Vec::new(),
     }
 }
 

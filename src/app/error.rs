@@ -30,6 +30,14 @@ pub enum Code {
     RobotReadOnly,
     /// A stored robot cannot be read (HTTP 500).
     RobotUnreadable,
+    /// There is no such effect in the catalogue (HTTP 404).
+    UnknownEffect,
+    /// A robot of the lab names the effect (HTTP 409).
+    EffectInUse,
+    /// A stored effect cannot be read (HTTP 500).
+    EffectUnreadable,
+    /// The catalogue of effects has no room (HTTP 409).
+    CatalogueFull,
     /// There is no such identification (HTTP 404).
     UnknownIdentification,
     /// A log cannot be used (HTTP 422).
@@ -95,7 +103,7 @@ pub const EXIT_CANCELLED: u8 = 4;
 
 impl Code {
     /// Every code, for the table of errors in the documentation.
-    pub const ALL: [Code; 39] = {
+    pub const ALL: [Code; 43] = {
         use Code::*;
         [
             MalformedDocument,
@@ -110,6 +118,10 @@ impl Code {
             RobotExists,
             RobotReadOnly,
             RobotUnreadable,
+            UnknownEffect,
+            EffectInUse,
+            EffectUnreadable,
+            CatalogueFull,
             UnknownIdentification,
             InvalidLog,
             NoModel,
@@ -178,6 +190,15 @@ impl Code {
                 "Robots that come with the program cannot be changed",
             ),
             Code::RobotUnreadable => ("robot_unreadable", 500, EXIT_INTERNAL, "A stored robot cannot be read"),
+            Code::UnknownEffect => (
+                "unknown_effect",
+                404,
+                EXIT_BAD_INPUT,
+                "There is no such effect in the catalogue",
+            ),
+            Code::EffectInUse => ("effect_in_use", 409, EXIT_BAD_INPUT, "A robot of the lab names the effect"),
+            Code::EffectUnreadable => ("effect_unreadable", 500, EXIT_INTERNAL, "A stored effect cannot be read"),
+            Code::CatalogueFull => ("catalogue_full", 409, EXIT_BAD_INPUT, "The catalogue of effects has no room"),
             Code::NoResult => ("no_result", 409, EXIT_CANCELLED, "The job ended without a result"),
             Code::NoTrajectory => ("no_trajectory", 409, EXIT_BAD_INPUT, "There is no trajectory"),
             Code::IdempotencyKeyReused => (

@@ -1,5 +1,6 @@
 //! `dynident base-parameters`.
 
+use super::known::EffectArguments;
 use super::{Ending, files};
 use crate::app::Error;
 use crate::documents::{BaseParametersDocument, RobotDocument};
@@ -11,10 +12,12 @@ pub struct Arguments {
     robot: String,
     #[command(flatten)]
     chain: files::ChainArguments,
+    #[command(flatten)]
+    effects: EffectArguments,
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    let RobotDocument { robot, notes, .. } = files::read_robot(&arguments.robot, &arguments.chain)?;
+    let RobotDocument { robot, notes, .. } = files::read_robot(&arguments.robot, &arguments.chain, &arguments.effects.read()?)?;
     files::print_notes(&notes);
     let document = BaseParametersDocument::for_robot(&robot);
     if json {

@@ -1,9 +1,9 @@
 //! `dynident excite`.
 
+use super::known::EffectArguments;
 use super::plots::{PictureKind, write_picture};
 use super::{Ending, files, render};
 use crate::app::{CancelFlag, Code, Error, Excited, Runs, excite, runs};
-use crate::documents::shipped::Shipped;
 use crate::documents::{ExcitationRequest, read_excitation_request};
 use crate::excitation::{Backoff, LONGEST_RUN_IN_S, Problem, Progress, first_run};
 use crate::formats::{Parsed, TrajectoryFile, TrajectoryFormat};
@@ -23,6 +23,8 @@ pub struct Arguments {
     robot: Option<String>,
     #[command(flatten)]
     chain: files::ChainArguments,
+    #[command(flatten)]
+    effects: EffectArguments,
     /// Request: a JSON file as for POST /excitation.
     #[arg(long, value_name = "FILE")]
     request: PathBuf,
@@ -132,7 +134,7 @@ fn read_request(arguments: &Arguments) -> Result<ExcitationRequest, Error> {
     }
     put_data(&mut parsed, arguments)?;
     let invalid = |errors| files::in_file(&arguments.request, Error::invalid("the excitation request", errors));
-    read_excitation_request(&parsed, &Shipped).map_err(invalid)
+    read_excitation_request(&parsed, &arguments.effects.read()?).map_err(invalid)
 }
 
 /// Puts model, data and back-off of the command line into the request.

@@ -2,7 +2,7 @@
 
 use crate::app::{Code, Error, LogFile};
 use crate::documents::shipped::Shipped;
-use crate::documents::{NamedRobots, RobotDocument, robot_document};
+use crate::documents::{NamedRobots, RobotDocument, robot_document_of};
 use crate::formats::{Parsed, add_shapes, is_archive, parse, robot_archive, robot_file};
 use serde::Serialize;
 use serde_json::Value;
@@ -141,14 +141,14 @@ fn mesh_beside(robot: &Path, name: &str) -> Option<Vec<u8>> {
     small.then(|| std::fs::read(found).ok()).flatten()
 }
 
-/// The robot itself, and what to know about how it was read.
-pub fn read_robot(name_or_file: &str, chain: &ChainArguments) -> Result<RobotDocument, Error> {
+/// The robot itself, and what to know about how it was read; effects that it names are those of `known`.
+pub fn read_robot(name_or_file: &str, chain: &ChainArguments, known: &dyn NamedRobots) -> Result<RobotDocument, Error> {
     let parsed = robot(name_or_file, chain)?;
     match &parsed.value {
         Value::String(name) => Shipped
             .named(name)
             .ok_or_else(|| Error::new(Code::UnknownRobot, format!("there is no robot `{name}`"))),
-        _ => robot_document(&parsed).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors)),
+        _ => robot_document_of(&parsed, known).map_err(|errors| Error::invalid(&format!("the robot in {name_or_file}"), errors)),
     }
 }
 

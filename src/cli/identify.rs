@@ -1,11 +1,11 @@
 //! `dynident identify`.
 
 use super::excite::{cancel_on_interrupt, put_robot};
+use super::known::EffectArguments;
 use super::model::OwnUrdf;
 use super::plots::{PictureKind, pictures, write_picture};
 use super::{Ending, files, model, render};
 use crate::app::{Code, Error, Identified, drawn, identify};
-use crate::documents::shipped::Shipped;
 use crate::documents::{IdentifyDocument, IdentifyRequest, NoExcitations, read_identify_request};
 use crate::formats::{ModelFormat, Parsed};
 use crate::web::figures::Figure;
@@ -21,6 +21,8 @@ pub struct Arguments {
     robot: Option<String>,
     #[command(flatten)]
     chain: files::ChainArguments,
+    #[command(flatten)]
+    effects: EffectArguments,
     /// Log to identify from (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
@@ -93,7 +95,7 @@ fn read_request(arguments: &Arguments) -> Result<IdentifyRequest, Error> {
             .chain
             .put(parsed.value.get_mut("robot").unwrap_or(&mut Value::Null))?,
     }
-    let mut request = read_identify_request(&parsed, &Shipped, &NoExcitations).map_err(|errors| {
+    let mut request = read_identify_request(&parsed, &arguments.effects.read()?, &NoExcitations).map_err(|errors| {
         let error = Error::invalid("the identification request", errors);
         arguments
             .request

@@ -1,5 +1,6 @@
 //! `dynident log`: what is understood of a log's file.
 
+use super::known::EffectArguments;
 use super::{Ending, files};
 use crate::app::{Code, Error};
 use crate::formats::logs::{Columns, FoundColumns, LogColumn, LogError, LogOverview, found_columns, log_overview};
@@ -17,6 +18,8 @@ pub struct Arguments {
     robot: Option<String>,
     #[command(flatten)]
     chain: files::ChainArguments,
+    #[command(flatten)]
+    effects: EffectArguments,
 }
 
 /// The columns, and what they are taken for where a robot is given.
@@ -33,7 +36,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
     let overview = log_overview(&log.path, &log.name).map_err(invalid)?;
     let taken = match &arguments.robot {
         Some(robot) => {
-            let robot = files::read_robot(robot, &arguments.chain)?.robot;
+            let robot = files::read_robot(robot, &arguments.chain, &arguments.effects.read()?)?.robot;
             let joints: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
             Some(found_columns(&log.path, &log.name, &Columns::default(), &joints))
         }

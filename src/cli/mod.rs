@@ -9,6 +9,7 @@ mod child;
 mod excite;
 mod files;
 mod identify;
+mod known;
 mod log;
 mod model;
 #[cfg(feature = "service")]

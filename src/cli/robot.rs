@@ -1,5 +1,6 @@
 //! `dynident robot`: what is understood of a robot's file.
 
+use super::known::EffectArguments;
 use super::{Ending, files};
 use crate::app::Error;
 use crate::documents::{ReportedJoint, RobotReport};
@@ -12,10 +13,12 @@ pub struct Arguments {
     robot: String,
     #[command(flatten)]
     chain: files::ChainArguments,
+    #[command(flatten)]
+    effects: EffectArguments,
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    let read = files::read_robot(&arguments.robot, &arguments.chain)?;
+    let read = files::read_robot(&arguments.robot, &arguments.chain, &arguments.effects.read()?)?;
     let report = RobotReport::from_document(&read);
     files::print(&if json { files::pretty(&report) } else { table(&report) })?;
     Ok(Ending::Done)

@@ -1,9 +1,9 @@
 //! `dynident validate`.
 
 use super::excite::cancel_on_interrupt;
+use super::known::EffectArguments;
 use super::{Ending, files, render};
 use crate::app::{Error, validate};
-use crate::documents::shipped::Shipped;
 use crate::documents::{NoExcitations, read_validate_request};
 use crate::formats::{Parsed, robot_file};
 use crate::model::FieldProblem;
@@ -17,6 +17,8 @@ pub struct Arguments {
     model: PathBuf,
     #[command(flatten)]
     chain: files::ChainArguments,
+    #[command(flatten)]
+    effects: EffectArguments,
     /// Log to predict (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
@@ -46,7 +48,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         ..p
     };
     parsed.problems.extend(model.problems.into_iter().map(placed));
-    let request = read_validate_request(&parsed, &Shipped, &NoExcitations)
+    let request = read_validate_request(&parsed, &arguments.effects.read()?, &NoExcitations)
         .map_err(|errors| files::in_file(&arguments.model, Error::invalid("the validation request", errors)))?;
     files::print_notes(&request.notes);
     let logs = files::logs(&arguments.log)?;

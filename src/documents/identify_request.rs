@@ -3,7 +3,7 @@
 use super::bounds::read_bounds;
 use super::columns::read_columns;
 use super::cursor::{Cursor, Fields, Findings};
-use super::own_effects::read_effects;
+use super::effect_list::{put_definitions, read_effects};
 use super::requests;
 use super::robot::{NamedRobots, read_robot_or_name};
 use crate::effects::OwnEffect;
@@ -39,7 +39,7 @@ pub struct IdentifyRequest {
     pub prediction_points: usize,
     /// Whether the residual is diagnosed.
     pub trace: bool,
-    /// The request as it was made.
+    /// The request as it was made, with the definitions of effects that it named.
     pub document: Value,
 }
 
@@ -85,7 +85,7 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
     let period = read_period(&fields, excitations);
     let preprocess = read_preprocess(&fields, period);
     let of_robot = robot.as_ref().map(|r| r.effects.clone()).unwrap_or_default();
-    let effects = read_effects(&fields, robot.as_ref().map(|r| &r.robot), &of_robot);
+    let effects = read_effects(&fields, robot.as_ref().map(|r| &r.robot), &of_robot, robots);
     check_channels(cursor, &columns, &effects);
     let feasible = read_feasible(&fields, robot.as_ref().map(|r| &r.robot));
     let flag = |name: &str, otherwise: bool| fields.nullable(name).and_then(|c| boolean(&c)).unwrap_or(otherwise);
@@ -100,6 +100,7 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         .and_then(|c| c.whole(0, 100_000))
         .unwrap_or(0);
     let robot = robot?;
+    let document = with_definitions(cursor.value(), &effects, &of_robot);
     Some(IdentifyRequest {
         robot: robot.robot,
         notes: robot.notes,
@@ -111,8 +112,18 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         feasible,
         prediction_points: points as usize,
         trace,
-        document: cursor.value().clone(),
+        document,
     })
+}
+
+/// The request with definitions in the place of names of effects, so that it means the same elsewhere and later.
+fn with_definitions(request: &Value, effects: &[Arc<OwnEffect>], of_robot: &[Arc<OwnEffect>]) -> Value {
+    let mut request = request.clone();
+    put_definitions(&mut request, effects);
+    if let Some(robot) = request.get_mut("robot") {
+        put_definitions(robot, of_robot);
+    }
+    request
 }
 
 /// Own effects of the request whose channels the logs are not read with: they would be computed with the reference, as if it never changed.

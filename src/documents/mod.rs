@@ -10,6 +10,7 @@ mod bounds;
 mod columns;
 mod cursor;
 mod design;
+mod effect_list;
 mod excitation_request;
 mod final_model;
 mod identification;
@@ -25,6 +26,7 @@ mod residual_reading;
 mod robot;
 mod robot_report;
 pub mod shipped;
+mod used_effects;
 mod validation;
 mod warm_start;
 
@@ -36,13 +38,17 @@ pub use design::{
     DetectableEffectDocument, EffectDocument, FirstRunDocument, FurtherDocument, InseparableDocument, MarginDocument,
     PredictedDocument, SearchDocument, StartDocument,
 };
+pub use effect_list::effects_named;
 pub use excitation_request::{ExcitationRequest, Search, criterion_name, read_excitation_request};
 pub use identification::*;
 pub use identify_request::{IdentifyRequest, NamedExcitations, NoExcitations, read_identify_request};
 pub use inspection::{InspectDocument, InspectedJoint, InspectedLog};
 pub use knowledge::{DesignModel, DesignTerms, MOST_GIVEN};
 pub use motion::{DrawnCapsule, DrawnJoint, DrawnLink, MotionDocument, MotionRequest, SampledMotion, read_motion_request};
+pub use own_effects::catalogue_effect;
 pub use residual::*;
-pub use robot::{NamedRobots, RobotDocument, read_robot, robot_document, robot_document_rounded, robot_value, written_robot};
+pub use robot::{
+    NamedRobots, RobotDocument, read_robot, robot_document, robot_document_of, robot_document_rounded, robot_value, written_robot,
+};
 pub use robot_report::{ReportedJoint, RobotReport};
 pub use validation::{ModelEffect, ValidateDocument, ValidateRequest, ValidatedLog, read_validate_request};

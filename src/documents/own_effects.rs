@@ -1,35 +1,13 @@
-//! Own effects of requests, robots and models.
+//! Definitions of own effects, as requests, robots, models and the catalogue have them.
 
-use super::cursor::{Cursor, Fields};
+use super::cursor::{Cursor, Fields, Findings};
 use super::identify_request::boolean;
 use super::requests;
-use crate::effects::own::{ChannelVariable, MOST_PARAMETERS, ParameterDefinition};
+use crate::effects::own::{ChannelVariable, MOST_CHARACTERS, MOST_PARAMETERS, ParameterDefinition};
 use crate::effects::{Definition, OwnEffect};
+use crate::formats::json::Parsed;
+use crate::formats::mathml;
 use crate::model::{FieldProblem, INPUT_LIMITS, Robot};
-use std::sync::Arc;
-
-/// The effects of the field `effects`, against `robot` where there is one; their names are none of those of `others`.
-pub(super) fn read_effects(fields: &Fields, robot: Option<&Robot>, others: &[Arc<OwnEffect>]) -> Vec<Arc<OwnEffect>> {
-    let Some(list) = fields.nullable("effects") else {
-        return Vec::new();
-    };
-    let items = list.items_up_to(INPUT_LIMITS.own_effects, "effects").unwrap_or_default();
-    let mut names: Vec<String> = others.iter().map(|e| e.definition().name.clone()).collect();
-    let mut effects = Vec::new();
-    for item in &items {
-        let name = item.value()["name"].as_str().unwrap_or_default().to_string();
-        if names.contains(&name) {
-            let detail = format!("`{name}` is the name of another own effect of the request or the robot");
-            let problem = FieldProblem::new(format!("{}/name", item.pointer()), detail);
-            item.findings().push(problem.with_hint("give every effect a name of its own"));
-        }
-        if !name.is_empty() {
-            names.push(name);
-        }
-        effects.extend(read_effect(item, robot).map(Arc::new));
-    }
-    effects
-}
 
 /// One effect. What the core finds wrong is placed below the cursor.
 pub(super) fn read_effect(cursor: &Cursor, robot: Option<&Robot>) -> Option<OwnEffect> {
@@ -49,8 +27,15 @@ pub(super) fn read_effect(cursor: &Cursor, robot: Option<&Robot>) -> Option<OwnE
 
 fn read_definition(cursor: &Cursor) -> Option<Definition> {
     let fields = cursor.fields_of::<requests::OwnEffect>()?;
+    let joint = fields.required("joint").and_then(|c| c.string()).map(str::to_string);
+    let read = read_parts(&fields);
+    Some(Definition { joint: joint?, ..read? })
+}
+
+/// All but the joint, which is empty.
+fn read_parts(fields: &Fields) -> Option<Definition> {
     let text = |name: &str| fields.required(name).and_then(|c| c.string()).map(str::to_string);
-    let (name, joint, expression) = (text("name"), text("joint"), text("expression"));
+    let (name, expression) = (text("name"), text("expression"));
     let items = fields
         .required("parameters")
         .and_then(|c| c.items_up_to(MOST_PARAMETERS, "parameters"));
@@ -64,12 +49,72 @@ fn read_definition(cursor: &Cursor) -> Option<Definition> {
     let declared = fields.nullable("declared").and_then(|c| boolean(&c)).unwrap_or(false);
     Some(Definition {
         name: name?,
-        joint: joint?,
+        joint: String::new(),
         expression: expression?,
         parameters: parameters?.into_iter().collect::<Option<Vec<_>>>()?,
         channels: channels?,
         declared,
     })
+}
+
+/// A definition of the catalogue, with the joint where it has one.
+pub(super) fn read_kept(cursor: &Cursor) -> Option<(Definition, Option<String>)> {
+    let fields = cursor.fields_of::<requests::CatalogueEffect>()?;
+    let given = fields.nullable("joint");
+    let joint = given.as_ref().and_then(|c| c.string()).map(str::to_string);
+    let read = read_parts(&fields)?;
+    (given.is_some() == joint.is_some()).then_some((read, joint))
+}
+
+/// Reads an effect that is to be kept in a catalogue, and checks what needs no robot.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn catalogue_effect(parsed: &Parsed) -> Result<requests::CatalogueEffect, Vec<FieldProblem>> {
+    let findings = Findings::new(parsed.problems.clone());
+    let read = read_kept(&Cursor::root(&parsed.value, &findings));
+    if let Some((definition, joint)) = &read {
+        let joint = joint.clone().unwrap_or_default();
+        findings.merge(
+            Definition {
+                joint,
+                ..definition.clone()
+            }
+            .faults(),
+        );
+    }
+    match read {
+        Some((definition, joint)) if findings.is_empty() => Ok(kept(&definition, joint)),
+        _ => Err(findings.into_list()),
+    }
+}
+
+impl requests::CatalogueEffect {
+    /// The formula as MathML; `None` where it cannot be set, or is longer than any that is accepted.
+    pub fn mathml(&self) -> Option<String> {
+        let short = self.expression.chars().count() <= MOST_CHARACTERS;
+        short.then(|| mathml(&self.expression)).flatten()
+    }
+}
+
+/// The definition as a catalogue has it.
+fn kept(definition: &Definition, joint: Option<String>) -> requests::CatalogueEffect {
+    let requests::OwnEffect {
+        name,
+        expression,
+        parameters,
+        channels,
+        declared,
+        ..
+    } = written(definition);
+    requests::CatalogueEffect {
+        name,
+        joint,
+        expression,
+        parameters,
+        channels,
+        declared,
+    }
 }
 
 fn read_channel(cursor: &Cursor) -> Option<ChannelVariable> {

@@ -22,7 +22,7 @@ pub use formula::Formula;
 pub use handle::AnyEffect;
 pub use interpolation::{FEWEST, REACH};
 pub use law::Law;
-pub use own::{ChannelVariable, Definition, OwnEffect, ParameterDefinition};
+pub use own::{ChannelVariable, Definition, OwnEffect, ParameterDefinition, SourceNames};
 pub use payload::consistent_payload;
 pub use statements::{Statements, Written};
 pub(crate) use unexplained::{Unexplained, products, variable, variable_name};

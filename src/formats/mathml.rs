@@ -109,8 +109,11 @@ impl Reader<'_> {
     }
 }
 
-/// `q4` with its number below, `qd4` with a dot, Greek letters by their names.
+/// `q4` with its number below, `qd4` with a dot, `q_A2` with the joint below, Greek letters by their names.
 fn symbol(name: &str) -> String {
+    if let Some((head @ ("q" | "qd" | "qdd"), joint)) = name.split_once('_') {
+        return format!("<msub>{}<mtext>{joint}</mtext></msub>", symbol(head));
+    }
     let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
     let number = &name[letters.len()..];
     let letter = match letters {
@@ -148,6 +151,11 @@ mod tests {
             mathml("k*abs(qdd1)^(-s_1)")
                 .unwrap()
                 .contains("<mrow><mo>−</mo><msub><mi>s_</mi>")
+        );
+        assert!(
+            mathml("k*q_A2 + d*qd")
+                .unwrap()
+                .contains("<msub><mi>q</mi><mtext>A2</mtext></msub>")
         );
         assert!(mathml("b*sin(u)/sqrt(1 - rho*cos(u))").unwrap().contains("<msqrt>"));
         for text in [set, spring] {

@@ -6,8 +6,9 @@ use super::blocking::read_stored;
 use super::state::Service;
 use crate::app::{Code, Error};
 use crate::documents::shipped::{ROBOTS, Shipped};
-use crate::documents::{MOST_GIVEN, NamedExcitations, NamedRobots, RobotDocument, robot_document};
+use crate::documents::{MOST_GIVEN, NamedExcitations, NamedRobots, RobotDocument, effects_named, robot_document_of};
 use crate::formats::Parsed;
+use crate::model::FieldProblem;
 use crate::service::store::State;
 use crate::service::work::Kind;
 use serde::{Deserialize, Serialize};
@@ -27,12 +28,18 @@ pub struct Known {
     /// What of designs makes their motion.
     #[serde(default)]
     designs: BTreeMap<String, Value>,
+    /// Definitions of the effects of the catalogue that the request or a robot of it names.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    effects: BTreeMap<String, Value>,
     /// The robot that the model of the request is of.
     #[serde(skip)]
     owner: Option<String>,
     /// All robots that the request might have named, for proposals.
     #[serde(skip)]
     names: Vec<String>,
+    /// All effects that the request might have named, for proposals; empty where it names none.
+    #[serde(skip)]
+    effect_names: Vec<String>,
 }
 
 /// The robot that a request names.
@@ -43,9 +50,13 @@ pub fn robot_named(request: &Value) -> Option<&str> {
 
 /// Every robot that a request names: that of a model, and of data that are given, beside its own.
 fn robots_named(request: &Value) -> impl Iterator<Item = &str> {
-    let given = given(request);
-    let places = [&request["robot"], &request["model"]["robot"], &request["model"]];
-    places.into_iter().chain(given.map(|g| &g["robot"])).filter_map(Value::as_str)
+    places(request).filter_map(Value::as_str)
+}
+
+/// Where a request may have a robot, or the name of one.
+fn places(request: &Value) -> impl Iterator<Item = &Value> {
+    let own = [&request["robot"], &request["model"]["robot"], &request["model"]];
+    own.into_iter().chain(given(request).map(|g| &g["robot"]))
 }
 
 /// Data that are given, as many as are read: a list that is longer is refused, whatever stands in it.
@@ -83,22 +94,65 @@ impl Known {
             known.excitations.insert(id.to_string(), found);
         }
         known.look_up_data(request, service, access).await?;
+        known.look_up_effects(request, service).await?;
         Ok(known)
     }
 
-    /// All names that the request might have called, for proposals.
-    pub fn all_names(&self) -> &[String] {
-        &self.names
+    /// Looks up the effects that the document of a robot names.
+    pub async fn for_robot(robot: &Value, service: &Service) -> Result<Self, Error> {
+        let mut known = Self::default();
+        known.look_up_effects(robot, service).await?;
+        Ok(known)
     }
 
-    /// The same with all names that the request might have called.
-    pub fn among(self, names: Vec<String>) -> Self {
-        Self { names, ..self }
+    /// All robots and effects that the request might have called, for proposals.
+    pub fn all_names(&self) -> [&[String]; 2] {
+        [&self.names, &self.effect_names]
+    }
+
+    /// The same with all robots and effects that the request might have called.
+    pub fn among(self, [names, effect_names]: [Vec<String>; 2]) -> Self {
+        Self {
+            names,
+            effect_names,
+            ..self
+        }
     }
 
     /// The robot whose model the request calls by the id of its identification.
     pub fn owner(&self) -> Option<&str> {
         self.owner.as_deref()
+    }
+
+    /// Effects of the catalogue that a document, a robot that stands in it, or one that it names has by name.
+    async fn look_up_effects(&mut self, document: &Value, service: &Service) -> Result<(), Error> {
+        let inside = places(document).chain([document]);
+        let named: BTreeSet<String> = inside
+            .chain(self.robots.values())
+            .flat_map(effects_named)
+            .map(str::to_string)
+            .collect();
+        if named.is_empty() {
+            return Ok(());
+        }
+        self.effect_names = service.store().effect_names().await?;
+        for name in named {
+            match service.effect(&name).await {
+                Ok(definition) => drop(self.effects.insert(name, definition)),
+                // The reader of the request says so, with the place.
+                Err(e) if matches!(e.code, Code::UnknownEffect | Code::EffectUnreadable) => {}
+                Err(e) => return Err(e),
+            }
+        }
+        Ok(())
+    }
+
+    fn read_robot(&self, name: &str) -> Option<Result<RobotDocument, Vec<FieldProblem>>> {
+        let parsed = Parsed {
+            value: self.robots.get(name)?.clone(),
+            problems: Vec::new(),
+        };
+        Some(robot_document_of(&parsed, self))
     }
 
     /// Identifications and designs that a design goes on from.
@@ -146,12 +200,7 @@ async fn excitation(id: &str, service: &Service, access: &Access) -> Result<Opti
 
 impl NamedRobots for Known {
     fn named(&self, name: &str) -> Option<RobotDocument> {
-        let document = self.robots.get(name)?;
-        let parsed = Parsed {
-            value: document.clone(),
-            problems: Vec::new(),
-        };
-        robot_document(&parsed).ok()
+        self.read_robot(name)?.ok()
     }
 
     fn names(&self) -> Vec<String> {
@@ -164,6 +213,18 @@ impl NamedRobots for Known {
 
     fn design(&self, excitation: &str) -> Option<Value> {
         self.designs.get(excitation).cloned()
+    }
+
+    fn effect(&self, name: &str) -> Option<Value> {
+        self.effects.get(name).cloned()
+    }
+
+    fn effect_names(&self) -> Vec<String> {
+        self.effect_names.clone()
+    }
+
+    fn fault(&self, name: &str) -> Option<FieldProblem> {
+        self.read_robot(name)?.err()?.into_iter().next()
     }
 }
 

@@ -4,6 +4,7 @@ mod access;
 mod address;
 pub mod api;
 mod blocking;
+mod catalogue;
 pub mod child;
 mod config;
 mod connections;

@@ -39,6 +39,7 @@ use utoipa_swagger_ui::SwaggerUi;
         (name = "identification", description = "From logs to parameters, and models against logs"),
         (name = "jobs", description = "Work that goes on: state, progress, cancelling"),
         (name = "robots", description = "Robots that come with the program, and the lab's own"),
+        (name = "effects", description = "The lab's catalogue of own effects, which requests and robots use by their names"),
         (name = "health", description = "For whoever watches the process"),
     )
 )]
@@ -72,6 +73,9 @@ fn documented(largest_upload: usize) -> (Router<Service>, Router<Service>, Docum
         .routes(routes!(api::robots::list, api::robots::post))
         .routes(routes!(api::robots::get, api::robots::put, api::robots::delete))
         .routes(routes!(api::robots::base_parameters))
+        .routes(routes!(api::effects::list))
+        .routes(routes!(api::effects::get, api::effects::put, api::effects::delete))
+        .routes(routes!(api::effects::preview))
         .routes(routes!(api::archive::post))
         .routes(routes!(api::motion::post))
         .routes(routes!(api::health::metrics))

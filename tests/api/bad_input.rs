@@ -178,7 +178,12 @@ fn regress_addresses_that_are_no_text_are_problems_too() {
             continue;
         }
         for method in operations.as_object().unwrap().keys() {
-            let answer = server.send(&method.to_uppercase(), &path.replace("{id}", "%FF"), &[], "");
+            let answer = server.send(
+                &method.to_uppercase(),
+                &path.replace("{id}", "%FF").replace("{name}", "%FF"),
+                &[],
+                "",
+            );
             assert_eq!(
                 (answer.status, answer.problem()["code"].as_str()),
                 (400, Some("malformed_address")),

@@ -9,6 +9,38 @@ fn problems(answer: &crate::server::Answer) -> Vec<String> {
     list.iter().map(|e| e["pointer"].as_str().unwrap().to_string()).collect()
 }
 
+/// An identification of the recording has the declared effects of the robot: what they imitate is seen no more, what they do not is seen as before.
+#[test]
+fn declared_own_effects_of_the_robot_belong_to_what_a_recording_reveals() {
+    let server = Server::start();
+    let mut request = quick_request();
+    let mut robot = server.get("/robots/planar_two_link").json();
+    let mut assessed = |effects: serde_json::Value| {
+        robot["effects"] = effects;
+        request["robot"] = robot.clone();
+        let answer = server.excite(&request);
+        assert_eq!(answer.status, 200, "{}", answer.text);
+        let list = answer.json()["detectable"]["effects"].as_array().unwrap().clone();
+        move |effect: &str, joint: &str| {
+            let found = list.iter().find(|e| e["effect"] == effect && e["joints"] == json!([joint]));
+            found.unwrap_or_else(|| panic!("{effect} on {joint}")).clone()
+        }
+    };
+    let spring = |declared: bool| {
+        json!([{"name": "hose", "joint": "J2", "expression": "k*q + c", "declared": declared,
+        "parameters": [{"name": "k", "unit": "N m/rad"}, {"name": "c", "unit": "N m"}]}])
+    };
+    let without = assessed(json!([]));
+    assert!(without("joint_spring", "J2")["size"].as_f64().unwrap() > 0.0);
+    let candidate = assessed(spring(false));
+    assert_eq!(candidate("joint_spring", "J2"), without("joint_spring", "J2"));
+    let declared = assessed(spring(true));
+    assert_eq!(declared("joint_spring", "J2")["hidden"], "absorbed");
+    assert_eq!(declared("torque_offset", "J2")["hidden"], "absorbed");
+    let [before, after] = [&without, &declared].map(|of| of("joint_spring", "J1")["size"].as_f64().unwrap());
+    assert!(after >= before && after < 3.0 * before, "{before} and {after}");
+}
+
 #[test]
 fn a_design_goes_on_from_data_and_designs_by_their_ids() {
     let server = Server::start();

@@ -6,6 +6,7 @@ mod server;
 mod bad_input;
 mod degenerate;
 mod designs;
+mod effects;
 mod identify;
 mod identify_faults;
 mod identify_logs;

@@ -144,7 +144,13 @@ fn an_expired_token_is_refused_at_every_address_with_a_code_of_its_own() {
     let (_, lasting) = guarded.lasting_token(Role::Admin, &["*"], Some(Duration::from_secs(3600)));
     std::thread::sleep(Duration::from_millis(20));
     for (method, path) in operations() {
-        let answer = guarded.send(&expired, &method, &path.replace("{id}", "nothing"), &[], "");
+        let answer = guarded.send(
+            &expired,
+            &method,
+            &path.replace("{id}", "nothing").replace("{name}", "nothing"),
+            &[],
+            "",
+        );
         assert_eq!(answer.status, 401, "{method} {path}: {}", answer.text);
         assert_eq!(answer.problem()["code"], "token_expired", "{method} {path}");
         assert!(answer.header("www-authenticate").is_some());
@@ -203,6 +209,11 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
             let nothing = send(&mine, &path.replace("{id}", "nothing"), &content.replace("arm-b", "nothing"));
             assert_eq!(answer.text.replace(id, "nothing"), nothing.text, "{method} {path}");
             checked += 1;
+        } else if path.contains("{name}") {
+            // The catalogue is of no robot: whoever has a token reads it, and those for all robots change it.
+            let answer = send(&mine, &path.replace("{name}", "nothing"), &content);
+            let expected = if method == "GET" { 404 } else { 403 };
+            assert_eq!(answer.status, expected, "{method} {path}: {}", answer.text);
         } else if method == "POST" {
             let answer = send(&mine, &path, &content);
             let nothing = send(&mine, &path, &content.replace("arm-b", "arm-z"));
@@ -231,6 +242,39 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
     for (start, id) in ids {
         assert_ne!(guarded.get(&theirs, &format!("{start}{id}")).status, 404, "{start}");
     }
+}
+
+/// The catalogue is that of all robots: everybody reads and uses it, and the admin of some robots does not change it for the others.
+#[test]
+fn the_catalogue_of_effects_is_changed_by_those_who_administrate_all_robots() {
+    let guarded = Guarded::start("catalogue");
+    let (admin_id, admin) = guarded.token(Role::Admin, &["*"]);
+    let (_, runs) = guarded.token(Role::Run, &["*"]);
+    let (_, of_one) = guarded.token(Role::Admin, &["arm-a"]);
+    let (_, reads) = guarded.token(Role::Read, &["arm-a"]);
+    let hose = crate::effects::hose().to_string();
+    let kind = [("content-type", "application/json")];
+    let put = |token: &str| guarded.send(token, "PUT", "/effects/hose", &kind, &hose);
+    for token in [&runs, &of_one, &reads] {
+        for refused in [put(token), guarded.send(token, "DELETE", "/effects/hose", &[], "")] {
+            assert_eq!((refused.status, refused.problem()["code"].as_str()), (403, Some("forbidden")));
+        }
+    }
+    assert_eq!(put(&admin).status, 201);
+    for token in [&admin, &runs, &of_one, &reads] {
+        assert_eq!(guarded.get(token, "/effects/hose").status, 200);
+        assert_eq!(guarded.get(token, "/effects").json()["effects"].as_array().unwrap().len(), 1);
+    }
+    let preview = |token: &str| guarded.send(token, "POST", "/effect-preview", &kind, &hose).status;
+    assert_eq!([&admin, &runs, &of_one, &reads].map(|t| preview(t)), [200, 200, 200, 403]);
+    assert_eq!(guarded.send(&admin, "DELETE", "/effects/hose", &[], "").status, 204);
+    let entries = guarded.in_store(async |store| store.audit(10).await).unwrap();
+    let deeds: Vec<_> = entries
+        .iter()
+        .map(|e| (e.token.as_str(), e.action.as_str(), e.target.as_str()))
+        .collect();
+    let id = admin_id.as_str();
+    assert_eq!(deeds, [(id, "put_effect", "hose"), (id, "delete_effect", "hose")]);
 }
 
 /// A request that calls something else by its id: where it goes, what it says, and the place of the id in it.

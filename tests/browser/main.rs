@@ -113,3 +113,13 @@ fn one_click_leads_from_an_empty_server_to_a_closed_loop_on_a_laptop() {
 fn one_click_leads_from_an_empty_server_to_a_closed_loop_on_a_phone() {
     run("tour.py", &["--width", "390", "--height", "844"]);
 }
+
+#[test]
+fn own_effects_are_written_kept_in_the_lab_and_used_on_a_laptop() {
+    run("own_effects.py", &["--width", "1440", "--height", "900"]);
+}
+
+#[test]
+fn own_effects_are_written_kept_in_the_lab_and_used_on_a_phone() {
+    run("own_effects.py", &["--width", "390", "--height", "844"]);
+}

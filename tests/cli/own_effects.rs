@@ -187,3 +187,74 @@ fn what_is_wrong_with_own_effects_is_said_at_once_and_at_its_place() {
         );
     }
 }
+
+/// Effects by their names, from files; without a file there is no catalogue.
+#[test]
+fn requests_and_robots_name_effects_of_files() {
+    let folder = Folder::new("catalogue");
+    let truth = robot(&folder);
+    let log = simulate(&folder, &truth, "run", 0.3, 1);
+    let mut spring = hose(true);
+    spring.as_object_mut().unwrap().remove("joint");
+    spring["expression"] = json!("k*q + c");
+    let one = folder.write("one.json", &spring.to_string());
+    let listed = folder.write(
+        "listed.json",
+        &json!({"effects": [{"name": "hose", "mathml": null, "definition": spring}]}).to_string(),
+    );
+    let request = folder.write(
+        "named.json",
+        &json!({"trace": false, "effects": [{"use": "hose", "joint": "J2"}]}).to_string(),
+    );
+    let out = folder.file("named-result.json");
+    let identify = |robot: &str, request: &str, more: &[&str]| {
+        let arguments = [
+            "identify",
+            "--robot",
+            robot,
+            "--request",
+            request,
+            "--log",
+            &log,
+            "--out",
+            &out,
+        ];
+        run(&[&arguments, more].concat())
+    };
+    for file in [&one, &listed] {
+        let output = identify(&truth, &request, &["--effects", file]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let found: Value = serde_json::from_str(&folder.read("named-result.json")).unwrap();
+        assert_spring(&found["effects"][0]);
+        assert_eq!(found["provenance"]["request"]["effects"][0]["joint"], "J2");
+    }
+    // A robot that names it.
+    let mut described: Value = serde_json::from_str(&folder.read("truth.json")).unwrap();
+    described["effects"] = json!([{"use": "hose", "joint": "J2"}]);
+    let robot = folder.write("names.json", &described.to_string());
+    let plain = folder.write("plain.json", &json!({"trace": false}).to_string());
+    let output = identify(&robot, &plain, &["--effects", &one]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let found: Value = serde_json::from_str(&folder.read("named-result.json")).unwrap();
+    assert_spring(&found["effects"][0]);
+    assert_eq!(run(&["robot", &robot, "--effects", &one]).status.code(), Some(0));
+    let bare = identify(&truth, &request, &[]);
+    assert_eq!(bare.status.code(), Some(2));
+    assert!(
+        stderr(&bare).contains("/effects/0/use: is `hose`, and there is no catalogue of effects here")
+            && stderr(&bare).contains("--effects FILE"),
+        "{}",
+        stderr(&bare)
+    );
+    let bad = folder.write("bad.json", &json!([spring, spring, {"name": "x"}]).to_string());
+    let refused = identify(&truth, &request, &["--effects", &bad]);
+    let said = stderr(&refused);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    for part in [
+        "bad.json",
+        "/1/name: `hose` is the name of another effect",
+        "/2/expression: is missing",
+    ] {
+        assert!(said.contains(part), "{part} not in {said}");
+    }
+}

@@ -178,8 +178,93 @@ def functions(inverse_dynamics, gravity, mass_matrix, about, states):
     return np.array([inverse_dynamics(*s) for s in states])
 
 
+def of_samples(about):
+    """What is measured beside the motion, a dictionary per sample."""
+    return [{name: values[s] for name, values in about["channels"].items()} for s in range(len(about["q"]))]
+
+
+def order(path, about):
+    """Names of the further quantities as both files have them, which C takes by their places."""
+    names = loaded_python(path.with_suffix(".py")).CHANNELS
+    assert sorted(names) == sorted(about["channels"])
+    [line] = [line for line in path.with_suffix(".c").read_text().splitlines() if "Further quantities that effects depend on: " in line]
+    places = [line.index(f" {name} (") for name in names]
+    assert places == sorted(places), line
+    return names
+
+
+def python_at(path, about, states):
+    model, out = loaded_python(path), []
+    for state, channels in zip(states, of_samples(about)):
+        out.append(functions(*(lambda *s, f=f: f(*s, channels) for f in (model.inverse_dynamics, model.gravity, model.mass_matrix)), about, [state])[0])
+    return np.array(out)
+
+
+def python_nothing(path, about, states):
+    """A dictionary without the names counts as none."""
+    model = loaded_python(path)
+    return np.array([model.inverse_dynamics(*s, channels={"other": 3.0}) for s in states])
+
+
+def c_of(path, about, states, rows):
+    loaded, n, prefix, out = loaded_c(path), len(about["joints"]), about["prefix"], []
+    array = lambda values: (ctypes.c_double * len(values))(*values)
+
+    def at(name, size, channels, *values):
+        tau = array([0.0] * size)
+        getattr(loaded, f"{prefix}_{name}_at")(*(array(v) for v in values), array(channels), tau)
+        return np.array(tau)
+
+    for state, row in zip(states, rows):
+        out.append(functions(lambda *s: at("inverse_dynamics", n, row, *s), lambda q: at("gravity", n, row, q), lambda q: at("mass_matrix", n * n, row, q).reshape(n, n), about, [state])[0])
+    return np.array(out)
+
+
+def c_at(path, about, states):
+    return c_of(path, about, states, [[row[name] for name in order(path, about)] for row in of_samples(about)])
+
+
+def c_nan(path, about, states):
+    return c_of(path, about, states, [[float("nan")] * len(about["channels"])] * len(states))
+
+
+def python_predict_at(path, about, states):
+    model = loaded_python(path)
+    predicted = np.array(model.predict(*zip(*states), INTERVAL, about["channels"]))
+    stepper = model.Stepper(INTERVAL)
+    stepped = np.array([stepper.step(*s, channels) for s, channels in zip(states, of_samples(about))])
+    same_as_without(stepped, predicted, python_step(path, about, states), python_predict(path, about, states))
+    return predicted
+
+
+def c_predict_at(path, about, states):
+    loaded, prefix, n = loaded_c(path), about["prefix"], len(about["joints"])
+    tau, stepped = np.empty((len(states), n)), []
+    channels = np.ascontiguousarray(np.array([about["channels"][name] for name in order(path, about)]).T)
+    arrays = [np.ascontiguousarray(v) for v in zip(*states)] + [channels, tau]
+    pointer = lambda values: values.ctypes.data_as(ctypes.c_void_p)
+    assert getattr(loaded, f"{prefix}_predict_at")(ctypes.c_long(len(states)), ctypes.c_double(INTERVAL), *map(pointer, arrays)) == 0
+    size = getattr(loaded, f"{prefix}_state_size")
+    size.restype = ctypes.c_size_t
+    state, row = ctypes.create_string_buffer(size()), np.empty(n)
+    assert getattr(loaded, f"{prefix}_reset")(state, ctypes.c_double(INTERVAL)) == 0
+    for s, values in zip(states, channels):
+        getattr(loaded, f"{prefix}_step_at")(state, *(pointer(np.ascontiguousarray(v)) for v in s), pointer(np.ascontiguousarray(values)), pointer(row))
+        stepped.append(row.copy())
+    same_as_without(np.array(stepped), tau, c_step(path, about, states), c_predict(path, about, states))
+    return tau
+
+
+def same_as_without(stepped, predicted, stepped_without, predicted_without):
+    """The quantities change what is predicted step by step as they change the whole."""
+    steps, whole = stepped - stepped_without, predicted - predicted_without
+    assert np.abs(whole).max() > 0.1 and np.abs(steps - whole).max() < 0.05 * np.abs(whole).max(), (np.abs(steps - whole).max(), np.abs(whole).max())
+
+
 READERS = {"urdf": (urdf, "urdf"), "patched_urdf": (urdf, "patched.urdf"), "sdf": (sdf, "sdf"), "mjcf": (mjcf, "xml"), "c": (c, "c"), "python": (python, "py"),
-    "c_predict": (c_predict, "c"), "c_step": (c_step, "c"), "python_predict": (python_predict, "py"), "python_step": (python_step, "py")}
+    "c_predict": (c_predict, "c"), "c_step": (c_step, "c"), "python_predict": (python_predict, "py"), "python_step": (python_step, "py"),
+    "c_at": (c_at, "c"), "c_nan": (c_nan, "c"), "c_predict_at": (c_predict_at, "c"), "python_at": (python_at, "py"), "python_nothing": (python_nothing, "py"),
+    "python_predict_at": (python_predict_at, "py")}
 result = {}
 for folder in sorted(p for p in Path(sys.argv[1]).iterdir() if p.is_dir()):
     about = json.loads((folder / "states.json").read_text())

@@ -26,7 +26,7 @@ fn with_faults(mut command: Command) -> Command {
 }
 
 /// A log of the planar arm, three periods of 5 s at 100 Hz.
-fn log(folder: &Folder) -> String {
+pub fn log(folder: &Folder) -> String {
     let simulation = json!({
         "trajectory": {"fourier": {"fundamental_hz": 0.2, "a": [[0.5, -0.3, 0.2], [0.2, 0.4, -0.6]], "b": [[0.1, 0.4, -0.3], [-0.4, 0.2, 0.3]]}},
         "periods": 3, "sample_rate_hz": 100, "noise": {"torque": [0.05, 0.03]}, "seed": 1
@@ -45,6 +45,11 @@ fn log(folder: &Folder) -> String {
 /// Status and answer of an identification from a log of this name; with `wait` the result.
 fn identify(server: &Process, name: &str, log: &str, wait: bool) -> (u16, Value) {
     let request = json!({"robot": "planar_two_link", "prediction_points": 100});
+    send(server, &request, name, log, wait)
+}
+
+/// The same with a request of its own.
+pub fn send(server: &Process, request: &Value, name: &str, log: &str, wait: bool) -> (u16, Value) {
     let body = format!(
         "--b\r\nContent-Disposition: form-data; name=\"request\"\r\n\r\n{request}\r\n\
          --b\r\nContent-Disposition: form-data; name=\"log\"; filename=\"{name}.csv\"\r\n\r\n{log}\r\n--b--\r\n"

@@ -5,6 +5,7 @@ mod postgres;
 #[path = "../support/process.rs"]
 mod process;
 
+mod catalogue;
 mod children;
 mod deploy;
 mod handles;

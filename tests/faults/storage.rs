@@ -1,5 +1,6 @@
 //! A disk that is full, a database that goes away, clients that do: a clear error, nothing half-written, and the service goes on.
 
+use crate::catalogue;
 use crate::postgres::Postgres;
 use crate::process::{Folder, Place, Process, wait_until};
 use serde_json::{Value, json};
@@ -265,6 +266,8 @@ fn a_backup_made_while_the_server_runs_restores_on_either_database() {
     let robot = json!({"name": "arm", "joints": [{"name": "J1", "kind": "revolute",
         "mdh": {"alpha": 0, "d": 0, "theta": 0, "r": 0}, "limits": {"velocity": 1}}]});
     assert_eq!(server.post("/robots", &robot).0, 201);
+    let hose = catalogue::hose("k*q");
+    assert_eq!(catalogue::put(&server, &hose).0, 201);
     finishes(&server, 1);
     token_create(&folder.place(), "1ms");
     token_create(&folder.place(), "30days");
@@ -298,6 +301,7 @@ fn a_backup_made_while_the_server_runs_restores_on_either_database() {
         assert_eq!(server.get("/jobs").1, jobs, "{name}");
         assert_eq!(server.get(&format!("/excitation/{id}")).1, result, "{name}");
         assert_eq!(server.get("/robots/arm").1, robot, "{name}");
+        assert_eq!(server.get("/effects/hose").1["expression"], hose["expression"], "{name}");
         assert_eq!(tokens_of(&place), tokens, "{name}");
         drop(server);
         let server = Process::serve(&place, &["--auth", "on"]);

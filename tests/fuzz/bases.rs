@@ -21,6 +21,8 @@ pub const MODEL: &str = "model";
 pub const GIVEN: &str = "given.json";
 /// A URDF file that identified bodies are put into.
 pub const OWN_URDF: &str = "own.urdf";
+/// Own effects that requests and robots call by name.
+pub const EFFECTS: &str = "effects.json";
 /// What a robot's file names as the shape of a link.
 pub const MESH: &str = "mesh.stl";
 pub const SETTINGS: &str = "settings.toml";
@@ -32,7 +34,7 @@ pub fn of(target: Target) -> Vec<Draft> {
         Target::BaseParameters => robots().into_iter().map(Draft::new).collect(),
         Target::Model => models(&maker),
         Target::Excite => excitations(&maker),
-        Target::Identify => identifications(&maker),
+        Target::Identify => identifications(&maker).into_iter().chain([with_catalogue(&maker)]).collect(),
         Target::Inspect => identifications(&maker),
         Target::Validate => validations(&maker),
         Target::Simulate => simulations(),
@@ -399,6 +401,24 @@ fn identifications(maker: &Maker) -> Vec<Draft> {
     ];
     all.push(Draft::new(urdf_parts));
     all
+}
+
+/// A robot and a request that name effects.
+fn with_catalogue(maker: &Maker) -> Draft {
+    let mut effects = own_effects();
+    effects[0].as_object_mut().expect("a definition").remove("joint");
+    effects[0]["expression"] = json!("k*tanh((q - q0)/s) + c*sign(qd)*abs(qd)^0.5 - a*exp(-(q_J2/2)^2)");
+    let mut robot = planar();
+    robot["effects"] = json!(["cam"]);
+    Draft::new(vec![
+        (ROBOT, document(robot)),
+        (
+            REQUEST,
+            document(json!({"effects": [{"use": "hose", "joint": "J2", "name": "second", "declared": false}]})),
+        ),
+        (EFFECTS, document(effects)),
+        (LOG, Document::Table(maker.sprung_log())),
+    ])
 }
 
 fn validations(maker: &Maker) -> Vec<Draft> {

@@ -18,6 +18,7 @@ pub fn bodies() -> Result<(), Failed> {
         (Target::Motion, motion as Send),
         (Target::BaseParameters, robot as Send),
         (Target::Excite, excitation as Send),
+        (Target::Identify, effects as Send),
         (Target::Identify, preview as Send),
         (Target::Identify, identification as Send),
     ] {
@@ -89,6 +90,17 @@ fn motion(server: &Process, files: Files) -> u16 {
 fn robot(server: &Process, files: Files) -> u16 {
     let text = robot_text(part(files, bases::ROBOT).unwrap_or_default());
     post(server, "/robots", "application/json", text.as_bytes())
+}
+
+/// Keeps the first effect of the files or the request; what is none is refused.
+fn effects(server: &Process, files: Files) -> u16 {
+    let parsed = |name: &str| -> Value { serde_json::from_slice(part(files, name).unwrap_or(b"null")).unwrap_or_default() };
+    let (listed, of_request) = (parsed(bases::EFFECTS), parsed(bases::REQUEST));
+    let effect = listed.get(0).unwrap_or(&of_request["effects"][0]).to_string();
+    let kind = [("content-type", "application/json")];
+    let kept = server.send("PUT", "/effects/hose", &kind, &effect).0;
+    let listed = server.get("/effects").0;
+    if listed == 200 { kept } else { listed }
 }
 
 fn excitation(server: &Process, files: Files) -> u16 {

@@ -176,6 +176,7 @@ fn arguments(target: Target, folders: &Folders) -> Vec<String> {
             give("--request", request);
             give("--log", folders.part(bases::LOG));
             give("--validation", folders.part(bases::VALIDATION));
+            give("--effects", folders.part(bases::EFFECTS));
             for (flag, file) in [
                 ("--out", "result.json"),
                 ("--model", "model.json"),

@@ -2,9 +2,9 @@
 
 use crate::support::{general_arm, rng, structured_arm, uniform};
 use dynident::documents::{NamedRobots, shipped::Shipped};
-use dynident::dynamics::{Motion, inverse_dynamics};
+use dynident::dynamics::{Channel, Motion, inverse_dynamics};
 use dynident::effects::own::ParameterDefinition;
-use dynident::effects::{Definition, OwnEffect, by_code};
+use dynident::effects::{ChannelVariable, Definition, OwnEffect, by_code};
 use dynident::formats::{FinalModel, ModelFormat, Patched};
 use dynident::model::{ChainEnds, Joint, LinkPrior, Robot, Rounding, from_mjcf, from_urdf, from_urdf_rounded};
 use dynident::parameters::Layout;
@@ -113,6 +113,58 @@ fn of_formulas(robot: &Robot) -> Vec<Term> {
         bounds: Vec::new(),
     };
     vec![term(first, &[0.7, 0.05], &[0.9, 0.6]), term(second, &[-0.4, 0.06], &[1.3])]
+}
+
+/// An effect that depends on what is measured beside the motion, its inertia too, and one that has another value where that is not measured.
+fn of_channels(robot: &Robot) -> Vec<Term> {
+    let channel = |name: &str, unit: &str, reference: f64| ChannelVariable {
+        name: name.into(),
+        unit: unit.into(),
+        reference,
+    };
+    let own = |name: &str, joint: usize, expression: &str, unit: String, channels: Vec<ChannelVariable>| {
+        let definition = Definition {
+            channels,
+            name: name.into(),
+            joint: robot.joints()[joint].name.clone(),
+            expression: expression.into(),
+            parameters: vec![ParameterDefinition {
+                name: "k".into(),
+                unit,
+                low: None,
+                high: None,
+            }],
+            declared: true,
+        };
+        let effect = OwnEffect::new(definition, robot).unwrap_or_else(|e| panic!("{e:?}"));
+        Term {
+            joints: vec![joint],
+            effect: Arc::new(effect).into(),
+            form: 0,
+            coefficients: vec![0.03 - 0.01 * joint as f64],
+            shape: Vec::new(),
+            free_shapes: 0,
+            bounds: Vec::new(),
+        }
+    };
+    let [first, second] = [0, 1].map(|j| &robot.joints()[j]);
+    let warm = vec![channel("temperature", "degC", 22.0), channel("load", "1", 1.5)];
+    vec![
+        own(
+            "warm",
+            0,
+            "k*(temperature - 5)*sign(qd)*load^2",
+            format!("{}/K", first.effort_unit()),
+            warm,
+        ),
+        own(
+            "rotor",
+            1,
+            "k*qdd*(temperature - 5)",
+            format!("{} s^2/({} K)", second.effort_unit(), second.position_unit()),
+            vec![channel("temperature", "degC", 35.0)],
+        ),
+    ]
 }
 
 /// Effects that every simulator's format holds as geometry.
@@ -253,6 +305,7 @@ impl Case {
         };
         let about = json!({
             "joints": self.robot.joints().iter().map(|j| &j.name).collect::<Vec<_>>(), "gravity": self.robot.gravity().as_slice(),
+            "channels": self.motion.channels().iter().map(|c| (c.name.to_string(), json!(c.values.to_vec()))).collect::<serde_json::Map<_, _>>(),
             "prefix": self.robot.name(), "linear": self.linear, "q": of(0), "qd": of(1), "qdd": of(2), "expected": expected,
         });
         std::fs::write(place.join("states.json"), about.to_string()).unwrap();
@@ -402,6 +455,9 @@ fn val_pinocchio_mujoco_gcc_and_python_agree_with_our_torques() {
     for (name, case) in memory_cases() {
         case.write_memory(&name);
     }
+    for (name, case) in channel_cases() {
+        case.write_channels(&name);
+    }
     let slow = slow_case();
     let place = slow.write("slow");
     let found = checked(place.parent().unwrap());
@@ -421,7 +477,68 @@ fn val_pinocchio_mujoco_gcc_and_python_agree_with_our_torques() {
     for (name, case) in memory_cases() {
         assert_memory(&name, &case, &found[&name]);
     }
+    for (name, _) in channel_cases() {
+        let of_case = found[&name].as_object().unwrap();
+        assert!(of_case.len() >= 4, "{found}");
+        for (kind, of) in of_case {
+            let size = of["size"].as_f64().unwrap().max(1.0);
+            assert!(largest(of) <= 1e-9 * size, "{name} by {kind}: {of}");
+        }
+    }
     drop(std::fs::remove_dir_all(place.parent().unwrap()));
+}
+
+/// Declared or found, an own effect is no part of files of simulators, which say so with its torque; C, Python and the table have it.
+#[test]
+fn files_say_which_own_effects_they_leave_out() {
+    let (_, mut case) = cases().swap_remove(0);
+    case.terms = [of_formulas(&case.robot), of_channels(&case.robot)].concat();
+    let joint = |t: &Term| case.robot.joints()[t.joints[0]].name.clone();
+    let own: Vec<(String, String)> = case.terms.iter().map(|t| (t.effect.code().to_string(), joint(t))).collect();
+    let mut model = FinalModel::new(case.robot.clone(), case.terms.clone());
+    let unmeasured: Vec<String> = own
+        .iter()
+        .map(|(name, joint)| format!("{name} on {joint} is not in this file"))
+        .collect();
+    assert_eq!(model.remarks("sdf"), unmeasured, "without logs there are no figures");
+    model.measure(&augmented(&case.robot, &case.terms), &[case.stretch()]);
+    for (format, name) in [
+        (Some(ModelFormat::Urdf), "urdf"),
+        (Some(ModelFormat::Sdf), "sdf"),
+        (Some(ModelFormat::Mjcf), "mjcf"),
+        (None, "patched_urdf"),
+    ] {
+        let missing = model.missing.iter().find(|m| m.format == name).unwrap();
+        let lost: Vec<(String, String)> = missing
+            .effects
+            .iter()
+            .map(|e| (e.effect.clone(), e.joints.join(" ")))
+            .collect();
+        assert_eq!(lost, own, "{name}");
+        let remarks = model.remarks(name);
+        for (effect, (code, joint)) in missing.effects.iter().zip(&own) {
+            assert!(effect.max.iter().any(|v| *v > 0.05), "{name}: {effect:?}");
+            let said = format!("{code} on {joint} is not in this file, the JSON model has it; without it: RMS ");
+            let remark = remarks
+                .iter()
+                .find(|r| r.starts_with(&said))
+                .unwrap_or_else(|| panic!("{said} in {remarks:?}"));
+            assert!(remark.contains(" N m on ") || remark.contains(" N on "), "{remark}");
+            let text = format.map(|f| model.text(f));
+            assert!(text.is_none_or(|t| t.contains(&said)), "{name} says {said}");
+        }
+    }
+    for name in ["c", "python"] {
+        assert!(
+            model
+                .missing
+                .iter()
+                .any(|m| m.format == name && m.effects.is_empty() && m.max.iter().all(|v| *v == 0.0)),
+            "{name}"
+        );
+    }
+    let table = model.text(ModelFormat::Csv);
+    assert!(own.iter().all(|(name, _)| table.contains(name.as_str())), "{table}");
 }
 
 /// Time between the samples of a motion with memory (s).
@@ -518,6 +635,55 @@ fn assert_memory(name: &str, case: &Case, found: &Value) {
     }
     let model = FinalModel::new(case.robot.clone(), case.terms.clone());
     assert_eq!(model.remarks("c"), Vec::<String>::new(), "{name}: C holds all of it");
+}
+
+/// Effects that depend on further quantities: alone, and beside effects with memory. In the motion these are measured.
+fn channel_cases() -> Vec<(String, Case)> {
+    let case = |(i, further): (usize, Vec<Term>)| {
+        let mut rng = rng(500 + i as u64);
+        let robot = with_bodies(&structured_arm(1, 5), &mut rng);
+        let motion = course(&mut rng, robot.joint_count());
+        let series =
+            |rng: &mut ChaCha8Rng, from: f64, to: f64| (0..motion.samples()).map(|_| rng.random_range(from..to)).collect();
+        let channels = vec![
+            Channel::new("temperature", "degC", series(&mut rng, 15.0, 60.0)),
+            Channel::new("load", "1", series(&mut rng, 0.5, 2.0)),
+        ];
+        let case = Case {
+            held: Vec::new(),
+            terms: [of_channels(&robot), further].concat(),
+            robot,
+            motion: motion.with_channels(channels),
+            linear: i == 0,
+        };
+        (format!("channels-{i}"), case)
+    };
+    let memory = of_memory();
+    let lists = [Vec::new(), [&memory[..2], &memory[2..3]].concat()];
+    lists.into_iter().enumerate().map(case).collect()
+}
+
+impl Case {
+    /// What functions with the argument give, and those without.
+    fn write_channels(&self, name: &str) {
+        let place = folder(name);
+        let model = FinalModel::new(self.robot.clone(), self.terms.clone());
+        for format in [ModelFormat::C, ModelFormat::Python] {
+            std::fs::write(place.join(format!("model.{}", format.kind().1)), model.text(format)).unwrap();
+        }
+        let unmeasured = self.motion.clone().with_channels(Vec::new());
+        let [with, without] = [&self.motion, &unmeasured].map(|motion| {
+            let stretch = Stretch::of_motion(motion.clone(), INTERVAL, false);
+            json!(rows(&augmented(&self.robot, &self.terms).predict(&stretch)))
+        });
+        let expected = match self.linear {
+            true => {
+                json!({"c_at": with, "python_at": with, "c": without, "python": without, "c_nan": without, "python_nothing": without})
+            }
+            false => json!({"c_predict_at": with, "python_predict_at": with, "c_predict": without, "python_predict": without}),
+        };
+        self.write_states(&place, &expected);
+    }
 }
 
 /// The largest torque that elasticity makes on any joint, apart from the ends of the motion.

@@ -3,6 +3,7 @@
 mod check;
 
 use self::check::{check, not_finite};
+use super::known::EffectArguments;
 use super::{Ending, files};
 use crate::app::Error;
 use crate::documents::RobotDocument;
@@ -25,6 +26,8 @@ pub struct Arguments {
     robot: String,
     #[command(flatten)]
     chain: files::ChainArguments,
+    #[command(flatten)]
+    effects: EffectArguments,
     /// Request: a JSON file with `trajectory`, and as wanted `parameters`, `periods`, `sample_rate_hz`, `noise`, `effects`, `faults`, `seed`.
     #[arg(long, value_name = "FILE")]
     request: PathBuf,
@@ -81,7 +84,7 @@ enum Path {
 }
 
 pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
-    let RobotDocument { robot, notes, .. } = files::read_robot(&arguments.robot, &arguments.chain)?;
+    let RobotDocument { robot, notes, .. } = files::read_robot(&arguments.robot, &arguments.chain, &arguments.effects.read()?)?;
     files::print_notes(&notes);
     let crate::formats::Parsed {
         value: mut document,

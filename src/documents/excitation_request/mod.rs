@@ -15,11 +15,13 @@ use crate::documents::knowledge::{DesignModel, DesignTerms, read_design_model, r
 use crate::documents::requests;
 use crate::documents::robot::{NamedRobots, RobotDocument, read_robot_or_name};
 use crate::documents::warm_start::read_warm_start;
+use crate::effects::OwnEffect;
 use crate::excitation::{Criterion, Problem, ProblemSpec};
 use crate::formats::json::Parsed;
 use crate::model::FieldProblem;
 use crate::trajectory::FourierSeries;
 use serde_json::Value;
+use std::sync::Arc;
 
 /// A checked request: the problem, how to search, and the document it came from.
 #[derive(Debug, Clone)]
@@ -34,6 +36,8 @@ pub struct ExcitationRequest {
     pub backoff: Option<f64>,
     /// What the columns beside the regressor's are of.
     pub effects: DesignTerms,
+    /// Effects with formulas of their own that the robot's description has.
+    pub own: Vec<Arc<OwnEffect>>,
     /// Budget, starts and seed of the search.
     pub search: Search,
     /// An earlier trajectory to go on from.
@@ -95,6 +99,7 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
     };
     let mut notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();
     let has_robot = robot.is_some();
+    let own = robot.as_ref().map(|r| r.effects.clone()).unwrap_or_default();
     let search = read_search(&fields);
     let joints = robot.as_ref().map(|r| r.robot.joint_count());
     let earlier = fields.nullable("warm_start").and_then(|c| read_warm_start(&c, joints));
@@ -144,6 +149,7 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
         trajectories: trajectories.unwrap_or(1) as usize,
         backoff,
         effects,
+        own,
         problem,
         search,
         earlier,

@@ -2,7 +2,7 @@
 
 use super::feasible::Feasible;
 use super::model::Model;
-use super::own_effect::OwnEffect;
+use super::own_effect::OwnEffectOrName;
 use super::robot::RobotOrName;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -71,7 +71,7 @@ pub struct IdentifyRequest {
     pub offset: Option<bool>,
     /// Effects with formulas of their own, beside those of the robot.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub effects: Option<Vec<OwnEffect>>,
+    pub effects: Option<Vec<OwnEffectOrName>>,
     /// How physical parameters are found; by `consistent` if left out.
     pub feasible: Option<Feasible>,
     /// Points of every series of measured and predicted torque in the answer.

@@ -1,6 +1,6 @@
 //! Robots, by their joints or as URDF.
 
-use super::own_effect::OwnEffect;
+use super::own_effect::OwnEffectOrName;
 use serde::{Deserialize, Serialize};
 
 /// The name of a known robot, or a robot.
@@ -46,7 +46,7 @@ pub struct JointRobot {
     pub friction: Option<Vec<Friction>>,
     /// Effects with formulas of their own that every identification of this robot has.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub effects: Option<Vec<OwnEffect>>,
+    pub effects: Option<Vec<OwnEffectOrName>>,
     /// Where the numbers come from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
@@ -79,7 +79,7 @@ pub struct UrdfRobot {
     pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
     /// Effects with formulas of their own that every identification of this robot has.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub effects: Option<Vec<OwnEffect>>,
+    pub effects: Option<Vec<OwnEffectOrName>>,
     /// Where the file comes from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
@@ -112,7 +112,7 @@ pub struct MjcfRobot {
     pub geometry: Option<std::collections::BTreeMap<String, Vec<Capsule>>>,
     /// Effects with formulas of their own that every identification of this robot has.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub effects: Option<Vec<OwnEffect>>,
+    pub effects: Option<Vec<OwnEffectOrName>>,
     /// Where the file comes from.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]

@@ -9,7 +9,7 @@ pub use written::{robot_value, written_robot};
 
 use self::joint::{Reading, read_capsule, read_joint};
 use crate::documents::cursor::{Cursor, Fields, Findings};
-use crate::documents::own_effects::read_effects;
+use crate::documents::effect_list::read_effects;
 use crate::documents::requests;
 use crate::effects::OwnEffect;
 use crate::formats::json::Parsed;
@@ -50,24 +50,63 @@ pub trait NamedRobots {
     fn design(&self, _excitation: &str) -> Option<serde_json::Value> {
         None
     }
+
+    /// The definition of an effect of the catalogue, by its name.
+    fn effect(&self, _name: &str) -> Option<serde_json::Value> {
+        None
+    }
+
+    /// Names of all effects of the catalogue, for the message about an unknown one.
+    fn effect_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Why the robot called `name` cannot be read, where it is kept and cannot.
+    fn fault(&self, _name: &str) -> Option<FieldProblem> {
+        None
+    }
+}
+
+/// Nothing is known by name.
+struct NoNames;
+
+impl NamedRobots for NoNames {
+    fn named(&self, _name: &str) -> Option<RobotDocument> {
+        None
+    }
+
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// Reads the robot that stands at `cursor`; what is wrong goes to the cursor's findings, and `None` comes back if anything is.
-pub fn read_robot(cursor: &Cursor) -> Option<RobotDocument> {
-    read_robot_rounded(cursor, Rounding::Meant)
+/// Effects that it names are those that `known` has.
+pub fn read_robot(cursor: &Cursor, known: &dyn NamedRobots) -> Option<RobotDocument> {
+    read_robot_of(cursor, Rounding::Meant, known)
 }
 
+/// [`read_robot`] with numbers as they are written, where the document names nothing.
 pub(super) fn read_robot_rounded(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
+    read_robot_of(cursor, rounding, &NoNames)
+}
+
+fn read_robot_of(cursor: &Cursor, rounding: Rounding, known: &dyn NamedRobots) -> Option<RobotDocument> {
     let read = match ["urdf", "mjcf"].map(|kind| cursor.value().get(kind).is_some()) {
-        [true, _] => read_xml::<requests::UrdfRobot>(cursor, "urdf", rounding),
-        [_, true] => read_xml::<requests::MjcfRobot>(cursor, "mjcf", rounding),
-        _ => read_joints(cursor, rounding),
+        [true, _] => read_xml::<requests::UrdfRobot>(cursor, "urdf", rounding, known),
+        [_, true] => read_xml::<requests::MjcfRobot>(cursor, "mjcf", rounding, known),
+        _ => read_joints(cursor, rounding, known),
     };
     read.filter(|_| !cursor.findings().within(cursor.pointer()))
 }
 
 /// A robot from the text of a file of one of two kinds.
-fn read_xml<T: for<'de> Deserialize<'de>>(cursor: &Cursor, kind: &str, rounding: Rounding) -> Option<RobotDocument> {
+fn read_xml<T: for<'de> Deserialize<'de>>(
+    cursor: &Cursor,
+    kind: &str,
+    rounding: Rounding,
+    known: &dyn NamedRobots,
+) -> Option<RobotDocument> {
     let fields = cursor.fields_of::<T>()?;
     read_source(&fields);
     let friction = read_friction(&fields);
@@ -87,14 +126,14 @@ fn read_xml<T: for<'de> Deserialize<'de>>(cursor: &Cursor, kind: &str, rounding:
     };
     match read {
         Ok(read) => Some(RobotDocument {
-            effects: read_effects(&fields, Some(&read.robot), &[]),
+            effects: read_effects(&fields, Some(&read.robot), &[], known),
             robot: read.robot,
             notes: read.notes,
         }),
         Err(e) => {
             let at = cursor.pointer();
             cursor.findings().merge(e.0.into_iter().map(|p| in_file(at, kind, p)));
-            read_effects(&fields, None, &[]);
+            read_effects(&fields, None, &[], known);
             None
         }
     }
@@ -137,7 +176,7 @@ fn in_file(at: &str, kind: &str, problem: FieldProblem) -> FieldProblem {
     }
 }
 
-fn read_joints(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
+fn read_joints(cursor: &Cursor, rounding: Rounding, known: &dyn NamedRobots) -> Option<RobotDocument> {
     let fields = cursor.fields_of::<requests::JointRobot>()?;
     read_source(&fields);
     let name = fields.required("name").and_then(|c| c.string()).unwrap_or("robot");
@@ -157,7 +196,7 @@ fn read_joints(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
     reading.look_at_table(joints.len());
     match Robot::new(name, gravity, joints, friction) {
         Ok(robot) => Some(RobotDocument {
-            effects: read_effects(&fields, Some(&robot), &[]),
+            effects: read_effects(&fields, Some(&robot), &[], known),
             robot,
             notes: reading.notes.into_list(),
         }),
@@ -172,7 +211,7 @@ fn read_joints(cursor: &Cursor, rounding: Rounding) -> Option<RobotDocument> {
                 ..p
             };
             cursor.findings().merge(e.0.into_iter().map(placed));
-            read_effects(&fields, None, &[]);
+            read_effects(&fields, None, &[], known);
             None
         }
     }
@@ -213,13 +252,25 @@ pub fn robot_document(parsed: &Parsed) -> Result<RobotDocument, Vec<FieldProblem
     robot_document_rounded(parsed, Rounding::Meant)
 }
 
+/// [`robot_document`] with effects that the document names, as `known` has them.
+///
+/// # Errors
+/// As [`robot_document`], and names that are not known.
+pub fn robot_document_of(parsed: &Parsed, known: &dyn NamedRobots) -> Result<RobotDocument, Vec<FieldProblem>> {
+    whole(parsed, Rounding::Meant, known)
+}
+
 /// [`robot_document`] with numbers as they are written, for documents that this program has made.
 ///
 /// # Errors
 /// As [`robot_document`].
 pub fn robot_document_rounded(parsed: &Parsed, rounding: Rounding) -> Result<RobotDocument, Vec<FieldProblem>> {
+    whole(parsed, rounding, &NoNames)
+}
+
+fn whole(parsed: &Parsed, rounding: Rounding, known: &dyn NamedRobots) -> Result<RobotDocument, Vec<FieldProblem>> {
     let findings = Findings::new(parsed.problems.clone());
-    let read = read_robot_rounded(&Cursor::root(&parsed.value, &findings), rounding);
+    let read = read_robot_of(&Cursor::root(&parsed.value, &findings), rounding, known);
     match read {
         Some(document) if findings.is_empty() => Ok(document),
         _ => Err(findings.into_list()),
@@ -229,13 +280,14 @@ pub fn robot_document_rounded(parsed: &Parsed, rounding: Rounding) -> Result<Rob
 /// A robot that stands in the document, or the name of a known one.
 pub(super) fn read_robot_or_name(cursor: &Cursor, known: &dyn NamedRobots) -> Option<RobotDocument> {
     let Value::String(name) = cursor.value() else {
-        return read_robot(cursor);
+        return read_robot(cursor, known);
     };
     let found = known.named(name);
     let names = known.names();
     if found.is_none() && names.contains(name) {
+        let why = known.fault(name).map(|p| format!(": {p}")).unwrap_or_default();
         cursor.complain_with(
-            format!("is `{name}`, a robot whose stored document cannot be read"),
+            format!("is `{name}`, a robot whose stored document cannot be read{why}"),
             "keep it anew under its name, or give another robot",
         );
     } else if found.is_none() {

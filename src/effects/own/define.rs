@@ -1,16 +1,16 @@
 //! From a definition to an effect, with everything that is wrong with it.
 
+use super::arm::Arm;
 use super::linear::{is_periodic, linear_set};
+use super::names::{MOST_NAME, Said, name_fault, said};
 use super::parse::parsed;
-use super::tree::{Function, Tree};
+use super::tree::Tree;
 use super::units::{Checked, Dimension, dimension};
 use super::{Definition, OwnEffect, OwnShape, ParameterDefinition, Symbol, state_name};
 use crate::effects::{Shape, is_reserved};
 use crate::model::{FieldProblem, Robot};
 use std::f64::consts::{PI, TAU};
 
-/// Characters of a name of an effect or parameter.
-const MOST_NAME: usize = 64;
 /// Parameters of an effect; their sets are tried for linearity, two to this power.
 pub const MOST_PARAMETERS: usize = 8;
 /// Shape parameters: their grid is searched as a whole.
@@ -24,13 +24,17 @@ impl OwnEffect {
     /// # Errors
     /// All that is wrong, with pointers into the definition (`/expression`, `/parameters/0/unit`, …) and remedies.
     pub fn new(definition: Definition, robot: &Robot) -> Result<Self, Vec<FieldProblem>> {
+        Self::on(definition, &Arm::of(robot))
+    }
+
+    /// The effect on the joints of `arm`.
+    pub(super) fn on(definition: Definition, arm: &Arm) -> Result<Self, Vec<FieldProblem>> {
         let mut found = Vec::new();
         check_name(&definition.name, &mut found);
-        let joint = robot.joints().iter().position(|j| j.name == definition.joint);
+        let joint = arm.place(&definition.joint);
         if joint.is_none() {
-            let names: Vec<&str> = robot.joints().iter().map(|j| j.name.as_str()).collect();
             let problem = FieldProblem::new("/joint", format!("the robot has no joint `{}`", definition.joint));
-            found.push(problem.with_hint(format!("one of: {}", names.join(", "))));
+            found.push(problem.with_hint(format!("one of: {}", arm.names().join(", "))));
         }
         let dimensions = check_parameters(&definition.parameters, &mut found);
         check_channels(&definition, &mut found);
@@ -39,7 +43,7 @@ impl OwnEffect {
             return Err(found);
         }
         let read = match parsed(&definition.expression) {
-            Ok((tree, names)) => resolved(&definition, robot, &names, &mut found).map(|symbols| (tree, symbols)),
+            Ok((tree, names)) => resolved(&definition, arm, &names, &mut found).map(|symbols| (tree, symbols)),
             Err((detail, hint)) => {
                 found.push(FieldProblem::new("/expression", detail).with_hint(hint));
                 None
@@ -55,7 +59,7 @@ impl OwnEffect {
             symbols,
             tree,
         };
-        raw.check_units(robot, dimensions.as_deref(), &mut found);
+        raw.check_units(arm, dimensions.as_deref(), &mut found);
         let effect = raw.effect(&mut found);
         match (found.is_empty(), effect) {
             (true, Some(effect)) => Ok(effect),
@@ -137,37 +141,22 @@ fn check_parameters(parameters: &[ParameterDefinition], found: &mut Vec<FieldPro
     (dimensions.len() == parameters.len()).then_some(dimensions)
 }
 
-/// Why a formula can have no parameter or channel of this name; `None` where it can.
-pub fn name_fault(name: &str) -> Option<String> {
-    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let first = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
-    if !first || !name.chars().all(word) || name.len() > MOST_NAME {
-        return Some("is no name in an expression".into());
+/// Order and place of the joint that a name speaks of.
+fn state(name: &str, arm: &Arm, own: Option<usize>) -> Option<(usize, usize)> {
+    match said(name)? {
+        Said::Numbered { order, number } => {
+            let joint = number.parse::<usize>().ok().filter(|k| (1..=arm.numbered()).contains(k))?;
+            Some((order, joint - 1))
+        }
+        Said::Named { order, joint } => Some((order, arm.place(joint)?)),
+        // Where the joint is wrong that is said of the joint.
+        Said::Own { order } => Some((order, own.unwrap_or(0))),
     }
-    let taken = name == "pi" || Function::NAMED.iter().any(|(f, _)| *f == name) || numbered(name).is_some();
-    taken.then(|| format!("`{name}` has a meaning in expressions already"))
-}
-
-/// Order and number of `q1`, `qd1`, `qdd1`.
-fn numbered(name: &str) -> Option<(usize, &str)> {
-    let rest = name.strip_prefix('q')?;
-    let number = rest.trim_start_matches('d');
-    let order = rest.len() - number.len();
-    let digits = number.starts_with(|c: char| ('1'..='9').contains(&c)) && number.bytes().all(|b| b.is_ascii_digit());
-    (digits && order <= 2).then_some((order, number))
-}
-
-/// Order and joint of `q_A2`, `qd_A2`, `qdd_A2`.
-fn by_joint(name: &str, robot: &Robot) -> Option<(usize, usize)> {
-    let (head, joint) = name.split_once('_')?;
-    let order = ["q", "qd", "qdd"].iter().position(|h| *h == head)?;
-    let at = robot.joints().iter().position(|j| j.name == joint)?;
-    Some((order, at))
 }
 
 /// What every name stands for; `None` where one is unknown.
-fn resolved(definition: &Definition, robot: &Robot, names: &[String], found: &mut Vec<FieldProblem>) -> Option<Vec<Symbol>> {
-    let n = robot.joint_count();
+fn resolved(definition: &Definition, arm: &Arm, names: &[String], found: &mut Vec<FieldProblem>) -> Option<Vec<Symbol>> {
+    let (n, own) = (arm.numbered(), arm.place(&definition.joint));
     let symbol = |name: &String| {
         if let Some(p) = definition.parameters.iter().position(|p| p.name == *name) {
             return Some(Symbol::Parameter(p));
@@ -175,17 +164,15 @@ fn resolved(definition: &Definition, robot: &Robot, names: &[String], found: &mu
         if let Some(c) = definition.channels.iter().position(|c| c.name == *name) {
             return Some(Symbol::Channel(c));
         }
-        let state = numbered(name).and_then(|(order, number)| {
-            let joint = number.parse::<usize>().ok().filter(|k| (1..=n).contains(k))?;
-            Some((order, joint - 1))
-        });
-        let (order, joint) = state.or_else(|| by_joint(name, robot))?;
+        let (order, joint) = state(name, arm, own)?;
         Some(Symbol::State { joint, order })
     };
     let symbols: Vec<Option<Symbol>> = names.iter().map(symbol).collect();
     for (name, _) in names.iter().zip(&symbols).filter(|(_, s)| s.is_none()) {
         let problem = FieldProblem::new("/expression", format!("`{name}` is neither a variable nor a parameter"));
-        let hint = format!("variables are q1 to q{n}, qd1 to qd{n}, qdd1 to qdd{n}; list every other name in `parameters`");
+        let hint = format!(
+            "variables are q1 to q{n}, qd1 to qd{n}, qdd1 to qdd{n}, and q, qd, qdd of its own joint; list every other name in `parameters`"
+        );
         found.push(problem.with_hint(hint));
     }
     symbols.into_iter().collect()
@@ -227,9 +214,11 @@ impl Raw {
     }
 
     /// Complains at the first parameter whose unit would put it right, otherwise at the expression.
-    fn check_units(&self, robot: &Robot, parameters: Option<&[Dimension]>, found: &mut Vec<FieldProblem>) {
-        let Some(parameters) = parameters else { return };
-        let turns = |joint: usize| robot.joints()[joint].is_revolute();
+    fn check_units(&self, arm: &Arm, parameters: Option<&[Dimension]>, found: &mut Vec<FieldProblem>) {
+        let Some(parameters) = parameters.filter(|_| arm.kinds_known) else {
+            return;
+        };
+        let turns = |joint: usize| arm.turns(joint);
         let dimension = |s: &Symbol| match s {
             Symbol::Parameter(p) => parameters[*p],
             // A unit that is none of those known counts as a number.

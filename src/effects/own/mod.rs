@@ -3,9 +3,12 @@
 //! `tau_j += f(q, qd, qdd; p)`, read by `parse`, held against its units by `units`. Parameters that f is linear in, all of them together, are coefficients
 //! with columns `∂f/∂p`; the others are shape parameters with the range that the definition gives.
 
+mod any_robot;
+mod arm;
 mod define;
 mod derivative;
 mod linear;
+mod names;
 mod parse;
 #[cfg(test)]
 mod tests;
@@ -13,7 +16,8 @@ mod tokens;
 mod tree;
 mod units;
 
-pub use define::{MOST_PARAMETERS, name_fault};
+pub use define::MOST_PARAMETERS;
+pub use names::name_fault;
 pub use tokens::{MOST_CHARACTERS, MOST_NESTED};
 
 use self::derivative::derivative;
@@ -118,6 +122,16 @@ pub struct OwnEffect {
 /// Largest torque per unit of a coefficient that is computed with: squares of it stay far from the range of doubles.
 const LARGEST: f64 = 1e12;
 
+/// What stands for the symbols of a formula in source code.
+pub struct SourceNames<'a> {
+    /// Parameters, in the order in which they are reported.
+    pub constants: &'a [String],
+    /// Position (order 0), speed (1) or acceleration (2) of a joint.
+    pub state: &'a dyn Fn(usize, usize) -> String,
+    /// A further measured quantity.
+    pub channel: &'a dyn Fn(&ChannelVariable) -> String,
+}
+
 /// A sample on which an own effect has no usable value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotFinite {
@@ -153,6 +167,16 @@ impl OwnEffect {
     /// Whether it has parameters that it is not linear in.
     pub fn has_shapes(&self) -> bool {
         !self.shapes.is_empty()
+    }
+
+    /// Joints that it adds to or that its formula speaks of, from 0, in order.
+    fn joints(&self) -> Vec<usize> {
+        let spoken_of = self.symbols.iter().filter_map(|s| match s {
+            Symbol::State { joint, .. } => Some(*joint),
+            Symbol::Parameter(_) | Symbol::Channel(_) => None,
+        });
+        let all: std::collections::BTreeSet<usize> = spoken_of.chain([self.joint]).collect();
+        all.into_iter().collect()
     }
 
     /// Parameters as they are reported: coefficients, then shapes.
@@ -224,28 +248,27 @@ impl OwnEffect {
         }
     }
 
-    /// The statement `f` for source code: `constants` in the order in which parameters are reported, `state` the name of a joint's position (order 0), speed (1) or
-    /// acceleration (2).
-    pub fn source(&self, constants: &[String], state: &dyn Fn(usize, usize) -> String) -> String {
-        self.written(&self.tree, constants, state)
+    /// The statement `f` for source code.
+    pub fn source(&self, names: &SourceNames) -> String {
+        self.written(&self.tree, names)
     }
 
     /// The same of `∂f/∂qdd_k`; `None` where it is zero, or depends on accelerations: then it is no entry of a mass matrix.
-    pub fn inertia_source(&self, k: usize, constants: &[String], state: &dyn Fn(usize, usize) -> String) -> Option<String> {
+    pub fn inertia_source(&self, k: usize, names: &SourceNames) -> Option<String> {
         let of_acceleration = |s: usize| matches!(self.symbols[s], Symbol::State { order: 2, .. });
         let symbol = self.symbols.iter().position(|s| *s == Symbol::State { joint: k, order: 2 })?;
         let slope = derivative(&self.tree, symbol);
-        (!slope.has(&of_acceleration)).then(|| self.written(&slope, constants, state))
+        (!slope.has(&of_acceleration)).then(|| self.written(&slope, names))
     }
 
-    fn written(&self, tree: &Tree, constants: &[String], state: &dyn Fn(usize, usize) -> String) -> String {
+    fn written(&self, tree: &Tree, names: &SourceNames) -> String {
         let name = |s: usize| match self.symbols[s] {
-            Symbol::State { joint, order } => state(joint, order),
-            Symbol::Channel(c) => format!("({:?})", self.definition.channels[c].reference),
+            Symbol::State { joint, order } => (names.state)(joint, order),
+            Symbol::Channel(c) => (names.channel)(&self.definition.channels[c]),
             Symbol::Parameter(p) => self
                 .order()
                 .position(|o| o == p)
-                .map_or_else(String::new, |at| constants[at].clone()),
+                .map_or_else(String::new, |at| names.constants[at].clone()),
         };
         tree.written(Syntax::Source, &name)
     }

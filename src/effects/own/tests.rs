@@ -283,12 +283,15 @@ fn columns_are_the_formula_and_follow_the_definition() {
     assert_eq!(formula.variables, ["qd1", "q2", "qd2", "qdd2"]);
     let constants = ["A", "B", "C", "D"].map(String::from);
     let state = |joint: usize, order: usize| format!("{}[{joint}]", ["q", "v", "a"][order]);
-    assert_eq!(
-        effect.source(&constants, &state),
-        "A*sin(q[1] - D) + B*v[0]*fabs(v[1]) + C*a[1]"
-    );
-    assert_eq!(effect.inertia_source(1, &constants, &state).as_deref(), Some("C"));
-    assert_eq!(effect.inertia_source(0, &constants, &state), None);
+    let channel = |c: &ChannelVariable| c.name.clone();
+    let names = SourceNames {
+        constants: &constants,
+        state: &state,
+        channel: &channel,
+    };
+    assert_eq!(effect.source(&names), "A*sin(q[1] - D) + B*v[0]*fabs(v[1]) + C*a[1]");
+    assert_eq!(effect.inertia_source(1, &names).as_deref(), Some("C"));
+    assert_eq!(effect.inertia_source(0, &names), None);
 }
 
 #[test]
@@ -527,4 +530,66 @@ fn prop_the_largest_expressions_are_read_in_little_time() {
     }
     // A request waits for this.
     assert!(worst < 1.0, "{worst} s");
+}
+
+/// `q`, `qd`, `qdd` are those of the joint that the effect acts on, unless a parameter has the name.
+#[test]
+fn own_variables_are_those_of_the_joint() {
+    let text = |definition: Definition| {
+        OwnEffect::new(definition, &robot()).unwrap().formula(0, &[]).unwrap().torques[0]
+            .1
+            .clone()
+    };
+    assert_eq!(
+        text(definition(
+            "k*q + d*qd + m*qdd",
+            &[("k", "N m/rad"), ("d", "N m s/rad"), ("m", "kg m^2")]
+        )),
+        "k*q2 + d*qd2 + m*qdd2"
+    );
+    let on_first = |definition: Definition| Definition {
+        joint: "A1".into(),
+        ..definition
+    };
+    assert_eq!(text(on_first(definition("k*q", &[("k", "N m/rad")]))), "k*q1");
+    assert_eq!(text(definition("q*q1", &[("q", "N m/rad")])), "q*q1");
+    // Held against the kind of the joint: on the slide it is a force per length.
+    let on_slide = |unit: &str| Definition {
+        joint: "A3".into(),
+        ..definition("k*q", &[("k", unit)])
+    };
+    assert_eq!(text(on_slide("N/m")), "k*q3");
+    assert_eq!(faults(on_slide("N m/rad"))[0].0, "/parameters/0/unit");
+}
+
+/// Without a robot, only what no robot makes right is wrong.
+#[test]
+fn definitions_are_checked_without_a_robot() {
+    let anywhere = |joint: &str, expression: &str, parameters: &[(&str, &str)]| -> Vec<String> {
+        let definition = Definition {
+            joint: joint.into(),
+            ..definition(expression, parameters)
+        };
+        definition.faults().iter().map(ToString::to_string).collect()
+    };
+    let nothing: [String; 0] = [];
+    for unit in ["N m/rad", "N/m", "N", "N m/m"] {
+        // Of a turning joint or a slide, by a turning joint or a slide.
+        assert_eq!(anywhere("", "k*q_elbow", &[("k", unit)]), nothing, "{unit}");
+    }
+    for unit in ["N m/rad", "N/m"] {
+        assert_eq!(anywhere("elbow", "k*q_elbow", &[("k", unit)]), nothing, "{unit}");
+    }
+    // A force per angle is nothing on the same joint.
+    assert!(anywhere("elbow", "k*q_elbow", &[("k", "N")])[0].starts_with("/parameters/0/unit: is `N`"));
+    assert!(anywhere("", "k*q", &[("k", "N")])[0].starts_with("/parameters/0/unit: is `N`"));
+    assert_eq!(anywhere("", "k*q30", &[("k", "N m")]), nothing);
+    assert!(anywhere("", "k*q31", &[("k", "N m")])[0].starts_with("/expression: `q31` is neither"));
+    assert!(anywhere("", "k*(q1 + qd1)", &[("k", "N m")])[0].starts_with("/expression: "));
+    assert!(anywhere("", "k*q +", &[("k", "N m")])[0].starts_with("/expression: "));
+    assert!(anywhere("", "sin(q)", &[])[0].starts_with("/expression: has no parameter that it is linear in"));
+    assert!(anywhere("", "k*exp(s*q)", &[("k", "N m"), ("s", "1")])[0].starts_with("/parameters/1/low: is missing"));
+    // More joints than kinds are tried of: their units are held against the robot alone.
+    let many = "k*(q1*q2*q3*q4*q5*q6*q7*q8*q9)";
+    assert_eq!(anywhere("", many, &[("k", "V")]), nothing);
 }

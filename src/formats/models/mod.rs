@@ -11,6 +11,7 @@ mod python;
 mod sdf;
 mod source;
 mod source_c;
+mod source_channels;
 mod source_effects;
 mod source_memory;
 mod table;

@@ -7,13 +7,16 @@ const BODY: &str = include_str!("templates/model.py");
 
 impl Source {
     pub(super) fn python(&self, remarks: &[String]) -> String {
-        let heading = self.heading(remarks).join("\n");
+        let how = "The argument channels is a dictionary of them by name (predict: of a series each). Without it, and without a name in it, effects take the \
+            reference of the quantity.";
+        let heading = self.heading(remarks, how).join("\n");
         let (torque, mass) = self.python_statements();
-        let filled = BODY
+        let filled = self
+            .channels
+            .in_python(&BODY.replace("@MEMORY_PART@", &self.memory.python(&self.robot_gravity)))
             .replace("@TABLES@", &self.python_tables())
             .replace("@EFFECTS@", &torque)
-            .replace("@MASS@", &mass)
-            .replace("@MEMORY_PART@", &self.memory.python(&self.robot_gravity));
+            .replace("@MASS@", &mass);
         format!("\"\"\"{heading}\n\"\"\"\n{filled}")
     }
 

@@ -1,6 +1,7 @@
 //! The model as numbers and statements, for source code of any language: Newton-Euler over tables, then the effects.
 
 use super::FinalModel;
+use super::source_channels::SourceChannels;
 use super::source_effects::Statements;
 use super::source_memory::Memory;
 use crate::parameters::Layout;
@@ -30,6 +31,7 @@ pub(super) struct Source {
     /// Gravity without the tilt of the base: what loads of elastic joints are first computed with.
     pub robot_gravity: [f64; 3],
     pub memory: Memory,
+    pub channels: SourceChannels,
 }
 
 /// A double that reads back as the same one, in C and in Python.
@@ -72,13 +74,15 @@ impl FinalModel {
             effects: self.statements(),
             robot_gravity: self.robot.gravity().into(),
             memory: self.memory(),
+            channels: SourceChannels::of(self),
         }
     }
 }
 
 impl Source {
     /// Lines for the top of a file, without signs of a comment.
-    pub fn heading(&self, remarks: &[String]) -> Vec<String> {
+    /// `how`: the way in which further quantities are handed in.
+    pub fn heading(&self, remarks: &[String], how: &str) -> Vec<String> {
         let mut lines = vec![
             format!(
                 "Dynamics of {}, as identified by dynident {}.",
@@ -95,6 +99,7 @@ impl Source {
         if !self.memory.is_empty() {
             lines.extend(self.memory.heading());
         }
+        lines.extend(self.channels.heading(how));
         lines.extend(remarks.iter().map(|r| format!("Note: {}", one_line(r))));
         lines
     }

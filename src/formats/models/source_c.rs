@@ -16,18 +16,24 @@ const DECLARATIONS: &str = " *   int @PREFIX@_predict(long count, double sample_
 impl Source {
     pub(super) fn c(&self, remarks: &[String]) -> String {
         let mut text = String::new();
-        for (at, line) in self.heading(remarks).iter().enumerate() {
+        let how = "Functions whose names end with _at take them as channels: CHANNELS values in this order (predict_at: of every sample). The other functions, and \
+            NAN as a value, stand for a quantity that is not measured: effects then take its reference.";
+        for (at, line) in self.heading(remarks, how).iter().enumerate() {
             let _ = writeln!(text, "{} {line}", if at == 0 { "/*" } else { " *" });
         }
         text.push_str(" */\n");
         let prefix = identifier(&self.robot);
         let (torque, mass) = self.c_statements();
-        let filled = BODY
+        let filled = self
+            .channels
+            .in_c(
+                &BODY.replace("@MEMORY_PART@", &self.memory.c(&self.robot_gravity)),
+                !self.memory.is_empty(),
+            )
             .replace("@TABLES@", &self.c_tables())
             .replace("@EFFECTS@", &torque)
             .replace("@MASS@", &mass)
             .replace("@DECLARATIONS@", if self.memory.is_empty() { "" } else { DECLARATIONS })
-            .replace("@MEMORY_PART@", &self.memory.c(&self.robot_gravity))
             .replace("@PREFIX@", &prefix);
         text + &filled
     }

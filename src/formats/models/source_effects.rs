@@ -2,7 +2,8 @@
 
 use super::FinalModel;
 use super::source::{literal, one_line};
-use crate::effects::{Effect, OwnEffect, Statements as EffectStatements, Written};
+use super::source_channels::SourceChannels;
+use crate::effects::{ChannelVariable, Effect, OwnEffect, SourceNames, Statements as EffectStatements, Written};
 use crate::regression::Term;
 
 /// What an effect adds, in terms of `q, qd, qdd` (with encoder offsets in `q`), `rigid` (torques of the bodies) and `declared` (with friction).
@@ -24,8 +25,9 @@ pub(super) fn is_written(term: &Term) -> bool {
 
 impl FinalModel {
     pub(super) fn statements(&self) -> Vec<Statements> {
+        let channels = SourceChannels::of(self);
         let all = self.terms.iter().map(|term| {
-            let (torque, mass) = statements(term, self.robot.joint_count());
+            let (torque, mass) = statements(term, self.robot.joint_count(), &channels);
             Statements {
                 comment: one_line(&format!("{} on {}", term.effect.code(), self.joint_names(term).join(", "))),
                 torque,
@@ -36,9 +38,9 @@ impl FinalModel {
     }
 }
 
-fn statements(term: &Term, joints: usize) -> (Vec<String>, Vec<String>) {
+fn statements(term: &Term, joints: usize, channels: &SourceChannels) -> (Vec<String>, Vec<String>) {
     if let Some(defined) = term.effect.own() {
-        return own_effect(term, defined, joints);
+        return own_effect(term, defined, joints, channels);
     }
     let all = written(term, joints).unwrap_or_default();
     let torque = all.torque.into_iter().map(|(j, value)| format!("tau[{j}] += {value}"));
@@ -61,12 +63,18 @@ fn written(term: &Term, joints: usize) -> Option<EffectStatements> {
 }
 
 /// The formula with its constants as they are reported, and how it grows with the accelerations.
-fn own_effect(term: &Term, own: &OwnEffect, joints: usize) -> (Vec<String>, Vec<String>) {
+fn own_effect(term: &Term, own: &OwnEffect, joints: usize, channels: &SourceChannels) -> (Vec<String>, Vec<String>) {
     let reported = own.reported(term.form, &term.coefficients, &term.shape);
     let constants: Vec<String> = reported.iter().map(|v| format!("({})", literal(*v))).collect();
     let state = |joint: usize, order: usize| format!("{}[{joint}]", ["q", "qd", "qdd"][order]);
+    let channel = |c: &ChannelVariable| channels.value(c);
+    let names = SourceNames {
+        constants: &constants,
+        state: &state,
+        channel: &channel,
+    };
     let j = own.joint();
-    let torque = vec![format!("tau[{j}] += {}", own.source(&constants, &state))];
-    let entry = |k: usize| Some(format!("m[{j}][{k}] += {}", own.inertia_source(k, &constants, &state)?));
+    let torque = vec![format!("tau[{j}] += {}", own.source(&names))];
+    let entry = |k: usize| Some(format!("m[{j}][{k}] += {}", own.inertia_source(k, &names)?));
     (torque, (0..joints).filter_map(entry).collect())
 }

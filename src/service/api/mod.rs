@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod common;
+pub mod effects;
 pub mod excitation;
 pub mod health;
 pub mod identify;

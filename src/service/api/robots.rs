@@ -10,7 +10,7 @@ use crate::model::FieldProblem;
 use crate::service::access::{Access, slug};
 use crate::service::child::{REQUEST, RobotRead, Task};
 use crate::service::document::RobotUpload;
-use crate::service::known::is_shipped;
+use crate::service::known::{Known, is_shipped};
 use crate::service::problem::Failure;
 use crate::service::state::Service;
 use crate::service::store::{Role, unreadable_robot};
@@ -62,8 +62,9 @@ impl RobotSummary {
 
 /// Reads a document where it can do no harm.
 async fn read(service: &Service, parsed: Parsed) -> Result<RobotRead, Error> {
+    let known = Known::for_robot(&parsed.value, service).await?.into();
     let document = parsed.into();
-    service.compute_document(Task::Robot { document }, REQUEST).await
+    service.compute_document(Task::Robot { document, known }, REQUEST).await
 }
 
 async fn stored(service: &Service, id: &str, access: &Access) -> Result<Parsed, Error> {
@@ -135,8 +136,10 @@ pub async fn base_parameters(
     access: Access,
     Path(id): Path<String>,
 ) -> Result<Response, Failure> {
-    let document = stored(&service, &id, &access).await?.into();
-    let made = service.compute(Task::BaseParameters { document }, REQUEST).await;
+    let parsed = stored(&service, &id, &access).await?;
+    let known = Known::for_robot(&parsed.value, &service).await?.into();
+    let document = parsed.into();
+    let made = service.compute(Task::BaseParameters { document, known }, REQUEST).await;
     Ok(computed(made.map_err(|e| unreadable(&id, e))?))
 }
 

@@ -6,7 +6,9 @@ use super::message::{
     Advance, Document, FromChild, JobTask, Latest, Named, RobotRead, Series, Spot, Task, ToChild, receive, send,
 };
 use crate::app::{CancelFlag, Code, Error, Exchange, LogFile, inspect, motion, runs};
-use crate::documents::{BaseParametersDocument, RobotDocument, read_identify_request, read_motion_request, robot_document};
+use crate::documents::{
+    BaseParametersDocument, RobotDocument, catalogue_effect, read_identify_request, read_motion_request, robot_document_of,
+};
 use crate::excitation::{Backoff, Found, Point, first_run};
 use crate::formats::logs::log_overview;
 use crate::formats::{Parsed, robot_archive};
@@ -142,9 +144,13 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             let overview = log_overview(&log.path, &log.name).map_err(|e| Error::new(Code::InvalidLog, e.to_string()))?;
             answer(&overview)
         }
-        Task::Robot { document } => answer(&RobotRead::from(robot(document)?)),
+        Task::Robot { document, known } => answer(&RobotRead::from(robot(document, known)?)),
+        Task::Effect { document } => {
+            let read = catalogue_effect(&document.into()).map_err(|e| Error::invalid("the effect", e))?;
+            answer(&read)
+        }
         Task::RobotArchive { bytes } => answer(&robot_archive(&bytes)?),
-        Task::BaseParameters { document } => answer(&BaseParametersDocument::for_robot(&robot(document)?.robot)),
+        Task::BaseParameters { document, known } => answer(&BaseParametersDocument::for_robot(&robot(document, known)?.robot)),
         Task::Report {
             result,
             id,
@@ -189,8 +195,8 @@ fn answer(document: &impl Serialize) -> Result<FromChild, Error> {
     ))
 }
 
-fn robot(document: Document) -> Result<RobotDocument, Error> {
-    robot_document(&document.into()).map_err(|errors| Error::invalid("the robot", errors))
+fn robot(document: Document, known: Named) -> Result<RobotDocument, Error> {
+    robot_document_of(&document.into(), &Known::from(known)).map_err(|errors| Error::invalid("the robot", errors))
 }
 
 fn files(logs: Vec<super::message::Log>) -> Vec<LogFile> {

@@ -110,6 +110,11 @@ pub enum Task {
     /// A robot that is to be kept. Answers with a [`RobotRead`].
     Robot {
         document: Document,
+        known: Named,
+    },
+    /// An own effect that is to be kept in the catalogue, or looked at. Answers with a [`crate::documents::requests::CatalogueEffect`].
+    Effect {
+        document: Document,
     },
     /// A ZIP archive of a robot's file with its meshes. Answers with a [`crate::formats::RobotArchive`].
     RobotArchive {
@@ -119,6 +124,7 @@ pub enum Task {
     /// `GET /robots/{id}/base-parameters`.
     BaseParameters {
         document: Document,
+        known: Named,
     },
     /// `GET /identify/{id}/report`: the result, and what the report says beside it.
     Report {
@@ -287,12 +293,12 @@ impl From<Document> for Parsed {
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Named {
     known: Known,
-    names: Vec<String>,
+    names: [Vec<String>; 2],
 }
 
 impl From<Known> for Named {
     fn from(known: Known) -> Self {
-        let names = known.all_names().to_vec();
+        let names = known.all_names().map(<[String]>::to_vec);
         Self { known, names }
     }
 }

@@ -15,6 +15,7 @@ const FORMAT: u64 = 1;
 /// have found, are not among them: a job that is restored begins again. Nor are the parts of files, which are in the archive as files.
 const TABLES: &[(&str, &[&str])] = &[
     ("robots", &["id", "document", "#updated_us"]),
+    ("effects", &["name", "document", "#updated_us"]),
     (
         "tokens",
         &[
@@ -62,6 +63,9 @@ const TABLES: &[(&str, &[&str])] = &[
     ("idempotency_keys", &["scope", "name", "body", "job"]),
     ("audit", &["#at_us", "request", "token", "who", "action", "robot", "target"]),
 ];
+
+/// Tables that backups of earlier versions do not have: they are empty then.
+const ADDED: [&str; 1] = ["effects"];
 
 fn name(column: &str) -> &str {
     column.trim_start_matches('#')
@@ -164,6 +168,7 @@ pub async fn restore(store: &Store, files: &Files, archive: impl Read + Seek) ->
     let mut transaction = store.begin().await?;
     for (table, columns) in TABLES {
         let lines = tables.get(&format!("tables/{table}.jsonl")).and_then(Value::as_str);
+        let lines = lines.or(ADDED.contains(table).then_some(""));
         let lines = lines.ok_or_else(|| not_ours(&format!("it has no table {table}")))?;
         for line in lines.lines() {
             insert(store, &mut transaction, table, columns, line).await?;

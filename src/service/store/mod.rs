@@ -1,10 +1,11 @@
-//! All SQL: robots, jobs, tokens and the audit log, on SQLite or PostgreSQL with the same statements.
+//! All SQL: robots, effects, jobs, tokens and the audit log, on SQLite or PostgreSQL with the same statements.
 //!
 //! Leases end by the clock of the database, so that machines whose clocks differ agree about them; times that people read are
 //! those of the machine that did the work.
 
 mod audit;
 mod dump;
+mod effects;
 mod files;
 mod found;
 mod jobs;
@@ -16,6 +17,7 @@ mod tokens;
 
 pub use audit::AuditEntry;
 pub use dump::{Amount, backup, restore};
+pub(super) use effects::unreadable as unreadable_effect;
 pub use files::{Files, NewFile, hex, sha256};
 pub use found::{FoundRow, Spent};
 pub use jobs::{JobFilter, JobPlace, JobRow, State};
@@ -39,6 +41,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (3, "expiry_and_names", include_str!("migrations/0003_expiry_and_names.sql")),
     (4, "children", include_str!("migrations/0004_children.sql")),
     (5, "logs", include_str!("migrations/0005_logs.sql")),
+    (6, "effects", include_str!("migrations/0006_effects.sql")),
 ];
 
 type Transaction = sqlx::Transaction<'static, sqlx::Any>;

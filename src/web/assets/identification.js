@@ -18,7 +18,7 @@ const POINTS = 6000;
 const files = { log: [], validation: [] };
 let robots = [];
 const columns = new LogColumns(find('#columns-place'), () => previewSoon());
-const own = new OwnEffects(find('#own-effects-list'), find('#own-effects-add'), () => robots.find((r) => r.id === value('robot'))?.joints ?? []);
+const own = new OwnEffects(find('#own-effects-list'), find('#own-effects-add'), find('#own-effects-choose'), () => robots.find((r) => r.id === value('robot'))?.joints ?? []);
 const ROBOT = 'dynident.robot';
 
 function request() {
@@ -205,6 +205,7 @@ addEventListener('popstate', () => location.reload());
 const query = new URLSearchParams(location.search);
 if (query.get('id')) plotly();
 
+own.look();
 prepare(query)
   .then(() => query.get('after') && sayWhatJoins(query.get('after')))
   .catch((e) => explain(find('#trouble'), e));

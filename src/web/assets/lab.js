@@ -1,6 +1,7 @@
 // Lab: what runs now, what came out lately, which robots there are.
 import { explain, follow, getJson, send, summaryOf } from './api.js';
 import { reached } from './criteria.js';
+import { catalogue, forget, typeset } from './effect-catalogue.js';
 import { fill, find, h, number, said, seconds, table, time, words } from './dom.js';
 import { NAMES, page, state } from './job-words.js';
 import { on } from './known-form.js';
@@ -120,6 +121,24 @@ async function showRobots() {
   ], robots, { caption: 'All robots' }));
 }
 
+/** The catalogue, where it has something. */
+async function showEffects() {
+  const effects = await catalogue();
+  find('#effects-part').hidden = !effects.length;
+  fill(find('#effects'), table([
+    { head: 'Name', cell: (e) => h('span', { class: 'mono' }, e.name), sort: (e) => e.name },
+    { head: 'Torque', cell: (e) => typeset(e) },
+    { head: 'Joint', cell: (e) => e.definition.joint ?? 'of the request', sort: (e) => e.definition.joint ?? '' },
+    { head: 'Part of the model', term: 'own_effect', cell: (e) => (e.definition.declared ? 'declared' : 'tested like every effect') },
+    { head: 'Delete', hidden: true, cell: (e) => h('button', { type: 'button', 'aria-label': `Delete ${e.name}`, onclick: () => remove(e.name) }, 'Delete') },
+  ], effects, { caption: 'Catalogue of own effects' }));
+}
+
+async function remove(name) {
+  if (!confirm(`Delete the effect ${name}? Runs that used it keep its formula.`)) return;
+  await forget(name).then(showEffects).catch((e) => explain(find('#trouble'), e));
+}
+
 /** On an empty server first of all, later out of the way. */
 function invite(jobs) {
   const place = find('#demo-place');
@@ -127,5 +146,5 @@ function invite(jobs) {
   invitation(place, !jobs.length);
 }
 
-Promise.all([refresh().then(invite), showRobots()]).catch((e) => explain(find('#trouble'), e));
+Promise.all([refresh().then(invite), showRobots(), showEffects()]).catch((e) => explain(find('#trouble'), e));
 setInterval(() => document.visibilityState === 'visible' && followed.size === 0 && refresh().catch(() => {}), 5000);

@@ -1,5 +1,6 @@
 // Which column of a log is what, and what will be done to it: a table with a drop-down and a small picture of each series.
 import { fill, h, number, term } from './dom.js';
+import { CHANNEL, LogChannels } from './log-channels.js';
 import { guess, units } from './log-guess.js';
 
 const UNITS = { position: ['rad', 'deg', 'rev', 'm', 'mm'], velocity: ['rad/s', 'deg/s', 'rpm', 'm/s', 'mm/s'], torque: ['N m', 'mN m', 'kN m', 'N', 'A'], time: ['s', 'ms', 'us', 'ns'] };
@@ -13,12 +14,12 @@ const HEADS = { 'Used as': 'column_use', 'Scale and sign': 'column_scale', Becom
 export class LogColumns {
   /** `changed` is called when the mapping has changed. */
   constructor(place, changed) {
-    Object.assign(this, { place, changed, head: null, joints: [], roles: new Map(), units: {}, scale: [], sign: [], touched: false });
+    Object.assign(this, { place, changed, head: null, joints: [], roles: new Map(), units: {}, scale: [], sign: [], touched: false, channels: new LogChannels(() => this.change()) });
   }
 
   /** Shows the columns of a log for a robot {id, joints}; remembers what was chosen for logs with these columns before. */
   show(head, robot) {
-    Object.assign(this, { head, robot, joints: robot.joints, scale: [], sign: [], touched: false, rate: '' });
+    Object.assign(this, { head, robot, joints: robot.joints, scale: [], sign: [], touched: false, rate: '', channels: new LogChannels(() => this.change()) });
     const found = guess(head.columns, robot.joints);
     this.preset = found.preset;
     this.units = units(head.columns, found);
@@ -27,6 +28,7 @@ export class LogColumns {
     QUANTITIES.forEach((q) => found[q]?.forEach((name, j) => this.roles.set(name, `${q} ${j}`)));
     const kept = JSON.parse(localStorage.getItem(this.key()) ?? 'null');
     if (kept) Object.assign(this, { units: kept.units, scale: kept.scale, sign: kept.sign, rate: kept.rate ?? '', roles: new Map(kept.roles), touched: true, preset: 'as last time for this robot' });
+    this.channels.list = kept?.channels ?? [];
     this.draw();
   }
 
@@ -41,7 +43,7 @@ export class LogColumns {
 
   keep() {
     if (!this.touched) return;
-    localStorage.setItem(this.key(), JSON.stringify({ roles: [...this.roles], units: this.units, scale: this.scale, sign: this.sign, rate: this.rate }));
+    localStorage.setItem(this.key(), JSON.stringify({ roles: [...this.roles], units: this.units, scale: this.scale, sign: this.sign, rate: this.rate, channels: this.channels.list }));
   }
 
   named(quantity) {
@@ -75,6 +77,7 @@ export class LogColumns {
       position: { headers: this.named('position'), unit: this.units.position === 'rad' ? undefined : this.units.position },
       velocity: velocity ? { headers: this.named('velocity'), unit: this.units.velocity === 'rad/s' ? undefined : this.units.velocity } : undefined,
       torque: { headers: this.named('torque'), unit: this.units.torque === 'N m' ? undefined : this.units.torque, scale: all(this.scale, 1), sign: all(this.sign, 1) },
+      channels: this.channels.value(),
     };
   }
 
@@ -98,7 +101,7 @@ export class LogColumns {
       h('div', { class: 'row field' }, h('span', {}, term('column_unit', 'Units'), ':'), unit('time', 'time in'), unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
         this.time() ? null : h('label', { class: 'inline' }, 'samples per second', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
       this.units.torque === 'A' ? h('div', { class: this.scale.length ? 'field' : 'notice' }, h('p', {}, 'Currents become torques by ', term('torque_constant', 'N·m per ampere'), ' at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) }))) : null,
-      this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null)));
+      this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null), this.channels.units()));
     if (focused) document.getElementById(focused)?.focus();
   }
 
@@ -112,17 +115,19 @@ export class LogColumns {
     const now = this.roles.get(column.name) ?? '';
     const option = (value, words) => h('option', { value, selected: value === now }, words);
     const select = h('select', { class: 'narrow', id: `role-${column.at}`, 'aria-label': `${column.name}: used as`, disabled: !column.numeric, onchange: () => {
-      // A place has one column: the one that had it before is free again.
-      for (const [name, role] of this.roles) if (role === select.value) this.roles.delete(name);
+      // A place has one column: the one that had it before is free again. Further quantities are as many as there are.
+      for (const [name, role] of this.roles) if (role === select.value && role !== CHANNEL) this.roles.delete(name);
+      this.channels.set(column, select.value === CHANNEL);
       if (select.value) this.roles.set(column.name, select.value);
       else this.roles.delete(column.name);
       this.change();
-    } }, option('', column.numeric ? 'not used' : 'text, not used'), option('time', 'time'), QUANTITIES.map((q) => h('optgroup', { label: q }, this.joints.map((j, at) => option(`${q} ${at}`, `${q} ${j}`)))));
+    } }, option('', column.numeric ? 'not used' : 'text, not used'), option('time', 'time'), QUANTITIES.map((q) => h('optgroup', { label: q }, this.joints.map((j, at) => option(`${q} ${at}`, `${q} ${j}`)))), option(CHANNEL, 'further quantity'));
     return select;
   }
 
   factor(column) {
     const [quantity, at] = (this.roles.get(column.name) ?? '').split(' ');
+    if (quantity === CHANNEL) return this.channels.inputs(column.name);
     if (quantity !== 'torque') return null;
     const j = Number(at);
     return h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('input', { class: 'cell-number', id: `scale-${j}`, inputmode: 'decimal', value: this.scale[j] ?? '', placeholder: this.units.torque === 'A' ? 'N·m/A' : '1', 'aria-label': `${column.name}: scale`, 'data-pointer': '/columns/torque/scale', onchange: (e) => { const v = Number(e.target.value.replace(',', '.')); this.scale[j] = e.target.value.trim() === '' || !Number.isFinite(v) ? undefined : v; this.change(); } }),
@@ -141,6 +146,7 @@ export class LogColumns {
     const role = this.roles.get(column.name);
     if (!role) return '';
     if (role === 'time') return `time${this.units.time === 's' ? '' : `, from ${SHOWN[this.units.time] ?? this.units.time} to s`}`;
+    if (role === CHANNEL) return `${this.channels.of(column.name).name} (${this.channels.of(column.name).unit || '1'})`;
     const [quantity, at] = role.split(' ');
     const si = { position: ['rad', 'm'], velocity: ['rad/s', 'm/s'], torque: ['N m', 'N'] }[quantity];
     const unit = this.units[quantity];

@@ -1,51 +1,71 @@
-// Effects with formulas of the user's own, as a part of a form: every input carries the pointer that errors are named by.
+// Effects with formulas of the user's own: written out, or of the lab's catalogue.
 import { unmarkAround } from './api.js';
 import { fill, h, labelled } from './dom.js';
+import { catalogue, typeset } from './effect-catalogue.js';
+import { OwnEffectForm, definition, entries, jointAndPart } from './own-effect-form.js';
 
-const EXAMPLE = () => ({ name: 'counterbalance', joint: '', expression: 'b*sin(q1 - q0)/sqrt(1 - rho*cos(q1 - q0))', declared: false,
+const EXAMPLE = () => ({ name: 'counterbalance', joint: '', expression: 'b*sin(q - q0)/sqrt(1 - rho*cos(q - q0))', declared: false, channels: [],
   parameters: [{ name: 'b', unit: 'N m', low: '', high: '' }, { name: 'q0', unit: 'rad', low: '-1', high: '1' }, { name: 'rho', unit: '1', low: '0.05', high: '0.995' }] });
-/** What is no number goes to the server as it is, which says so at its field. */
-const numeric = (text) => (text.trim() === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
 
 export class OwnEffects {
-  /** `joints()`: names of the robot's joints. */
-  constructor(place, add, joints) {
-    Object.assign(this, { place, joints, list: [] });
+  /** `place`: where they stand; `add`: the button for a new one; `choose`: the drop-down of the catalogue; `joints()`: names of the robot's joints. */
+  constructor(place, add, choose, joints) {
+    Object.assign(this, { place, choose, joints, list: [], entries: [] });
     add.addEventListener('click', () => { this.list.push(EXAMPLE()); this.draw(); });
+    choose.addEventListener('change', () => this.use(choose.value));
+  }
+
+  /** Looks at the catalogue; one that cannot be read, for want of a token, is shown as empty. */
+  async look() {
+    this.entries = await catalogue().catch(() => []);
+    fill(this.choose, h('option', { value: '' }, 'choose one'), this.entries.map((e) => h('option', { value: e.name }, e.name)));
+    this.choose.closest('.field').hidden = !this.entries.length;
+  }
+
+  /** Names of the catalogue. */
+  get kept() {
+    return this.entries.map((e) => e.name);
+  }
+
+  saved() {
+    return this.look();
+  }
+
+  remove(i) {
+    this.list.splice(i, 1);
+    this.draw();
+  }
+
+  use(name) {
+    const entry = this.entries.find((e) => e.name === name);
+    this.choose.value = '';
+    if (!entry) return;
+    const taken = this.list.map((e) => e.name);
+    const free = [name, ...Array.from({ length: taken.length + 1 }, (_, k) => `${name}_${k + 2}`)].find((n) => !taken.includes(n));
+    this.list.push({ use: name, entry, name: free, joint: entry.definition.joint ?? '', declared: entry.definition.declared ?? false });
+    this.draw();
   }
 
   /** As the request has it; nothing without an effect. */
   value() {
-    const parameter = (p) => ({ name: p.name, unit: p.unit, low: numeric(p.low), high: numeric(p.high) });
-    const one = (e) => ({ ...e, joint: e.joint || this.joints()[0], parameters: e.parameters.map(parameter) });
+    const joint = (e) => (this.joints().includes(e.joint) ? e.joint : this.joints()[0]);
+    const one = (e) => (e.use ? { use: e.use, name: e.name === e.use ? undefined : e.name, joint: joint(e), declared: e.declared } : definition(e, joint(e)));
     return this.list.length ? this.list.map(one) : undefined;
   }
 
   draw() {
-    fill(this.place, this.list.map((effect, i) => this.one(effect, i)));
+    fill(this.place, this.list.map((effect, i) => (effect.use ? this.used(effect, i) : new OwnEffectForm(effect, i, this).draw())));
   }
 
-  input(of, key, pointer, options) {
-    return h('input', { value: of[key], 'data-pointer': pointer, autocomplete: 'off', spellcheck: 'false', oninput: (e) => { of[key] = e.target.value; unmarkAround(e.target); }, ...options });
-  }
-
-  one(effect, i) {
+  /** One of the catalogue: its formula stands there, its joint and name are of this request. */
+  used(effect, i) {
     const at = `/effects/${i}`;
     const id = (part) => `own-${i}-${part}`;
-    const names = this.joints();
-    const joint = h('select', { id: id('joint'), 'data-pointer': `${at}/joint`, onchange: (e) => { effect.joint = e.target.value; } }, names.map((n) => h('option', { value: n, selected: n === (effect.joint || names[0]) }, n)));
-    const declared = h('select', { id: id('declared'), 'data-pointer': `${at}/declared`, onchange: (e) => { effect.declared = e.target.value === 'yes'; } }, [['no', 'tested like every effect'], ['yes', 'declared: in the model']].map(([k, t]) => h('option', { value: k, selected: (k === 'yes') === effect.declared }, t)));
-    const cell = (p, k, key, label) => h('td', {}, h('div', { class: 'field' }, this.input(p, key, `${at}/parameters/${k}/${key}`, { class: 'narrow', 'aria-label': `${label} of parameter ${k + 1}` })));
-    const row = (p, k) => h('tr', {}, [['name', 'Name'], ['unit', 'Unit'], ['low', 'Lowest value'], ['high', 'Highest value']].map(([key, label]) => cell(p, k, key, label)),
-      h('td', {}, h('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${p.name || `parameter ${k + 1}`}`, onclick: () => { effect.parameters.splice(k, 1); this.draw(); } }, '✕')));
-    const head = (text) => h('th', { scope: 'col', 'data-own': '' }, text);
-    return h('fieldset', { 'data-pointer': at }, h('legend', {}, `Own effect ${i + 1}`),
-      h('div', { class: 'halves' }, h('div', { class: 'field' }, labelled('Name', id('name'), 'own_effect'), this.input(effect, 'name', `${at}/name`, { id: id('name') })), h('div', { class: 'field' }, labelled('Joint', id('joint'), 'own_effect'), joint)),
-      h('div', { class: 'field' }, labelled('Torque that it adds', id('expression'), 'own_effect'), this.input(effect, 'expression', `${at}/expression`, { id: id('expression'), class: 'mono' }),
-        h('p', { class: 'help' }, 'q1, qd1, qdd1: position, speed and acceleration of joint 1. + - * / ^, sin cos tan tanh exp ln sqrt abs sign, pi. Every other name is a parameter.')),
-      h('div', { class: 'field', 'data-pointer': `${at}/parameters` }, h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': `Parameters of own effect ${i + 1}` }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, ['Parameter', 'Unit', 'from', 'to'].map(head), h('th', { scope: 'col', 'data-own': '' }, h('span', { class: 'unseen' }, 'Remove')))), h('tbody', {}, effect.parameters.map(row)))),
-        h('p', { class: 'help' }, 'SI units side by side: N m/rad. A range is needed where the formula is not linear in the parameter.')),
-      h('div', { class: 'field' }, labelled('Part of the model', id('declared'), 'own_effect'), declared),
-      h('div', { class: 'actions' }, h('button', { type: 'button', onclick: () => { effect.parameters.push({ name: '', unit: '1', low: '', high: '' }); this.draw(); } }, 'Add a parameter'), h('button', { type: 'button', onclick: () => { this.list.splice(i, 1); this.draw(); } }, 'Remove the effect')));
+    const name = h('input', { id: id('name'), value: effect.name, 'data-pointer': `${at}/name`, autocomplete: 'off', spellcheck: 'false', oninput: (e) => { effect.name = e.target.value; unmarkAround(e.target); } });
+    const copy = () => { this.list[i] = { ...entries(effect.entry.definition), name: effect.name, joint: effect.joint, declared: effect.declared }; this.draw(); };
+    const [joint, part] = jointAndPart(effect, at, id, this.joints());
+    return h('fieldset', { 'data-pointer': at }, h('legend', {}, `Own effect ${i + 1}: ${effect.use} of the lab`), h('p', { class: 'formula' }, typeset(effect.entry)),
+      h('div', { class: 'halves' }, h('div', { class: 'field' }, labelled('Name', id('name'), 'own_effect'), name), joint), part,
+      h('div', { class: 'actions' }, h('button', { type: 'button', onclick: copy }, 'Edit a copy'), h('button', { type: 'button', onclick: () => this.remove(i) }, 'Remove the effect')));
   }
 }

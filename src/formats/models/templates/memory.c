@@ -92,9 +92,9 @@ static void loads(const sample *at, const double *gravity, int with_offset, doub
     rigid_body(q, at->qd, at->qdd, gravity, load);
 }
 
-static void torque_at(const sample *at, const double *z, double *tau)
+static void torque_at(const sample *at, const double *z,@CHANNELS@ double *tau)
 {
-    @PREFIX@_inverse_dynamics(at->q, at->qd, at->qdd, tau);
+    @PREFIX@_inverse_dynamics@AT@(at->q, at->qd, at->qdd,@PASS@ tau);
     for (int i = 0; i < HYSTERESES; i++) {
         int j = HYSTERESIS[i].joint;
         tau[j] += GAIN[j] * HYSTERESIS[i].level * (z[i] - sign(at->qd[j]));
@@ -137,7 +137,7 @@ static void distort(long count, double h, const sample *in, const double *load, 
 
 /* Torques along a whole motion that is known: count samples, sample_time (s) apart, rows of N values. 0 if done, 1 where there is no memory for it or
  * the arguments make no motion. */
-int @PREFIX@_predict(long count, double sample_time, const double *q, const double *qd, const double *qdd, double *tau)
+int @PREFIX@_predict@AT@(long count, double sample_time, const double *q, const double *qd, const double *qdd,@CHANNELS@ double *tau)
 {
     if (count < 1 || !(sample_time > 0.0)) return 1;
     size_t size = (size_t)count;
@@ -162,7 +162,7 @@ int @PREFIX@_predict(long count, double sample_time, const double *q, const doub
         for (long s = 0; s < count; s++) {
             for (int i = 0; i < HYSTERESES && s > 0; i++)
                 z[i] = presliding(z[i], &out[s - 1], &out[s], HYSTERESIS[i].joint, sample_time, HYSTERESIS[i].width);
-            torque_at(&out[s], z, tau + s * N);
+            torque_at(&out[s], z,@PASS_ROW@ tau + s * N);
         }
     }
     free(in);
@@ -206,7 +206,7 @@ static void bend(struct @PREFIX@_state *state, double *back, double load, double
 }
 
 /* Torque for the next sample: the same as predict gives, but for elastic joints, whose loads are differentiated looking back only. */
-void @PREFIX@_step(struct @PREFIX@_state *state, const double *q, const double *qd, const double *qdd, double *tau)
+void @PREFIX@_step@AT@(struct @PREFIX@_state *state, const double *q, const double *qd, const double *qdd,@CHANNELS@ double *tau)
 {
     sample now, out;
     double load[N], delay = 0.0;
@@ -240,7 +240,7 @@ void @PREFIX@_step(struct @PREFIX@_state *state, const double *q, const double *
         else state->z[i] = presliding(state->z[i], &state->before, &out, j, state->sample_time, HYSTERESIS[i].width);
         state->started[i] = state->started[i] || state->z[i] != 0.0;
     }
-    torque_at(&out, state->z, tau);
+    torque_at(&out, state->z,@PASS@ tau);
     state->before = out;
     state->count++;
 }

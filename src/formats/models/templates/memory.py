@@ -57,8 +57,8 @@ def _loads(at, gravity, with_offset):
     return _rigid_body([x + o for x, o in zip(q, OFFSET)] if with_offset else q, qd, qdd, gravity)
 
 
-def _torque_at(at, z):
-    tau = inverse_dynamics(*zip(*at))
+def _torque_at(at, z@CHANNELS@):
+    tau = inverse_dynamics(*zip(*at)@PASS@)
     for (j, level, _), state in zip(HYSTERESIS, z):
         tau[j] += GAIN[j] * level * (state - sign(at[j][1]))
     return tau
@@ -92,9 +92,9 @@ def _distort(motion, load, h):
                 moved.append(motion[first] if at == first else _between(motion[first], motion[first + 1], at - first, h))
         motion = moved
     return motion
+@CHANNEL_ROWS@
 
-
-def predict(q, qd, qdd, sample_time):
+def predict(q, qd, qdd, sample_time@CHANNELS@):
     """Torques along a whole motion that is known: rows of N values, sample_time (s) apart."""
     given = [[(float(x), float(v), float(a)) for x, v, a in zip(*row)] for row in zip(q, qd, qdd)]
     motion = _distort(given, [_loads(at, LEVEL_GRAVITY, False) for at in given], sample_time)
@@ -105,7 +105,7 @@ def predict(q, qd, qdd, sample_time):
     for s, at in enumerate(motion):
         if s > 0:
             z = [_presliding(v, motion[s - 1][j], at[j], sample_time, w) for v, (j, _, w) in zip(z, HYSTERESIS)]
-        torques.append(_torque_at(at, z))
+        torques.append(_torque_at(at, z@PASS_ROW@))
     return torques
 
 
@@ -128,7 +128,7 @@ class Stepper:
         first, second = _cubic(back, reach, float(reach))
         return _bent(at, joint, compliance, load, first / h, second / (h * h))
 
-    def step(self, q, qd, qdd):
+    def step(self, q, qd, qdd@CHANNELS@):
         """Torque for the next sample, N values."""
         # The delay comes first: samples as they are given belong together, bent ones do not.
         now = self._delayed([(float(x), float(v), float(a)) for x, v, a in zip(q, qd, qdd)])
@@ -145,7 +145,7 @@ class Stepper:
             else:
                 self._z[i] = _presliding(self._z[i], self._before[j], at[j], self.sample_time, width)
         self._before = at
-        return _torque_at(at, [z or 0.0 for z in self._z])
+        return _torque_at(at, [z or 0.0 for z in self._z]@PASS@)
 
     def _delayed(self, at):
         ago = sum(value for joint, value in DISTORTION if joint < 0) / self.sample_time

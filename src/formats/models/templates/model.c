@@ -3,12 +3,12 @@
  *   void @PREFIX@_inverse_dynamics(const double *q, const double *qd, const double *qdd, double *tau);
  *   void @PREFIX@_gravity(const double *q, double *tau);
  *   void @PREFIX@_mass_matrix(const double *q, double *m);   N x N, row by row
-@DECLARATIONS@ */
+@DECLARATIONS@@CHANNEL_DECLARATIONS@ */
 #include <math.h>
 #include <string.h>
 
 @TABLES@
-static double sign(double x) { return (double)((x > 0.0) - (x < 0.0)); }
+@CHANNEL_HELPER@static double sign(double x) { return (double)((x > 0.0) - (x < 0.0)); }
 
 static double clamp(double x) { return x > 1.0 ? 1.0 : (x < -1.0 ? -1.0 : x); }
 
@@ -91,7 +91,7 @@ static void rigid_body(const double *q, const double *qd, const double *qdd, con
     }
 }
 
-void @PREFIX@_inverse_dynamics(const double *position, const double *qd, const double *qdd, double *tau)
+void @PREFIX@_inverse_dynamics@AT@(const double *position, const double *qd, const double *qdd,@CHANNELS@ double *tau)
 {
     double q[N], rigid[N], declared[N];
     for (int k = 0; k < N; k++) q[k] = position[k] + OFFSET[k];
@@ -99,16 +99,16 @@ void @PREFIX@_inverse_dynamics(const double *position, const double *qd, const d
     for (int k = 0; k < N; k++) declared[k] = rigid[k] + VISCOUS[k] * qd[k] + COULOMB[k] * sign(qd[k]);
     memcpy(tau, declared, sizeof declared);
 @EFFECTS@    for (int k = 0; k < N; k++) tau[k] *= GAIN[k];
-    (void)clamp;
+@UNUSED@    (void)clamp;
 }
 
-void @PREFIX@_gravity(const double *position, double *tau)
+void @PREFIX@_gravity@AT@(const double *position,@CHANNELS@ double *tau)
 {
     static const double still[N] = {0};
-    @PREFIX@_inverse_dynamics(position, still, still, tau);
+    @PREFIX@_inverse_dynamics@AT@(position, still, still,@PASS@ tau);
 }
 
-void @PREFIX@_mass_matrix(const double *position, double *out)
+void @PREFIX@_mass_matrix@AT@(const double *position,@CHANNELS@ double *out)
 {
     static const double still[N] = {0}, none[3] = {0};
     double q[N], r[N][N], m[N][N];
@@ -120,7 +120,7 @@ void @PREFIX@_mass_matrix(const double *position, double *out)
         for (int k = 0; k < N; k++) r[k][c] = column[k];
     }
     memcpy(m, r, sizeof m);
-@MASS@    for (int k = 0; k < N; k++)
+@UNUSED@@MASS@    for (int k = 0; k < N; k++)
         for (int c = 0; c < N; c++) out[k * N + c] = GAIN[k] * m[k][c];
 }
-@MEMORY_PART@
+@OVERLOADS@@MEMORY_PART@@MEMORY_OVERLOADS@

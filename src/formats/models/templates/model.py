@@ -1,6 +1,6 @@
 from math import ceil, cos, exp, fabs, floor, log, pow, sin, sqrt, tan, tanh
 
-@TABLES@
+@TABLES@@CHANNEL_HELPER@
 
 def sign(x):
     return (x > 0) - (x < 0)
@@ -57,7 +57,7 @@ def _rigid_body(q, qd, qdd, gravity):
     return tau
 
 
-def inverse_dynamics(q, qd, qdd):
+def inverse_dynamics(q, qd, qdd@CHANNELS@):
     """Torque of the joints, N values, for N positions, velocities and accelerations."""
     q, qd, qdd = ([float(x) for x in values] for values in (q, qd, qdd))
     q = [x + o for x, o in zip(q, OFFSET)]
@@ -67,12 +67,12 @@ def inverse_dynamics(q, qd, qdd):
 @EFFECTS@    return [g * t for g, t in zip(GAIN, tau)]
 
 
-def gravity(q):
+def gravity(q@CHANNELS@):
     """Torque that holds the arm still, N values."""
-    return inverse_dynamics(q, [0.0] * N, [0.0] * N)
+    return inverse_dynamics(q, [0.0] * N, [0.0] * N@PASS@)
 
 
-def mass_matrix(q):
+def mass_matrix(q@CHANNELS@):
     """N rows of N values."""
     q = [float(x) + o for x, o in zip(q, OFFSET)]
     columns = [_rigid_body(q, [0.0] * N, [float(i == c) for i in range(N)], (0.0, 0.0, 0.0)) for c in range(N)]

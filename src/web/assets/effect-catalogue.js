@@ -1,0 +1,48 @@
+// The lab's catalogue of own effects.
+import { Refused, getJson, postJson, send } from './api.js';
+import { formula } from './expression.js';
+import { fill, h, sentence } from './dom.js';
+
+export const catalogue = async () => (await getJson('/effects')).effects;
+
+/** Keeps a definition under its name, in the place of the one that had it. */
+export async function keep(definition) {
+  if (!definition.name) throw new Refused({ detail: 'The effect has no name.', errors: [{ pointer: '/name', detail: 'is missing', hint: 'requests and robots use it by this name' }] });
+  return send(`/effects/${encodeURIComponent(definition.name)}`, { method: 'PUT', headers: { 'content-type': 'application/json' }, body: JSON.stringify(definition) });
+}
+
+export const forget = (name) => send(`/effects/${encodeURIComponent(name)}`, { method: 'DELETE' });
+
+/** The formula as browsers set it, fractions in full size; its text where it cannot be set. */
+export function typeset({ mathml, definition }) {
+  const set = mathml ? formula(mathml) : null;
+  set?.setAttribute('displaystyle', 'true');
+  return set ?? h('span', { class: 'mono' }, definition.expression);
+}
+
+/** Shows a definition as a formula at `place` a moment after it was last changed, or the first thing that is wrong with it. */
+export class Preview {
+  constructor(definition) {
+    Object.assign(this, { definition, place: h('p', { class: 'formula' }), asked: 0, waiting: null });
+    this.show();
+  }
+
+  soon() {
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.show(), 400);
+  }
+
+  async show() {
+    this.asked += 1;
+    const { asked } = this;
+    // Its name does not change how it is set.
+    const shown = await postJson('/effect-preview', { ...this.definition(), name: 'preview' }).then(typeset, (error) => h('span', { class: 'soft' }, wrong(error)));
+    if (asked === this.asked) fill(this.place, shown);
+  }
+}
+
+function wrong({ problem }) {
+  const [first] = problem?.errors ?? [];
+  if (!first) return problem?.detail ?? 'The formula cannot be shown.';
+  return sentence(`${first.pointer.replace(/^\//, '').replaceAll('/', ' ')} ${first.detail}`);
+}
