@@ -1,7 +1,7 @@
 //! What each criterion is worth in the others, and in the torque it predicts, on the iiwa 14.
 //!
-//! `cargo bench --bench criteria -- [seconds per search]`. Noise is that of the published experiment, one standard deviation per joint; the
-//! torque error is i_optimality itself: expected over random states within the limits, from one period.
+//! `cargo bench --bench criteria -- [seconds per search]`. Noise is that of the published experiment, one standard deviation per
+//! joint; the torque error is i_optimality itself: expected over random states within the limits, from one period.
 
 use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::excitation::*;

@@ -1,4 +1,5 @@
-//! What a tracing costs: seven joints, a spring on the fourth hidden, from a short log of repeated periods to a long one, and one without periods.
+//! What a tracing costs: seven joints, a spring on the fourth hidden, from a short log of repeated periods to a long one, and one
+//! without periods.
 //!
 //! `cargo bench --bench trace`
 

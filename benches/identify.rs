@@ -1,5 +1,6 @@
-//! From a log of the paper's size (16 periods of 10 s at 1 kHz, seven joints: 160,000 rows of 15 numbers) to parameters: time and memory,
-//! beside the same chain in pandas, SciPy and Pinocchio (`benches/identify_reference.py`; left out where those are not installed).
+//! From a log of the paper's size (16 periods of 10 s at 1 kHz, seven joints: 160,000 rows of 15 numbers) to parameters: time and
+//! memory, beside the same chain in pandas, SciPy and Pinocchio (`benches/identify_reference.py`; left out where those are not
+//! installed).
 //!
 //! `cargo bench --bench identify [-- repetitions]`. Every run is a process of its own, so that its peak memory is its own.
 //! `PYTHON` names the interpreter, `python3` if it is not set.

@@ -1,11 +1,12 @@
 //! Ours and other libraries on the same robot and motion, in one run: `cargo bench --bench peers [-- rounds]`.
 //!
-//! Peers are left out by name where they are not installed. Pinocchio's C++ interface is compiled here against the headers of its wheel (`scripts/setup test`
-//! installs that; Debian's `libeigen3-dev` is needed beside it), with `-O3 -march=native`; Python's interpreter is `PYTHON`, else that of
-//! the wheel: `pip install cvxpy figaroh` there adds two peers. Ours is the release profile, with vector widths chosen at run time.
+//! Peers are left out by name where they are not installed. Pinocchio's C++ interface is compiled here against the headers of its
+//! wheel (`scripts/setup test` installs that; Debian's `libeigen3-dev` is needed beside it), with `-O3 -march=native`; Python's
+//! interpreter is `PYTHON`, else that of the wheel: `pip install cvxpy figaroh` there adds two peers. Ours is the release
+//! profile, with vector widths chosen at run time.
 //!
-//! The peers take turns, round by round of the whole list; ratios are those of the medians, with the least and largest ratio of two rounds. Absolute times say little on a
-//! machine that has other work.
+//! The peers take turns, round by round of the whole list; ratios are those of the medians, with the least and largest ratio of
+//! two rounds. Absolute times say little on a machine that has other work.
 
 #[path = "../tests/instructions/problem.rs"]
 mod problem;
@@ -216,7 +217,8 @@ fn bodies_objective(robot: &Robot) -> FitObjective {
     FitObjective::new(&found.base, &found.normals, &found.estimate.values)
 }
 
-/// One evaluation in a search on the paper's problem, solver and projection onto the limits included [µs per sample: local solves go over 100 of them].
+/// One evaluation in a search on the paper's problem, solver and projection onto the limits included [µs per sample: local solves
+/// go over 100 of them].
 fn evaluation() -> f64 {
     let begun = Instant::now();
     let evaluations = paper_search(2000);

@@ -1,7 +1,9 @@
-//! Designs held against their limits at 100,000 samples per second, by arithmetic that shares nothing with the proof of the margins.
+//! Designs held against their limits at 100,000 samples per second, by arithmetic that shares nothing with the proof of the
+//! margins.
 //!
-//! `cargo run --release --example dense_sampling -- [random designs] [optimised designs]`, 10000 and 100 if left out. Every sample of every joint
-//! of every design is a sum of the harmonics at that moment: a table of sines and cosines, multiplied with the coefficients.
+//! `cargo run --release --example dense_sampling -- [random designs] [optimised designs]`, 10000 and 100 if left out. Every
+//! sample of every joint of every design is a sum of the harmonics at that moment: a table of sines and cosines, multiplied with
+//! the coefficients.
 
 use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Chain, Coulomb, Motion, inverse_dynamics_batch};
@@ -114,7 +116,8 @@ fn widen([low, high]: &mut [f64; 2], values: &[f64]) {
     *high = most.iter().chain(rest).fold(*high, |m, &v| m.max(v));
 }
 
-/// Largest part of the way from the middle of its range to a limit, over all samples of all curves, and how many curves exceed one.
+/// Largest part of the way from the middle of its range to a limit, over all samples of all curves, and how many curves exceed
+/// one.
 fn sampled(curves: &[Curve], period_s: f64) -> (f64, usize) {
     let samples = (period_s * RATE_HZ).round() as usize;
     let tiles = samples.div_ceil(TILE);

@@ -1,6 +1,6 @@
-//! The published experiment again, on a virtual robot: Table 3's parameters, an excitation trajectory under the paper's constraints, 16
-//! periods of 10 s at 1 kHz, the paper's filters, its (9) and (10a–d), and its four validation trajectories. Prints the paper's Tables 2,
-//! 3 and 4 in Markdown, with the paper's own numbers beside them.
+//! The published experiment again, on a virtual robot: Table 3's parameters, an excitation trajectory under the paper's
+//! constraints, 16 periods of 10 s at 1 kHz, the paper's filters, its (9) and (10a–d), and its four validation trajectories.
+//! Prints the paper's Tables 2, 3 and 4 in Markdown, with the paper's own numbers beside them.
 //!
 //! `cargo run --release --example paper_experiment [evaluations of the excitation search]`
 

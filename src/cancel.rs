@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A switch that ends a running computation; clones are the same switch.
 ///
-/// Loops that may take long call [`leave_if_set`](Self::leave_if_set), and whoever started them gets the end as a value by [`run`](Self::run).
+/// Loops that may take long call [`leave_if_set`](Self::leave_if_set), and whoever started them gets the end as a value by
+/// [`run`](Self::run).
 #[derive(Debug, Clone, Default)]
 pub struct CancelFlag(Arc<AtomicBool>);
 
@@ -25,8 +26,8 @@ impl CancelFlag {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Ends the computation around it where the switch is set: the stack is unwound to [`run`](Self::run), over threads of a pool too. No half result is made
-    /// that somebody could take for a whole one, and nothing is printed: this is no panic.
+    /// Ends the computation around it where the switch is set: the stack is unwound to [`run`](Self::run), over threads of a pool
+    /// too. No half result is made that somebody could take for a whole one, and nothing is printed: this is no panic.
     pub fn leave_if_set(&self) {
         if self.is_cancelled() {
             resume_unwind(Box::new(Cancelled));

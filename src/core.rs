@@ -1,5 +1,6 @@
-//! The numerical core of [dynident](https://docs.rs/dynident): everything that is pure. No clock, no environment, no files, nothing asynchronous; seeds, progress and
-//! cancellation are handed in. The crate `dynident` hands all of it on and documents it.
+//! The numerical core of [dynident](https://docs.rs/dynident): everything that is pure. No clock, no environment, no files,
+//! nothing asynchronous; seeds, progress and cancellation are handed in. The crate `dynident` hands all of it on and documents
+//! it.
 
 #![warn(missing_docs)]
 

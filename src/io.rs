@@ -1,4 +1,5 @@
-//! Files and documents to and from the types of the core, and the use cases on them. The crate `dynident` hands all of it on and documents it.
+//! Files and documents to and from the types of the core, and the use cases on them. The crate `dynident` hands all of it on and
+//! documents it.
 
 #![warn(missing_docs)]
 

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! with the standard parameters `phi` (mass, first moments, inertia, friction of every link) and the smaller set `pi_b` of base
-//! parameters that motion can tell apart. To measure `pi_b` the arm moves along a periodic trajectory whose stacked regressor is well
-//! conditioned: of all finite Fourier series
+//! parameters that motion can tell apart. To measure `pi_b` the arm moves along a periodic trajectory whose stacked regressor is
+//! well conditioned: of all finite Fourier series
 //!
 //! ```text
 //! q_i(t) = offset_i + Σ_l a_il/(ω l) sin(ω l t) − b_il/(ω l) cos(ω l t)

@@ -1,7 +1,7 @@
 //! Diagnoses the residual of a declared model.
 //!
-//! `trace_logs measured DIRECTORY [NAME…]`: logs of real robots, the directory as of the data's documentation. `trace_logs virtual DIRECTORY…`: logs of
-//! an iiwa 14, each directory with `identify.csv.gz` and `validate.csv.gz`.
+//! `trace_logs measured DIRECTORY [NAME…]`: logs of real robots, the directory as of the data's documentation.
+//! `trace_logs virtual DIRECTORY…`: logs of an iiwa 14, each directory with `identify.csv.gz` and `validate.csv.gz`.
 
 mod measured;
 mod show;

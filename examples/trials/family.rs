@@ -1,5 +1,5 @@
-//! The family of virtual logs: the iiwa 14 with the published parameters, one, two or three effects that nobody declared, on random
-//! joints, of sizes from just visible to large.
+//! The family of virtual logs: the iiwa 14 with the published parameters, one, two or three effects that nobody declared, on
+//! random joints, of sizes from just visible to large.
 
 use crate::bench::*;
 use crate::judge::{Mark, judge, outcome_text};

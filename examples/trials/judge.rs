@@ -1,5 +1,5 @@
-//! What was hidden, and whether it was found: effect and joint named, values within three standard deviations, held-out errors at the noise,
-//! and nothing else named. The right one among the rivals counts half.
+//! What was hidden, and whether it was found: effect and joint named, values within three standard deviations, held-out errors at
+//! the noise, and nothing else named. The right one among the rivals counts half.
 
 use crate::bench::noise_levels;
 use dynident::diagnosis::{Diagnosis, Finding};
@@ -227,8 +227,8 @@ fn remainder(outcome: &Diagnosis, truth: &Truth) -> (Mark, Option<String>) {
     }
 }
 
-/// Whether the held-out error of a joint stays more than a tenth above its noise. What is not explained stays; a contact is over, and a drift
-/// begins again with every log.
+/// Whether the held-out error of a joint stays more than a tenth above its noise. What is not explained stays; a contact is over,
+/// and a drift begins again with every log.
 fn held_out(outcome: &Diagnosis, hidden: &[HiddenEffect]) -> Option<String> {
     let stays = |h: &HiddenEffect| {
         matches!(

@@ -5,7 +5,8 @@
 //! - `trials confusion [REPEATS] [CODE…]`: what is found for what was hidden.
 //! - `trials nothing COUNT [FIRST]`: logs with nothing in them.
 //! - `trials grid [CODE…]`: every effect on three joints at three sizes. `trials pairs [COUNT [FIRST]]`.
-//! - `trials mountings [SEEDS [FIRST]]`: gravity along the axes and space diagonals. `trials rotors [SEEDS [FIRST]]`: a rotor inertia on every joint.
+//! - `trials mountings [SEEDS [FIRST]]`: gravity along the axes and space diagonals. `trials rotors [SEEDS [FIRST]]`: a rotor
+//!   inertia on every joint.
 
 #[path = "../../tests/effects/bench/mod.rs"]
 mod bench;

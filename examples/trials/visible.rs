@@ -1,4 +1,5 @@
-//! How well an effect can be seen at all: the size of what it adds beside the noise, after the base parameters have hidden what they can.
+//! How well an effect can be seen at all: the size of what it adds beside the noise, after the base parameters have hidden what
+//! they can.
 
 use crate::bench::*;
 use dynident::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
@@ -45,8 +46,8 @@ impl<'a> Sight<'a> {
         }
     }
 
-    /// Root of the sum of squares that the effect adds beyond the reach of the base parameters, in units of the noise: the mean over the periods and
-    /// what they do apart from it.
+    /// Root of the sum of squares that the effect adds beyond the reach of the base parameters, in units of the noise: the mean
+    /// over the periods and what they do apart from it.
     pub fn at(&self, hidden: &Hidden, size: f64) -> f64 {
         let (n, quiet) = (self.robot.joint_count(), Noise::white(vec![0.0; self.robot.joint_count()]));
         let excitation = wide_excitation(self.robot, self.seed);

@@ -10,8 +10,8 @@ use crate::regression::{AugmentedModel, Term};
 use crate::trajectory::FourierSeries;
 use std::sync::Arc;
 
-/// Torque noise of an arm of which nothing is said, as part of the largest torque of each joint: a thousandth. Torque sensors in joints resolve that (0.3 N m of the
-/// 320 N m of an iiwa's first joints); motor currents scatter by several times as much.
+/// Torque noise of an arm of which nothing is said, as part of the largest torque of each joint: a thousandth. Torque sensors in
+/// joints resolve that (0.3 N m of the 320 N m of an iiwa's first joints); motor currents scatter by several times as much.
 const NOISE_SHARE: f64 = 1e-3;
 
 /// Fewer do not measure the noise.
@@ -78,7 +78,8 @@ fn model(request: &ExcitationRequest) -> AugmentedModel {
     }
 }
 
-/// The model with the declared effects of the robot, which an identification of the recording has from the start, at the middle of what it searches.
+/// The model with the declared effects of the robot, which an identification of the recording has from the start, at the middle
+/// of what it searches.
 fn with_declared(mut model: AugmentedModel, own: &[Arc<OwnEffect>]) -> AugmentedModel {
     let is_known = |effect: &OwnEffect| {
         let names = model.terms.iter().filter_map(|t| t.effect.own());

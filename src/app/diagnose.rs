@@ -12,12 +12,14 @@ use crate::model::Robot;
 use crate::preparation::Exclusion;
 use nalgebra::Vector3;
 
-/// With joints in another order, mixed-up units or a column that was not recorded nothing physical can be said: the faults are all that is reported.
+/// With joints in another order, mixed-up units or a column that was not recorded nothing physical can be said: the faults are
+/// all that is reported.
 pub(super) fn beyond_repair(faults: &[DataFault]) -> bool {
     faults.iter().any(|f| f.remedy == Remedy::Nothing)
 }
 
-/// Puts the faults of the data into the report. Beyond repair the search was not made, and that it found nothing does not say that nothing is missing.
+/// Puts the faults of the data into the report. Beyond repair the search was not made, and that it found nothing does not say
+/// that nothing is missing.
 pub(super) fn report_faults(report: &mut ResidualReport, faults: Vec<DataFault>) {
     if beyond_repair(&faults) {
         report.verdict = Verdict::Unexplained;
@@ -28,8 +30,8 @@ pub(super) fn report_faults(report: &mut ResidualReport, faults: Vec<DataFault>)
 /// Where the logs say that gravity points, if that is another mounting than the declared one.
 pub(super) fn mounted(robot: &Robot, logs: &[UsedLog], cancel: &CancelFlag) -> Option<Mounting> {
     let read: Vec<(&Motion, &[Vec<f64>])> = logs.iter().map(|l| (&*l.prepared.motion, &l.prepared.torque[..])).collect();
-    // Positions in degrees, and torques without gravity or in other units, say nothing of its direction; a missing torque column leaves too little of an arm
-    // to accuse its mounting.
+    // Positions in degrees, and torques without gravity or in other units, say nothing of its direction; a missing torque column
+    // leaves too little of an arm to accuse its mounting.
     let misread = logs.iter().any(|l| {
         cancel.leave_if_set();
         if l.prepared.excluded.iter().flatten().any(|e| *e != Exclusion::Still) {

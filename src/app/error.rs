@@ -94,7 +94,8 @@ pub enum Code {
     Internal,
 }
 
-/// Exit status of the command line by kind of error; outcomes of a search have their own: 3 infeasible, 4 cancelled with the best found.
+/// Exit status of the command line by kind of error; outcomes of a search have their own: 3 infeasible, 4 cancelled with the best
+/// found.
 pub const EXIT_INTERNAL: u8 = 1;
 /// The input or the request cannot be used.
 pub const EXIT_BAD_INPUT: u8 = 2;

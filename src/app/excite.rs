@@ -45,7 +45,8 @@ impl Runs {
     }
 }
 
-/// Run-in and run-out of `series` within all limits of the problem, each the first half of the period of a series and a whole number of samples at `rate_hz`.
+/// Run-in and run-out of `series` within all limits of the problem, each the first half of the period of a series and a whole
+/// number of samples at `rate_hz`.
 ///
 /// # Errors
 /// `invalid_document` for a pose of another robot or beyond its limits; `no_trajectory` where a limit does not hold on the way.
@@ -116,8 +117,8 @@ pub trait Exchange: Sync {
     fn others(&self) -> Vec<Point>;
 }
 
-/// Searches until the search itself ends, its time limit is over, or `cancel` is set; the last two are honoured within a second and
-/// keep the best trajectory found.
+/// Searches until the search itself ends, its time limit is over, or `cancel` is set; the last two are honoured within a second
+/// and keep the best trajectory found.
 ///
 /// `observe` is called after every local solve, from many threads.
 pub fn excite(request: &ExcitationRequest, cancel: &CancelFlag, observe: &(dyn Fn(&Progress) + Sync)) -> Excited {
@@ -203,7 +204,8 @@ impl Course<'_> {
         found
     }
 
-    /// The best over the fundamentals to choose from: half of the time for all of them alike, the other half for going on from the best.
+    /// The best over the fundamentals to choose from: half of the time for all of them alike, the other half for going on from
+    /// the best.
     fn best_fundamental(&self, spec: &ProblemSpec, index: usize, share: f64) -> (Problem, Design) {
         let earlier = self.request.earlier.as_ref().filter(|_| index == 0);
         let fundamentals = &self.request.fundamentals[..];

@@ -148,7 +148,8 @@ mod tests {
         assert!(gap < 1e-12 && drawn.time[10] == 2.0);
     }
 
-    /// What a page is handed to edit is the robot that it asked about: shape, knowledge and all, whatever axis its joints turn about.
+    /// What a page is handed to edit is the robot that it asked about: shape, knowledge and all, whatever axis its joints turn
+    /// about.
     #[test]
     fn prop_a_description_reads_back_as_the_same_robot() {
         let text = r#"{"robot": {"name": "arm", "gravity": [0, 3, -9], "friction": ["viscous"], "joints": [

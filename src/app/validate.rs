@@ -25,8 +25,8 @@ pub struct Validated {
 }
 
 impl Validated {
-    /// Measured and predicted torques over time, as many points of every joint as the request asks for; no part of [`validate`], so that the
-    /// errors can be stored before anything is made for pictures.
+    /// Measured and predicted torques over time, as many points of every joint as the request asks for; no part of [`validate`],
+    /// so that the errors can be stored before anything is made for pictures.
     ///
     /// # Errors
     /// `drawing_failed`: the result is as good without them.

@@ -34,11 +34,12 @@ pub struct Arguments {
     /// Model with effects to design for: JSON as `identify --model` writes it; replaces the one in the request.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// What there is already and the new trajectory complements: JSON models or results of designs; adds to `given` of the request.
+    /// What there is already and the new trajectory complements: JSON models or results of designs; adds to `given` of the
+    /// request.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     given: Vec<PathBuf>,
-    /// Also write the sampled motion, in the format of the name's ending: .csv (time, q1…, qd1…, qdd1…), .json (JointTrajectory of ROS 2), .yaml
-    /// (FollowJointTrajectory goal), .script (URScript servoj), .mcap (JointState messages), .npz (NumPy).
+    /// Also write the sampled motion, in the format of the name's ending: .csv (time, q1…, qd1…, qdd1…), .json (JointTrajectory
+    /// of ROS 2), .yaml (FollowJointTrajectory goal), .script (URScript servoj), .mcap (JointState messages), .npz (NumPy).
     #[arg(long, value_name = "FILE")]
     trajectory: Option<PathBuf>,
     /// Samples per second of that file; the rate of the request if left out.
@@ -47,8 +48,8 @@ pub struct Arguments {
     /// Periods of that file.
     #[arg(long, value_name = "NUMBER", requires = "trajectory", default_value_t = 1)]
     periods: usize,
-    /// Pose at rest that the trajectory file begins and ends at: positions of the joints (rad or m), comma-separated. The ways into the motion and out of it keep every
-    /// limit of the design.
+    /// Pose at rest that the trajectory file begins and ends at: positions of the joints (rad or m), comma-separated. The ways
+    /// into the motion and out of it keep every limit of the design.
     #[arg(
         long,
         value_name = "Q1,Q2,…",

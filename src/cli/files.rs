@@ -90,7 +90,8 @@ impl ChainArguments {
     }
 }
 
-/// A robot by the name of one that comes with the program, or from a file (JSON, URDF, MJCF, or a ZIP archive of a URDF file and its meshes).
+/// A robot by the name of one that comes with the program, or from a file (JSON, URDF, MJCF, or a ZIP archive of a URDF file and
+/// its meshes).
 pub fn robot(name_or_file: &str, chain: &ChainArguments) -> Result<Parsed, Error> {
     let mut parsed = named_robot(name_or_file)?;
     chain.put(&mut parsed.value)?;
@@ -124,7 +125,8 @@ fn named_robot(name_or_file: &str) -> Result<Parsed, Error> {
 /// Largest mesh that is read (bytes): a million triangles.
 const LARGEST_MESH: u64 = 64 << 20;
 
-/// A mesh by its name in a robot's file: relative to the file, or of a package that one of the folders around the file is or holds.
+/// A mesh by its name in a robot's file: relative to the file, or of a package that one of the folders around the file is or
+/// holds.
 fn mesh_beside(robot: &Path, name: &str) -> Option<Vec<u8>> {
     let folder = robot.parent()?;
     let in_package = name.strip_prefix("package://");

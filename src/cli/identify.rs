@@ -23,7 +23,8 @@ pub struct Arguments {
     chain: files::ChainArguments,
     #[command(flatten)]
     effects: EffectArguments,
-    /// Log to identify from (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may be given several times.
+    /// Log to identify from (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may
+    /// be given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
     /// Log to validate with, which the fit does not see; may be given several times.
@@ -35,14 +36,15 @@ pub struct Arguments {
     /// Where the result goes; standard output if left out.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Where the identified model goes, in the format of the file's ending: .json (for `validate`), .urdf, .xml (MJCF), .sdf, .csv, .c, .py; may be given
-    /// several times.
+    /// Where the identified model goes, in the format of the file's ending: .json (for `validate`), .urdf, .xml (MJCF), .sdf,
+    /// .csv, .c, .py; may be given several times.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     model: Vec<PathBuf>,
     /// Where the identified model goes as URDF.
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
-    /// URDF file of your own: the models that are written as URDF are this file with the identified bodies put in, all else as it is.
+    /// URDF file of your own: the models that are written as URDF are this file with the identified bodies put in, all else as it
+    /// is.
     #[arg(long, value_name = "FILE")]
     patch_urdf: Option<PathBuf>,
     /// Where the report goes: one HTML file that stands alone and prints.
@@ -145,7 +147,8 @@ fn write_model(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
         .try_for_each(|(path, format)| model::write(path, format, files, &own))
 }
 
-/// The report and the pictures that were asked for. One that fails does not keep the others from being made; the first error is reported.
+/// The report and the pictures that were asked for. One that fails does not keep the others from being made; the first error is
+/// reported.
 fn draw(arguments: &Arguments, found: &Identified) -> Result<(), Error> {
     let report = match &arguments.report {
         Some(path) => write_report(path, &found.document),

@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 /// Where own effects come from that are called by name.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct EffectArguments {
-    /// Own effects that requests and robots call by name: a JSON file with one definition or a list of them, or the answer of GET /effects; may be given several times.
+    /// Own effects that requests and robots call by name: a JSON file with one definition or a list of them, or the answer of GET
+    /// /effects; may be given several times.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     effects: Vec<PathBuf>,
 }

@@ -13,7 +13,8 @@ pub struct Arguments {
     /// Log: CSV, NPZ, MATLAB, Parquet, MCAP or rosbag2, plain, gzip or Zstandard.
     #[arg(value_name = "FILE")]
     log: PathBuf,
-    /// Robot that the log is of, to see which column is taken for which joint: a file, or the name of one that comes with the program.
+    /// Robot that the log is of, to see which column is taken for which joint: a file, or the name of one that comes with the
+    /// program.
     #[arg(long, value_name = "FILE|NAME")]
     robot: Option<String>,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! The command line: the same documents as over HTTP, no server needed.
 //!
-//! Exit status: 0 done; 1 an error inside; 2 wrong usage or input; 3 the problem is infeasible; 4 cancelled, the best trajectory found so
-//! far is written, of an identification nothing.
+//! Exit status: 0 done; 1 an error inside; 2 wrong usage or input; 3 the problem is infeasible; 4 cancelled, the best trajectory
+//! found so far is written, of an identification nothing.
 
 mod base_parameters;
 #[cfg(feature = "service")]
@@ -129,8 +129,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Runs the program with these arguments, the first of which is its name, and returns the exit status: for whoever runs many commands in one
-/// process. Ctrl-C ends all of them.
+/// Runs the program with these arguments, the first of which is its name, and returns the exit status: for whoever runs many
+/// commands in one process. Ctrl-C ends all of them.
 ///
 /// # Errors
 /// What the program would print as an error; its exit status is that of the code.

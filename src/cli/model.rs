@@ -10,7 +10,8 @@ pub struct Arguments {
     /// JSON model of an identification.
     #[arg(value_name = "MODEL")]
     model: PathBuf,
-    /// Where the model goes, in the format of the file's ending: .urdf, .xml (MJCF), .sdf, .csv, .c, .py; may be given several times.
+    /// Where the model goes, in the format of the file's ending: .urdf, .xml (MJCF), .sdf, .csv, .c, .py; may be given several
+    /// times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     out: Vec<PathBuf>,
     /// URDF file of your own: what is written as URDF is this file with the identified bodies put in, all else as it is.

@@ -112,7 +112,8 @@ fn limits_used(text: &mut String, design: &DesignDocument) {
     }
 }
 
-/// The smallest size of every effect that a recording is predicted to reveal, a line per effect and parameter, and what it takes for what.
+/// The smallest size of every effect that a recording is predicted to reveal, a line per effect and parameter, and what it takes
+/// for what.
 fn would_reveal(text: &mut String, design: &DesignDocument) {
     let Some(found) = &design.detectable else { return };
     let percent = 100.0 * found.power;

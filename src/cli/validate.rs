@@ -19,7 +19,8 @@ pub struct Arguments {
     chain: files::ChainArguments,
     #[command(flatten)]
     effects: EffectArguments,
-    /// Log to predict (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may be given several times.
+    /// Log to predict (CSV, NPZ, MATLAB, Parquet, MCAP, rosbag2; gzip and Zstandard as they are, folders of rosbag2); may be
+    /// given several times.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     log: Vec<PathBuf>,
     /// Request: a JSON file with `columns`, `preprocess`, `period_s`; all defaults if left out.

@@ -35,7 +35,8 @@ impl Course<'_> {
             true => verdict(decided.stay + separated.found.len(), remainder.is_some(), doubtful),
             false => Verdict::Unexplained,
         };
-        // Errors are reported without drift and contacts, which are explained; what nothing explains is left out of the fits alone.
+        // Errors are reported without drift and contacts, which are explained; what nothing explains is left out of the fits
+        // alone.
         let reported = match separated.found.is_empty() {
             true => self.measured,
             false => &separated.explained[..],
@@ -183,7 +184,8 @@ fn rate(stretches: &[Stretch]) -> f64 {
     stretches.first().map_or(f64::NAN, of)
 }
 
-/// `doubtful`: an effect did not stay, or held-out data do not confirm what stays. Then not all is explained, whatever the fit says.
+/// `doubtful`: an effect did not stay, or held-out data do not confirm what stays. Then not all is explained, whatever the fit
+/// says.
 fn verdict(findings: usize, something_left: bool, doubtful: bool) -> Verdict {
     match (findings, something_left || doubtful) {
         (0, false) => Verdict::NothingMissing,

@@ -29,7 +29,8 @@ pub(crate) struct Course<'a> {
     pub explained: Explained,
 }
 
-/// The model that remains after the test on held-out data, and the declared one. Effects are in the order of the decision, those that stay first.
+/// The model that remains after the test on held-out data, and the declared one. Effects are in the order of the decision, those
+/// that stay first.
 pub(crate) struct Decided<'a> {
     pub data: Data<'a>,
     pub before: System,

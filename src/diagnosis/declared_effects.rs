@@ -5,7 +5,8 @@ use crate::effects::OwnEffect;
 use crate::regression::{AugmentedModel, Data, Term, spans};
 use std::sync::Arc;
 
-/// `start` with the declared effects among `own`. Where a formula has shape parameters, they begin at the best point of their grid, from which a fit goes on.
+/// `start` with the declared effects among `own`. Where a formula has shape parameters, they begin at the best point of their
+/// grid, from which a fit goes on.
 pub(crate) fn with_declared(data: &Data, start: AugmentedModel, own: &[Arc<OwnEffect>]) -> AugmentedModel {
     let mut model = start;
     let spans = spans(data.stretches);

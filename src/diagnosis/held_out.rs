@@ -1,11 +1,13 @@
 //! Held-out data have the last word: did an effect, or all of them together, change the error on data that fitted nothing?
 //!
-//! Two models are compared on the same rows. Residuals are correlated in time and the two models' errors with each other, so that rows are no
-//! witnesses; blocks of time nearly are. The logarithms of the ratios of the two mean squares, block by block, are tested by Wilcoxon's signed ranks (Wilcoxon
-//! 1945; Diebold & Mariano 1995 for forecasts), with the correlation of neighbouring blocks added (Newey & West 1987). Ranks, because an effect gains far more
-//! in some blocks than in others: to Student's t, the few blocks in which a rotor's inertia or friction at low speed shows make the scatter as large as the gain.
+//! Two models are compared on the same rows. Residuals are correlated in time and the two models' errors with each other, so that
+//! rows are no witnesses; blocks of time nearly are. The logarithms of the ratios of the two mean squares, block by block, are
+//! tested by Wilcoxon's signed ranks (Wilcoxon 1945; Diebold & Mariano 1995 for forecasts), with the correlation of neighbouring
+//! blocks added (Newey & West 1987). Ranks, because an effect gains far more in some blocks than in others: to Student's t, the
+//! few blocks in which a rotor's inertia or friction at low speed shows make the scatter as large as the gain.
 //!
-//! Without validation logs every block of the identification logs is predicted by a fit to the others. That is weaker: the same data chose the effects.
+//! Without validation logs every block of the identification logs is predicted by a fit to the others. That is weaker: the same
+//! data chose the effects.
 
 use crate::diagnosis::report::{Change, Evaluated, FindingHeldOut, HeldOut, HeldOutVerdict, JointHeldOut};
 use crate::diagnosis::settings::SETTINGS;
@@ -14,7 +16,8 @@ use crate::regression::{
 };
 use rayon::prelude::*;
 
-/// Squared errors of single measurements about a model, summed over the periods: per stretch, joint and row; NaN where a row does not count.
+/// Squared errors of single measurements about a model, summed over the periods: per stretch, joint and row; NaN where a row does
+/// not count.
 pub(crate) struct RowErrors {
     squares: Vec<Vec<Vec<f64>>>,
     /// Measurements per row of every stretch.
@@ -80,7 +83,8 @@ impl RowErrors {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// Squares of `self` and of `after` in every block of time, summed over these joints, each weighted; on the rows that both have.
+    /// Squares of `self` and of `after` in every block of time, summed over these joints, each weighted; on the rows that both
+    /// have.
     fn beside(&self, after: &Self, joints: &[usize], weights: &[f64]) -> Vec<[f64; 2]> {
         let rows: Vec<usize> = self.squares.iter().map(|s| s[0].len()).collect();
         let of = |(stretch, rows): (usize, std::ops::Range<usize>)| {
@@ -119,8 +123,8 @@ fn squares(stretch: &Stretch, joint: usize, predicted: &[f64], keep: &[bool]) ->
     (0..keep.len()).map(row).collect()
 }
 
-/// What the second of two models leaves less than the first, summed over the blocks, and the chance of such a change to either side. A change that most blocks
-/// do not share counts as chance.
+/// What the second of two models leaves less than the first, summed over the blocks, and the chance of such a change to either
+/// side. A change that most blocks do not share counts as chance.
 pub(crate) fn paired_test(blocks: &[[f64; 2]]) -> (f64, f64) {
     let sum: f64 = blocks.iter().map(|[before, after]| before - after).sum();
     let ratio = |[before, after]: &[f64; 2]| (*before > 0.0 && *after > 0.0).then(|| (before / after).ln());
@@ -128,7 +132,8 @@ pub(crate) fn paired_test(blocks: &[[f64; 2]]) -> (f64, f64) {
     (sum, if ranks * sum > 0.0 { p_value } else { 1.0 })
 }
 
-/// Sum of the ranks of the sizes of `differences`, each with its sign, and the chance of one as far from zero to either side (normal; good from six on).
+/// Sum of the ranks of the sizes of `differences`, each with its sign, and the chance of one as far from zero to either side
+/// (normal; good from six on).
 pub(crate) fn signed_rank_test(differences: &[f64]) -> (f64, f64) {
     let mut order: Vec<usize> = (0..differences.len()).filter(|&i| differences[i] != 0.0).collect();
     let n = order.len();
@@ -179,8 +184,8 @@ impl Judge<'_> {
         self.floor.iter().map(|f| (f * f).max(f64::MIN_POSITIVE).recip()).collect()
     }
 
-    /// One effect: the model without it and with it. Weighed over all joints, because base parameters carry what it explains to others; `joints` are those
-    /// whose errors are reported.
+    /// One effect: the model without it and with it. Weighed over all joints, because base parameters carry what it explains to
+    /// others; `joints` are those whose errors are reported.
     pub fn finding(&self, without: &RowErrors, with: &RowErrors, joints: &[usize]) -> (FindingHeldOut, f64) {
         let all: Vec<usize> = (0..self.floor.len()).collect();
         let (sum, p_value) = paired_test(&without.beside(with, &all, &self.weights()));
@@ -265,7 +270,8 @@ pub(crate) struct Decision {
     pub tests: Vec<FindingHeldOut>,
 }
 
-/// Takes the effects of `found` beyond the first `fixed` terms out that make held-out errors worse beyond chance, the worst first, until none does.
+/// Takes the effects of `found` beyond the first `fixed` terms out that make held-out errors worse beyond chance, the worst
+/// first, until none does.
 pub(crate) fn decide(data: &Data, found: System, fixed: usize, judge: &Judge) -> Decision {
     let count = found.model.terms.len() - fixed;
     let all = found.model.clone();
@@ -332,7 +338,8 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// Differences that mean nothing, correlated from block to block, are called a change about once in a hundred times to each side.
+    /// Differences that mean nothing, correlated from block to block, are called a change about once in a hundred times to each
+    /// side.
     #[test]
     fn prop_chance_is_what_the_test_says() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -1,9 +1,9 @@
 //! Residual diagnosis: which physical effect explains what the model leaves.
 //!
-//! In order: data faults and mounting ([`sample_faults`], [`column_faults`], [`mounting()`]); what differs between the periods; selection of effects and their
-//! alternatives; held-out data, which decide what stays in the model; the remainder; stability; the report. [`diagnose`] runs them and says for every effect what it
-//! did to the error, on data that fitted the model and on data that never touched it. The method is described in `docs/closing-the-loop.md`. All thresholds are in
-//! `settings`.
+//! In order: data faults and mounting ([`sample_faults`], [`column_faults`], [`mounting()`]); what differs between the periods;
+//! selection of effects and their alternatives; held-out data, which decide what stays in the model; the remainder; stability;
+//! the report. [`diagnose`] runs them and says for every effect what it did to the error, on data that fitted the model and on
+//! data that never touched it. The method is described in `docs/closing-the-loop.md`. All thresholds are in `settings`.
 
 mod alternatives;
 mod conclusion;

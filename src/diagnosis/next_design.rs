@@ -1,7 +1,8 @@
 //! An augmented model as something to design for: columns of its effects along any motion, and what data already say of them.
 //!
-//! Columns are taken along the motion as commanded, one effect at a time: what the effects do to each other's columns is of second order in
-//! their sizes. Sign changes that a distortion moves by a fraction of a sample are left out, as they are in an identification.
+//! Columns are taken along the motion as commanded, one effect at a time: what the effects do to each other's columns is of
+//! second order in their sizes. Sign changes that a distortion moves by a fraction of a sample are left out, as they are in an
+//! identification.
 
 use crate::dynamics::{Chain, Motion, inverse_dynamics_batch};
 use crate::effects::{Reads, Scene, World};
@@ -11,8 +12,8 @@ use crate::parameters::{BaseParameters, Layout, ParameterKind};
 use crate::regression::{AugmentedModel, Term, pseudo_inverse, shape_derivatives};
 use nalgebra::DMatrix;
 
-/// Columns of effects for the excitation design: of every term its coefficients' columns, then the derivatives by its free shapes (of a
-/// distortion by its parameters), at the values that the terms have.
+/// Columns of effects for the excitation design: of every term its coefficients' columns, then the derivatives by its free shapes
+/// (of a distortion by its parameters), at the values that the terms have.
 #[derive(Debug, Clone)]
 pub struct EffectColumns {
     robot: Robot,
@@ -218,11 +219,12 @@ impl AddedColumns for EffectColumns {
     }
 }
 
-/// What data say of a model's parameters, as `WᵀW` over the columns of a design: its base parameters, then the parameters of `wanted`.
+/// What data say of a model's parameters, as `WᵀW` over the columns of a design: its base parameters, then the parameters of
+/// `wanted`.
 ///
-/// `known` and `terms` are base parameters and effects of the fit that `information` (the inverse covariance of base values, then coefficients
-/// and free shapes effect by effect) is of. Effects of the fit that the design has not were free there, and are taken out by their Schur
-/// complement; of effects that only the design has, the data say nothing.
+/// `known` and `terms` are base parameters and effects of the fit that `information` (the inverse covariance of base values, then
+/// coefficients and free shapes effect by effect) is of. Effects of the fit that the design has not were free there, and are
+/// taken out by their Schur complement; of effects that only the design has, the data say nothing.
 pub fn information_over(
     known: &BaseParameters,
     terms: &[Term],

@@ -9,16 +9,18 @@ use std::sync::Arc;
 /// What can be asked of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct DiagnosisOptions {
-    /// Largest chance of a false finding in one log. One in a thousand: a false finding is worse than a miss, because somebody will
-    /// compensate for it.
+    /// Largest chance of a false finding in one log. One in a thousand: a false finding is worse than a miss, because somebody
+    /// will compensate for it.
     pub chance: f64,
     /// An existing model and its information, when the question is what has changed since.
     pub existing: Option<(AugmentedModel, Prior)>,
     /// Whether a torque offset of every joint belongs to the declared model: it is fitted, and is no finding.
     pub offsets: bool,
-    /// Effects with formulas of their own: declared ones belong to the model from the start, the others are tried like listed ones.
+    /// Effects with formulas of their own: declared ones belong to the model from the start, the others are tried like listed
+    /// ones.
     pub own: Vec<Arc<OwnEffect>>,
-    /// A bound on the search: friction laws of one joint have at most three parts beside viscous and Coulomb (Bittencourt & Gunnarsson 2012).
+    /// A bound on the search: friction laws of one joint have at most three parts beside viscous and Coulomb (Bittencourt &
+    /// Gunnarsson 2012).
     pub most_effects_per_joint: usize,
     /// Whether effects are looked for; otherwise the declared model is estimated and its lack of fit reported.
     pub search: bool,

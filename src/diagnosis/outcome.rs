@@ -22,7 +22,8 @@ pub struct Diagnosis {
     pub rival_terms: Vec<Vec<RivalTerm>>,
     /// Inverse covariance of [`AugmentedModel::vector`].
     pub information: DMatrix<f64>,
-    /// The estimates with the effects and without them; `None` against an existing model, whose parameters are no estimate of these logs alone.
+    /// The estimates with the effects and without them; `None` against an existing model, whose parameters are no estimate of
+    /// these logs alone.
     pub estimates: Option<Estimates>,
 }
 

@@ -13,8 +13,8 @@ use crate::model::Robot;
 use crate::regression::{AugmentedModel, Data, Stretch, explained_share, floor};
 use std::borrow::Cow;
 
-/// Finds what `robot`'s declared model lacks on `stretches`. `held_out` is only ever predicted: it fits nothing, and has the last word on what stays in the
-/// model.
+/// Finds what `robot`'s declared model lacks on `stretches`. `held_out` is only ever predicted: it fits nothing, and has the last
+/// word on what stays in the model.
 pub fn diagnose(robot: &Robot, stretches: &[Stretch], held_out: &[Stretch], options: &DiagnosisOptions) -> Diagnosis {
     let start = options.start(robot);
     let filter = options

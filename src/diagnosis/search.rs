@@ -1,7 +1,8 @@
 //! The search for effects, and the last word on each of them, by all samples.
 //!
-//! Effects are looked for on the coarse forms of the data, one sample of the motion to every row. Of long logs that is a tenth of the samples and less, while
-//! so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an effect of the robot.
+//! Effects are looked for on the coarse forms of the data, one sample of the motion to every row. Of long logs that is a tenth of
+//! the samples and less, while so many rows see what a hundredth of the noise hides: what only the coarse form needs is not an
+//! effect of the robot.
 
 use crate::diagnosis::alternatives::{Contest, rivals, settled};
 use crate::diagnosis::laws::{law_contests, written};
@@ -25,8 +26,9 @@ pub(crate) struct Searched<'a> {
     pub remainder: Option<Remainder>,
 }
 
-/// Selects on the coarse forms, confirms by all samples, and goes on without the effects that were not confirmed, because they may have stood where another
-/// belongs. One of those before them may be that other, so it has a second turn, and no third: the search ends.
+/// Selects on the coarse forms, confirms by all samples, and goes on without the effects that were not confirmed, because they
+/// may have stood where another belongs. One of those before them may be that other, so it has a second turn, and no third: the
+/// search ends.
 pub(crate) fn searched<'a>(
     coarse: &Data,
     fine: &Data<'a>,
@@ -124,8 +126,9 @@ impl Confirmed {
     }
 }
 
-/// Takes effects of a selection out that the samples of `data` do not confirm, the weakest first, until all that are left are: the chance of `θᵀ C⁻¹ θ` (Wald), θ what
-/// the effect adds and C its covariance, is below `limit`. What was tried before is not counted again.
+/// Takes effects of a selection out that the samples of `data` do not confirm, the weakest first, until all that are left are:
+/// the chance of `θᵀ C⁻¹ θ` (Wald), θ what the effect adds and C its covariance, is below `limit`. What was tried before is not
+/// counted again.
 fn confirmed(data: &Data, selected: &Selected, limit: f64) -> Confirmed {
     let mut found = Confirmed {
         system: data.fit(selected.system.model.clone()),

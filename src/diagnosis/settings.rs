@@ -32,16 +32,18 @@ pub struct Settings {
 /// Data faults.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DataQuality {
-    /// Rows after a reversal in which a torque at its extreme is friction and not clipping: filters and the sampling of the reversal take so many.
+    /// Rows after a reversal in which a torque at its extreme is friction and not clipping: filters and the sampling of the
+    /// reversal take so many.
     pub turning_samples: usize,
     /// Neighbouring rows whose mean is the expected torque where clipping is looked for: a tenth of a second at 200 Hz.
     pub clipping_window: usize,
     /// Samples that hypotheses about whole columns are tested on: some hundred, spread over the motion, carry the answer.
     pub samples: usize,
-    /// How many times smaller the sum of squares of a hypothesis about a column must be before it is accepted: one joint's wrong column leaves most of that
-    /// joint's torque, noise and missing effects a few percent of it.
+    /// How many times smaller the sum of squares of a hypothesis about a column must be before it is accepted: one joint's wrong
+    /// column leaves most of that joint's torque, noise and missing effects a few percent of it.
     pub clearly_better: f64,
-    /// Ratio of the sums of squares of two explanations up to which they fit alike; the one about torque columns, which can be corrected, is then reported.
+    /// Ratio of the sums of squares of two explanations up to which they fit alike; the one about torque columns, which can be
+    /// corrected, is then reported.
     pub alike: f64,
     /// Share of the priors' gravity torque that a log with gravity has at least: priors may be off by half.
     pub least_gravity: f64,
@@ -49,23 +51,26 @@ pub struct DataQuality {
     pub most_gravity: f64,
     /// Standard deviations that must separate the measured share of gravity from both.
     pub gravity_deviations: f64,
-    /// Ratio of the torque to that of the priors from which its unit is another: priors may be off by half and lack friction, which is less than a factor of three.
+    /// Ratio of the torque to that of the priors from which its unit is another: priors may be off by half and lack friction,
+    /// which is less than a factor of three.
     pub current_factor: f64,
     /// Correlation with the torque of the priors from which a column is that torque in another unit.
     pub current_correlation: f64,
-    /// Blocks of time that the sign of a column is tested over: a twentieth of the motion is longer than a residual's memory, and t with 19 degrees of freedom still
-    /// separates one in a million.
+    /// Blocks of time that the sign of a column is tested over: a twentieth of the motion is longer than a residual's memory, and
+    /// t with 19 degrees of freedom still separates one in a million.
     pub sign_blocks: usize,
     /// Chance of a sign that is none: with some ten sums per log, one accusation in ten thousand logs.
     pub sign_chance: f64,
-    /// Share of a log that a column must stand still for, while the arm moves, to be frozen: no coarse converter stands still for so long.
+    /// Share of a log that a column must stand still for, while the arm moves, to be frozen: no coarse converter stands still for
+    /// so long.
     pub frozen_share: f64,
-    /// Multiple of the usual step between rows from which a row is garbage: motion and white noise stay below three, a dropped row or a stray packet is in the hundreds.
+    /// Multiple of the usual step between rows from which a row is garbage: motion and white noise stay below three, a dropped
+    /// row or a stray packet is in the hundreds.
     pub garbage_step: f64,
     /// Rows that one stray packet can hold.
     pub longest_packet: usize,
-    /// Steps of the encoder, or standard deviations of its noise, that a joint moves between the two positions a speed is taken from: with twenty, a twentieth of the
-    /// usual speed is seen.
+    /// Steps of the encoder, or standard deviations of its noise, that a joint moves between the two positions a speed is taken
+    /// from: with twenty, a twentieth of the usual speed is seen.
     pub garbage_counts: f64,
     /// Rows between those two positions at most: a hundredth of a second at 1 kHz, over which motions are smooth.
     pub widest_jump: usize,
@@ -73,8 +78,8 @@ pub struct DataQuality {
     pub friction_deviations: f64,
     /// Factor by which each further change of the column order must lower the sum of squares.
     pub order_gain: f64,
-    /// Factor by which turning one more sign must lower the sum of squares. A joint with parameters mostly its own gains little when its sign is corrected: that must
-    /// show in the thousand rows or so, and friction decides afterwards.
+    /// Factor by which turning one more sign must lower the sum of squares. A joint with parameters mostly its own gains little
+    /// when its sign is corrected: that must show in the thousand rows or so, and friction decides afterwards.
     pub sign_gain: f64,
     /// Joints up to which all patterns of signs are tried; of longer arms one joint at a time.
     pub exhaustive_joints: usize,
@@ -93,11 +98,11 @@ pub struct DataQuality {
 /// The direction of gravity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MountingTest {
-    /// Angle (rad) from which a direction is another mounting and not a base out of level: 10°. Feet and tables are level to a degree or two; an encoder offset of a few
-    /// degrees looks like a tilt of a few degrees.
+    /// Angle (rad) from which a direction is another mounting and not a base out of level: 10°. Feet and tables are level to a
+    /// degree or two; an encoder offset of a few degrees looks like a tilt of a few degrees.
     pub other_mounting: f64,
-    /// Twice the log of a likelihood ratio below which two directions are alike: two standard deviations, of as many independent values as there are samples, whatever the number
-    /// of joints.
+    /// Twice the log of a likelihood ratio below which two directions are alike: two standard deviations, of as many independent
+    /// values as there are samples, whatever the number of joints.
     pub directions_alike: f64,
     /// Chance of an accusation by misfit.
     pub chance_by_misfit: f64,
@@ -109,26 +114,30 @@ pub struct MountingTest {
     pub noise_deviations: f64,
     /// Share of a block's own information that its prediction from the others keeps at least.
     pub least_outside: f64,
-    /// Rows that the direction is estimated from, over all logs: a gravity torque of ten times the noise gives it to 0.1° with a thousand.
+    /// Rows that the direction is estimated from, over all logs: a gravity torque of ten times the noise gives it to 0.1° with a
+    /// thousand.
     pub samples: usize,
     /// Columns of every joint alone in that model: constant, spring, inertia, viscous and Coulomb friction.
     pub own_columns: usize,
-    /// Ridge on its normal matrix, scaled to unit diagonal: columns that are combinations of others (friction that the robot declares too) cost nothing, and a part in 1e9
-    /// of the torque is below any noise.
+    /// Ridge on its normal matrix, scaled to unit diagonal: columns that are combinations of others (friction that the robot
+    /// declares too) cost nothing, and a part in 1e9 of the torque is below any noise.
     pub ridge: f64,
-    /// Share of the torque's square below which two sums of squares are equal: a thousandth of the torque, where the ridge and the rounding of recorded digits matter.
+    /// Share of the torque's square below which two sums of squares are equal: a thousandth of the torque, where the ridge and
+    /// the rounding of recorded digits matter.
     pub no_column: f64,
     /// Factor by which each exchange of two columns must lower the sum of squares.
     pub exchange_gain: f64,
     /// Standard deviation (rad) from which a turn of gravity is not seen: a degree and a half, ten times what a good log gives.
     pub unseen_angle: f64,
-    /// Factor by which the sum of squares must be lower than with any signs and any order of the torque columns under the declared direction. Noise brings 1.2 about with
-    /// a hundred independent rows once in 10 000 logs (two parameters: `rows · ln 1.2 > χ²₂`), and logs have more. Misfit, whose rows are correlated, has a test of its own.
+    /// Factor by which the sum of squares must be lower than with any signs and any order of the torque columns under the
+    /// declared direction. Noise brings 1.2 about with a hundred independent rows once in 10 000 logs (two parameters:
+    /// `rows · ln 1.2 > χ²₂`), and logs have more. Misfit, whose rows are correlated, has a test of its own.
     pub clearly_better: f64,
-    /// Share of the torque's scatter that the best direction must explain at least, beyond what every joint's own columns do: where the model says nothing,
-    /// it says nothing of gravity.
+    /// Share of the torque's scatter that the best direction must explain at least, beyond what every joint's own columns do:
+    /// where the model says nothing, it says nothing of gravity.
     pub least_explained: f64,
-    /// Mean cosine between gravity torques of the fit and of plausible bodies from which a vote is decisive: below 60° or above 120°.
+    /// Mean cosine between gravity torques of the fit and of plausible bodies from which a vote is decisive: below 60° or above
+    /// 120°.
     pub decisive_vote: f64,
     /// Starting directions that are refined: the best of them, in case the very best is a local minimum.
     pub refined: usize,
@@ -139,10 +148,11 @@ pub struct MountingTest {
 /// What differs between periods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Replicates {
-    /// Degree of the polynomials that stand in for courses that are neither fast nor exponential: a cubic has two turns, one more for safety.
+    /// Degree of the polynomials that stand in for courses that are neither fast nor exponential: a cubic has two turns, one more
+    /// for safety.
     pub level_degree: usize,
-    /// Time constants of a level, in units of the length of the log; longer ones are polynomials. A ratio of 1.8 leaves a fiftieth of the square of
-    /// any between two of them: `(2√r/(1 + r))²` is 0.979 for the r = √1.8 to the nearer.
+    /// Time constants of a level, in units of the length of the log; longer ones are polynomials. A ratio of 1.8 leaves a
+    /// fiftieth of the square of any between two of them: `(2√r/(1 + r))²` is 0.979 for the r = √1.8 to the nearer.
     pub level_constants: [f64; 6],
     /// Time constants of warming up that a drift is searched over, in units of the length of the log.
     pub drift_courses: [f64; 7],
@@ -160,42 +170,50 @@ pub struct Replicates {
     pub most_findings: usize,
     /// Cosines that a drift is tested with: a line has 98.6 % of its square in the first and 1.2 % in the third.
     pub slow_cosines: usize,
-    /// Cosines of the next frequencies, which give the expected size of slow misfit: four times as many, so that their mean is known, and still slow.
+    /// Cosines of the next frequencies, which give the expected size of slow misfit: four times as many, so that their mean is
+    /// known, and still slow.
     pub neighbour_cosines: usize,
 }
 
 /// Stepwise selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Selection {
-    /// Share of the residual above the noise, on the joints reached, that an effect must explain: nobody compensates for less than a twentieth.
+    /// Share of the residual above the noise, on the joints reached, that an effect must explain: nobody compensates for less
+    /// than a twentieth.
     pub least_share: f64,
-    /// Share of the gain that must be there on blocks of time left out: an effect that exists keeps nearly all of it, an imitation loses it.
+    /// Share of the gain that must be there on blocks of time left out: an effect that exists keeps nearly all of it, an
+    /// imitation loses it.
     pub least_generalisation: f64,
-    /// Standard deviation from which a value is not determined by the data: no quantity of an arm in SI units has it, it comes of dividing by next to nothing.
+    /// Standard deviation from which a value is not determined by the data: no quantity of an arm in SI units has it, it comes of
+    /// dividing by next to nothing.
     pub undetermined: f64,
-    /// Share of the gain of the best effect from which a simpler one is named in its place: effects alike on ordinary motions share so much; |qd| of a sinusoid is a
-    /// constant to 8/π² = 81 %.
+    /// Share of the gain of the best effect from which a simpler one is named in its place: effects alike on ordinary motions
+    /// share so much; |qd| of a sinusoid is a constant to 8/π² = 81 %.
     pub simpler_share: f64,
     /// Deviations below zero from which on a parameter that must be positive is taken for negative: one in 700 by chance.
     pub sign_deviations: f64,
     /// Folds of the cross-validation over blocks of time: a fifth of the data is left out of each.
     pub folds: usize,
-    /// Blocks over all folds, four to each, spread over the stretch: what is left out is never a whole region of the motion, or base parameters would extrapolate into it.
+    /// Blocks over all folds, four to each, spread over the stretch: what is left out is never a whole region of the motion, or
+    /// base parameters would extrapolate into it.
     pub fold_blocks: usize,
-    /// Share of all information outside a fold below which a direction is not extrapolated into the fold: it would have three times the noise, mostly from parameters that
-    /// both models have.
+    /// Share of all information outside a fold below which a direction is not extrapolated into the fold: it would have three
+    /// times the noise, mostly from parameters that both models have.
     pub least_outside: f64,
-    /// Share of the loss by the linear model that a fit without the effect loses at least: shapes and distortions of the others take over the rest.
+    /// Share of the loss by the linear model that a fit without the effect loses at least: shapes and distortions of the others
+    /// take over the rest.
     pub linear_loss_share: f64,
     /// Share of the true gain that the linearised gain of a screening shows at least.
     pub linear_gain: f64,
-    /// Best candidates of the grid whose shapes are refined: on the grid they are within a tenth of their best, so that a dozen hold the right one.
+    /// Best candidates of the grid whose shapes are refined: on the grid they are within a tenth of their best, so that a dozen
+    /// hold the right one.
     pub refined: usize,
     /// Shapes whose columns are multiplied with the model's in one go.
     pub batch: usize,
     /// Rounds of the refinement: one shape needs one, of two the second round follows the first.
     pub refinement_rounds: usize,
-    /// Least eigenvalue of a correlation matrix that is more than rounding: the pseudo-inverse that it comes from is good to 1e-13.
+    /// Least eigenvalue of a correlation matrix that is more than rounding: the pseudo-inverse that it comes from is good to
+    /// 1e-13.
     pub least_eigenvalue: f64,
 }
 
@@ -223,15 +241,17 @@ pub struct Nonparametric {
     pub least_size: f64,
     /// An effect that keeps less than this share of its gain beside a smooth function has been that function's stand-in.
     pub share_beside: f64,
-    /// Share of the noise of a single measurement from which a remainder without an account is reported: the error of single measurements is then a tenth above
-    /// the noise (`√(1.1² − 1)`). Way-point motions with steps in their jerk leave up to 0.37 on a good model, because accelerations come from noisy positions.
+    /// Share of the noise of a single measurement from which a remainder without an account is reported: the error of single
+    /// measurements is then a tenth above the noise (`√(1.1² − 1)`). Way-point motions with steps in their jerk leave up to 0.37
+    /// on a good model, because accelerations come from noisy positions.
     pub unaccounted: f64,
 }
 
 /// Filters that torques have been through before they were recorded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordedFilterTest {
-    /// Bands of frequency that the power of the noise is averaged over: the edge of a filter is wider than a hundredth of the band.
+    /// Bands of frequency that the power of the noise is averaged over: the edge of a filter is wider than a hundredth of the
+    /// band.
     pub bands: usize,
     /// Orders that are tried: controllers smooth by one or two poles, seldom more.
     pub orders: [usize; 3],
@@ -251,38 +271,43 @@ pub struct RecordedFilterTest {
     pub refined: usize,
     /// Deviance that noise of this shape must gain over white noise before the model is asked: chance has a few units.
     pub not_white: f64,
-    /// Largest misfit of the density of a joint's noise to that behind the filter: a third of the density in every band is a ninth. Filters of other kinds than Butterworth's stay below.
+    /// Largest misfit of the density of a joint's noise to that behind the filter: a third of the density in every band is a
+    /// ninth. Filters of other kinds than Butterworth's stay below.
     pub misfit: f64,
-    /// Sum of squares that the declared model must gain behind the filter: the order and the cut-off are chosen, and coloured noise of sensors looks like a filter, but leaves
-    /// the model as it is.
+    /// Sum of squares that the declared model must gain behind the filter: the order and the cut-off are chosen, and coloured
+    /// noise of sensors looks like a filter, but leaves the model as it is.
     pub gain: f64,
 }
 
 /// Laws for what no listed effect explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Laws {
-    /// Standard deviations of χ² above its mean from which a joint is looked at: noise has them once in forty, and pays with a search that finds nothing.
+    /// Standard deviations of χ² above its mean from which a joint is looked at: noise has them once in forty, and pays with a
+    /// search that finds nothing.
     pub suspicious: f64,
     /// Laws in one model at most: what four formulas do not say has no description in few words.
     pub most: usize,
     /// Laws whose shapes are refined, of those that gain most on the grid.
     pub shortlist: usize,
-    /// Laws that are fitted with everything else before one is chosen: the right one is among the best dozen, and a choice by the grid alone takes a ripple and a spring in
-    /// the place of a weak pin spring.
+    /// Laws that are fitted with everything else before one is chosen: the right one is among the best dozen, and a choice by the
+    /// grid alone takes a ripple and a spring in the place of a weak pin spring.
     pub fitted: usize,
     /// Listed effects in the same contest.
     pub known: usize,
     /// Twice the log of the odds against a formula that is not periodic in a revolute joint's position.
     pub not_periodic: f64,
-    /// Share of what was left on a joint above the noise that may be left with its laws: formulas that explain less are approximations of something else.
+    /// Share of what was left on a joint above the noise that may be left with its laws: formulas that explain less are
+    /// approximations of something else.
     pub most_left: f64,
-    /// Gain in χ² for each coefficient of an energy that is freed on one of its two joints, from which the two are no gradient of one energy: a chance of one in seventy.
+    /// Gain in χ² for each coefficient of an energy that is freed on one of its two joints, from which the two are no gradient of
+    /// one energy: a chance of one in seventy.
     pub energy_gain: f64,
     /// Evidence that an exchange of one law for another, or of several for one, must gain: as for a rival.
     pub exchange: f64,
     /// Rounds of exchanges.
     pub rounds: usize,
-    /// Gain in χ² up to which a law is provisional: on generated logs the structure is right in nearly all cases above 100 to 150.
+    /// Gain in χ² up to which a law is provisional: on generated logs the structure is right in nearly all cases above 100 to
+    /// 150.
     pub provisional: f64,
     /// Rivals of one law that are reported.
     pub most_rivals: usize,
@@ -295,11 +320,13 @@ pub struct Laws {
 pub struct WithoutPeriods {
     /// Share of what a joint leaves by which it must be predicted worse, on blocks left out, to count against an effect.
     pub least_share: f64,
-    /// Standard deviations above zero that a gain on blocks left out must have: one chance in twenty, beside the test of the gain itself and its stability.
+    /// Standard deviations above zero that a gain on blocks left out must have: one chance in twenty, beside the test of the gain
+    /// itself and its stability.
     pub sure: f64,
     /// Chance of such a gain by signed ranks, where few blocks make the scatter large.
     pub rank_chance: f64,
-    /// Share of subsamples in which an effect must be the best account of its joints (Meinshausen & Bühlmann 2010 take 0.6 to 0.9).
+    /// Share of subsamples in which an effect must be the best account of its joints (Meinshausen & Bühlmann 2010 take 0.6 to
+    /// 0.9).
     pub stable_share: f64,
     /// Share of its gain below which an effect beside another explains the same as it.
     pub same_share: f64,
@@ -322,8 +349,8 @@ pub struct WithoutPeriods {
 /// Held-out data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOutTest {
-    /// Chance to one side below which a difference is no accident. One test in a hundred errs to that side, and what depends on it is whether an effect that
-    /// has passed the search stays in the model.
+    /// Chance to one side below which a difference is no accident. One test in a hundred errs to that side, and what depends on
+    /// it is whether an effect that has passed the search stays in the model.
     pub beyond_chance: f64,
     /// Blocks of time that a test needs: fewer say nothing about their own scatter.
     pub fewest_blocks: usize,
@@ -332,7 +359,8 @@ pub struct HeldOutTest {
 /// Changes of the data that a finding must survive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stability {
-    /// Chance of an effect of that size without a cause from which it does not survive: the search asks for far more, but half of the data holds half of the evidence.
+    /// Chance of an effect of that size without a cause from which it does not survive: the search asks for far more, but half of
+    /// the data holds half of the evidence.
     pub doubtful: f64,
     /// Share by which the cut-off is lowered and raised.
     pub cutoff_step: f64,
@@ -345,13 +373,16 @@ pub struct DetectableSizes {
     pub power: f64,
     /// Rows per second that a diagnosis makes of periods recorded faster: their samples are averaged.
     pub rows_per_second: f64,
-    /// Rows that the columns are taken over, of all joints and motions: forty seconds of seven joints at two hundred a second. A sample stands for several where there are more.
+    /// Rows that the columns are taken over, of all joints and motions: forty seconds of seven joints at two hundred a second. A
+    /// sample stands for several where there are more.
     pub most_rows: usize,
     /// Periods from which on a diagnosis looks for what changes between them.
     pub fewest_periods: f64,
-    /// Joints up to which a plan is assessed: every pair of joints has its crosstalk, and the table of all against all grows with the fourth power.
+    /// Joints up to which a plan is assessed: every pair of joints has its crosstalk, and the table of all against all grows with
+    /// the fourth power.
     pub most_joints: usize,
-    /// Share of an effect that another must explain to be found in its place: the noncentralities that the tests of two effects need differ by less than a factor of ten.
+    /// Share of an effect that another must explain to be found in its place: the noncentralities that the tests of two effects
+    /// need differ by less than a factor of ten.
     pub least_share: f64,
     /// Shapes of a grid that an effect is looked for in the place of another.
     pub most_shapes: usize,

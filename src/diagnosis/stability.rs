@@ -1,7 +1,7 @@
 //! Whether what was found survives changes of the data that should not matter.
 //!
-//! A cause is there in either half of a log and behind any sensible filter; what only one cut-off or one part of the data shows may be their doing. The final
-//! model is fitted anew to the changed data, and every effect of it tested as the search tests it.
+//! A cause is there in either half of a log and behind any sensible filter; what only one cut-off or one part of the data shows
+//! may be their doing. The final model is fitted anew to the changed data, and every effect of it tested as the search tests it.
 
 use crate::cancel::CancelFlag;
 use crate::diagnosis::selection::{doubt, is_physical};

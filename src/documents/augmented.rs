@@ -1,5 +1,5 @@
-//! An augmented model as JSON: the effects found, the base parameters they were fitted with, and how well all of them are known, so that a
-//! later log can be asked what has changed since.
+//! An augmented model as JSON: the effects found, the base parameters they were fitted with, and how well all of them are known,
+//! so that a later log can be asked what has changed since.
 
 use super::cursor::Cursor;
 use super::own_effects::{self, written};

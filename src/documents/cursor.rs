@@ -43,8 +43,8 @@ impl Findings {
         self.list.borrow().is_empty()
     }
 
-    /// Adds findings of the core, made on stand-ins where fields were unreadable: whatever lies at, below or above a place that is
-    /// already complained about is a consequence, not a finding.
+    /// Adds findings of the core, made on stand-ins where fields were unreadable: whatever lies at, below or above a place that
+    /// is already complained about is a consequence, not a finding.
     pub fn merge(&self, problems: impl IntoIterator<Item = FieldProblem>) {
         let before: Vec<String> = self.list.borrow().iter().map(|p| p.pointer.clone()).collect();
         for problem in problems {

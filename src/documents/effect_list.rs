@@ -9,8 +9,8 @@ use crate::model::{FieldProblem, INPUT_LIMITS, Robot};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
-/// The effects of the field `effects`, against `robot` where there is one; their names are none of those of `others`. Those that are named are of the catalogue
-/// that `known` has.
+/// The effects of the field `effects`, against `robot` where there is one; their names are none of those of `others`. Those that
+/// are named are of the catalogue that `known` has.
 pub(super) fn read_effects(
     fields: &Fields,
     robot: Option<&Robot>,
@@ -73,7 +73,8 @@ pub fn effects_named(document: &Value) -> impl Iterator<Item = &str> {
         .filter_map(|item| item.as_str().or_else(|| item["use"].as_str()))
 }
 
-/// Writes `effects`, as they were read, in the place of names in the field `effects`: what becomes of the catalogue does not matter any more.
+/// Writes `effects`, as they were read, in the place of names in the field `effects`: what becomes of the catalogue does not
+/// matter any more.
 pub(super) fn put_definitions(document: &mut Value, effects: &[Arc<OwnEffect>]) {
     let Some(list) = document.get_mut("effects").and_then(Value::as_array_mut) else {
         return;

@@ -81,8 +81,8 @@ pub struct QualityDocument {
     pub prediction_std: Vec<Option<f64>>,
     /// Per joint: the same over the residual on the log; above 1 the model has learnt the path, not the robot.
     pub extrapolation: Vec<Option<f64>>,
-    /// Per joint: share of the torque's variance that the model predicts on data it was not fitted to, at most 1; below zero a constant predicts better. Null
-    /// for a joint whose torque takes no part.
+    /// Per joint: share of the torque's variance that the model predicts on data it was not fitted to, at most 1; below zero a
+    /// constant predicts better. Null for a joint whose torque takes no part.
     pub explained: Vec<Option<f64>>,
 }
 
@@ -122,10 +122,11 @@ pub struct EffectValue {
     pub joints: Vec<String>,
     /// Estimated parameters with units and standard deviations.
     pub parameters: Vec<EffectParameter>,
-    /// Whether it is a part of the model that is handed out; otherwise held-out data speak against it, or it is nothing that lasts.
+    /// Whether it is a part of the model that is handed out; otherwise held-out data speak against it, or it is nothing that
+    /// lasts.
     pub in_model: bool,
-    /// Whether it is a finding. A nuisance offset is none: it is a part of the model because an offset was found on another joint and all of them together
-    /// predict better, though its own value is not beyond chance.
+    /// Whether it is a finding. A nuisance offset is none: it is a part of the model because an offset was found on another joint
+    /// and all of them together predict better, though its own value is not beyond chance.
     pub finding: bool,
     /// Whether it is an own effect that belongs to the model from the start.
     pub declared: bool,

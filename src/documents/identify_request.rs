@@ -126,7 +126,8 @@ fn with_definitions(request: &Value, effects: &[Arc<OwnEffect>], of_robot: &[Arc
     request
 }
 
-/// Own effects of the request whose channels the logs are not read with: they would be computed with the reference, as if it never changed.
+/// Own effects of the request whose channels the logs are not read with: they would be computed with the reference, as if it
+/// never changed.
 fn check_channels(cursor: &Cursor, columns: &Columns, effects: &[Arc<OwnEffect>]) {
     for definition in effects.iter().map(|e| e.definition()) {
         let missing = |name: &String| columns.channels.iter().all(|c| c.name != *name);

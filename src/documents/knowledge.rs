@@ -1,4 +1,5 @@
-//! What an excitation request knows beside the robot: a model with its effects, two rivals to tell apart, data and trajectories there are already.
+//! What an excitation request knows beside the robot: a model with its effects, two rivals to tell apart, data and trajectories
+//! there are already.
 
 use super::augmented::{ReadModel, read_model_with_effects};
 use super::cursor::{Cursor, Fields, Findings};
@@ -14,8 +15,8 @@ use nalgebra::DMatrix;
 use serde_json::Value;
 use std::sync::Arc;
 
-/// Most entries of `given`. Each costs an information matrix over a period of its motion, or the reading of a model, before the search
-/// begins; whoever has recorded more than this has them in fewer identifications.
+/// Most entries of `given`. Each costs an information matrix over a period of its motion, or the reading of a model, before the
+/// search begins; whoever has recorded more than this has them in fewer identifications.
 pub const MOST_GIVEN: usize = 100;
 
 /// An identified model with its robot.
@@ -218,8 +219,8 @@ fn names_of(robot: &Robot) -> Vec<&str> {
     robot.joints().iter().map(|j| j.name.as_str()).collect()
 }
 
-/// Columns of a term, and what stands on them, where it competes with another. As in tracing, one that comes to the other where its parameters go
-/// to a limit competes as a real thing only.
+/// Columns of a term, and what stands on them, where it competes with another. As in tracing, one that comes to the other where
+/// its parameters go to a limit competes as a real thing only.
 fn hypothesis(terms: &[Term], at: usize, other: usize) -> Hypothesis {
     let first = terms[..at].iter().map(Term::parameters).sum::<usize>();
     let (term, other) = (&terms[at], &terms[other]);

@@ -1,8 +1,8 @@
 //! JSON documents of every interface: requests in, answers out. Service, command line, pages and report read the same types.
 //!
-//! Reading collects everything that is wrong with a document ([`Findings`]) before it gives up, so that one round of corrections is
-//! enough: the reader's own findings (unknown fields, wrong types) and the core's (limits the wrong way round, too many harmonics)
-//! end in one list, each with a JSON pointer, what is wrong, and the remedy.
+//! Reading collects everything that is wrong with a document ([`Findings`]) before it gives up, so that one round of corrections
+//! is enough: the reader's own findings (unknown fields, wrong types) and the core's (limits the wrong way round, too many
+//! harmonics) end in one list, each with a JSON pointer, what is wrong, and the remedy.
 
 mod augmented;
 mod base_parameters;

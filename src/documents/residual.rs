@@ -118,7 +118,8 @@ impl Default for EvaluatedFigure {
 pub struct LackOfFit {
     /// Name of the joint.
     pub joint: String,
-    /// Mean square of the whitened residual over its expectation under noise alone; F distributed with `degrees_of_freedom` where only noise is left.
+    /// Mean square of the whitened residual over its expectation under noise alone; F distributed with `degrees_of_freedom` where
+    /// only noise is left.
     pub statistic: Option<f64>,
     /// Probability of a statistic at least as large if only noise is left, from 0 to 1.
     pub p_value: Option<f64>,
@@ -246,7 +247,8 @@ pub struct HeldOutJoint {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = DataFault))]
 #[serde(default)]
 pub struct DataFaultDocument {
-    /// `gravity_direction`, `torque_sign`, `joint_order`, `unit_mismatch`, `bad_samples`, `gravity_compensated_torque`, `unit_unknown` or `filtered_torque`.
+    /// `gravity_direction`, `torque_sign`, `joint_order`, `unit_mismatch`, `bad_samples`, `gravity_compensated_torque`,
+    /// `unit_unknown` or `filtered_torque`.
     pub code: String,
     /// Joints whose columns are concerned.
     pub joints: Vec<String>,

@@ -144,8 +144,8 @@ pub struct ValidateDocument {
     /// Why there are no predictions although they were asked for; all else is complete without them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predictions_error: Option<String>,
-    /// What has changed since the model was made: noise floor, findings, rivals, before and after; null where the model does not say how well
-    /// it is known, or tracing was turned off.
+    /// What has changed since the model was made: noise floor, findings, rivals, before and after; null where the model does not
+    /// say how well it is known, or tracing was turned off.
     pub residual: Option<ResidualDocument>,
     /// What to know about how the model's robot was read.
     pub notes: Vec<String>,

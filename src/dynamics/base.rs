@@ -8,9 +8,9 @@ use rand_chacha::ChaCha8Rng;
 
 /// Base parameters by rank-revealing elimination of Y at random states drawn from `seed`.
 ///
-/// Twice as many rows as parameters in every joint's block, states of order one in all of q, qd and qdd, so that gravity, velocity
-/// and acceleration terms weigh alike. On random arms the columns that stay have more than 1e-4 of their own, those that go less
-/// than 1e-12; the tolerance 1e-8 stands between.
+/// Twice as many rows as parameters in every joint's block, states of order one in all of q, qd and qdd, so that gravity,
+/// velocity and acceleration terms weigh alike. On random arms the columns that stay have more than 1e-4 of their own, those that
+/// go less than 1e-12; the tolerance 1e-8 stands between.
 pub fn numeric_base_parameters(robot: &Robot, seed: u64) -> NumericBase {
     let layout = Layout::standard(robot);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -21,7 +21,8 @@ impl Energy {
     }
 }
 
-/// Energy at `q, qd` (n) for `phi` (p). Works in the base frame with Jacobians, sharing nothing with the recursions in the link frames.
+/// Energy at `q, qd` (n) for `phi` (p). Works in the base frame with Jacobians, sharing nothing with the recursions in the link
+/// frames.
 ///
 /// `T = Σ ½ m v·v + v·(ω × h) + ½ ω·I ω`, `U = −Σ g·(m p + h)`, all about the link origins.
 pub fn energy(robot: &Robot, layout: &Layout, phi: &[f64], q: &[f64], qd: &[f64]) -> Energy {

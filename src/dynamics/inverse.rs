@@ -10,7 +10,8 @@ use crate::model::Robot;
 use crate::parameters::{Layout, ParameterKind};
 use multiversion::multiversion;
 
-/// Joint torques (forces for prismatic joints) of one sample: `tau` (n) for `phi` (p, in the order of `layout`) at `q, qd, qdd` (n).
+/// Joint torques (forces for prismatic joints) of one sample: `tau` (n) for `phi` (p, in the order of `layout`) at `q, qd, qdd`
+/// (n).
 ///
 /// # Panics
 /// When a length does not match the robot.
@@ -30,7 +31,8 @@ pub fn inverse_dynamics(robot: &Robot, layout: &Layout, phi: &[f64], q: &[f64], 
     tau
 }
 
-/// Joint torques over a whole motion, joint-major with [`Motion::stride`]; padding samples hold gravity torques of the robot at zero.
+/// Joint torques over a whole motion, joint-major with [`Motion::stride`]; padding samples hold gravity torques of the robot at
+/// zero.
 pub fn inverse_dynamics_batch(chain: &Chain, layout: &Layout, phi: &[f64], motion: &Motion, coulomb: Coulomb) -> Vec<f64> {
     let bodies = Body::all(layout, phi, chain.joint_count());
     let mut tau = vec![0.0; motion.joints() * motion.stride()];

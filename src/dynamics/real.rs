@@ -145,7 +145,8 @@ pub(crate) fn sines_and_cosines(angles: &[f64]) -> (Vec<f64>, Vec<f64>) {
 mod tests {
     use super::*;
 
-    /// Against the C library's, whose error is below one unit in the last place. Joints turn by a few turns, spatial waves by some thousand.
+    /// Against the C library's, whose error is below one unit in the last place. Joints turn by a few turns, spatial waves by
+    /// some thousand.
     #[test]
     fn val_sines_and_cosines_are_those_of_the_c_library() {
         let angles: Vec<f64> = (-50_003..50_000).map(|i| f64::from(i) * 0.0731).collect();

@@ -10,8 +10,8 @@ use nalgebra::DMatrix;
 
 /// A choice of columns of Y: all of them, or those of the base parameters.
 ///
-/// Row j of Y holds the inertial columns of the links from j on, and the friction columns of joint j alone: everything else is zero
-/// and is neither computed nor stored.
+/// Row j of Y holds the inertial columns of the links from j on, and the friction columns of joint j alone: everything else is
+/// zero and is neither computed nor stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColumnSet {
     columns: usize,
@@ -250,7 +250,8 @@ fn entries<R: Real>(twist: &JointTwist<R>, link: &LinkMotion<R>) -> [R; 10] {
     ]
 }
 
-/// `W x` with the symmetric matrix of the inertia weights. No closure: those may stay out of line, compiled without the vector units of their caller.
+/// `W x` with the symmetric matrix of the inertia weights. No closure: those may stay out of line, compiled without the vector
+/// units of their caller.
 #[inline(always)]
 fn inertia_weights<R: Real>(weights: &[R; 10], x: Vec3<R>) -> Vec3<R> {
     Vec3::new(

@@ -5,8 +5,9 @@ use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, Worl
 use crate::model::Robot;
 use nalgebra::{Rotation3, Vector3};
 
-/// The base is turned by roll about its x axis, then pitch about y: in its frame gravity is `Rᵀ g` with `R = Ry(pitch) Rx(roll)`. Where gravity points along x
-/// or y (an arm on a wall), a turn about that axis is none, and yaw about z takes its place: always the two axes that are not nearest to gravity.
+/// The base is turned by roll about its x axis, then pitch about y: in its frame gravity is `Rᵀ g` with `R = Ry(pitch) Rx(roll)`.
+/// Where gravity points along x or y (an arm on a wall), a turn about that axis is none, and yaw about z takes its place: always
+/// the two axes that are not nearest to gravity.
 pub struct BaseTilt;
 
 /// Roll, pitch and yaw are turns about x, y and z.

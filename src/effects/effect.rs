@@ -68,8 +68,8 @@ pub struct World {
 pub enum Kind {
     /// `tau += C(motion; shape) c`.
     Additive,
-    /// Enters every row through the model: the distorted motion, gravity or gain is what Y is evaluated at, its parameters are found by
-    /// Gauss-Newton from the derivative of the whole torque.
+    /// Enters every row through the model: the distorted motion, gravity or gain is what Y is evaluated at, its parameters are
+    /// found by Gauss-Newton from the derivative of the whole torque.
     Distortion,
     /// Columns that the base parameters hold already: only against an existing model can they be seen.
     AgainstModel,
@@ -232,8 +232,8 @@ pub trait Effect: Sync + Send {
         None
     }
 
-    /// `count` coefficients that are well visible in noise of `noise` [N·m or N] on a joint that carries about `load` [N·m or N], at speeds and positions of about 1:
-    /// for tests. Four times the noise by every column unless said otherwise.
+    /// `count` coefficients that are well visible in noise of `noise` [N·m or N] on a joint that carries about `load` [N·m or N],
+    /// at speeds and positions of about 1: for tests. Four times the noise by every column unless said otherwise.
     fn example(&self, count: usize, noise: f64, _load: f64) -> Vec<f64> {
         vec![4.0 * noise; count]
     }
@@ -256,7 +256,8 @@ pub trait Effect: Sync + Send {
     /// Applies a distortion with parameters `theta`. Effects of other kinds leave the world as it is.
     fn distort(&self, _scene: &Scene, _joints: &[usize], _theta: &[f64], _world: &mut World) {}
 
-    /// Whether a distortion depends on the torques of [`Scene::rigid`]: those of the distorted motion, which are then found by iteration.
+    /// Whether a distortion depends on the torques of [`Scene::rigid`]: those of the distorted motion, which are then found by
+    /// iteration.
     fn distorts_by_load(&self) -> bool {
         false
     }
@@ -266,13 +267,14 @@ pub trait Effect: Sync + Send {
         false
     }
 
-    /// Whether gravity has another direction in the world that a distortion makes: base parameters that gravity along an axis hides can then be seen.
+    /// Whether gravity has another direction in the world that a distortion makes: base parameters that gravity along an axis
+    /// hides can then be seen.
     fn turns_gravity(&self) -> bool {
         false
     }
 
-    /// For every parameter of a distortion: the step that its derivative is differenced with, small beside any value of interest and large
-    /// beside the rounding of the torques.
+    /// For every parameter of a distortion: the step that its derivative is differenced with, small beside any value of interest
+    /// and large beside the rounding of the torques.
     fn steps(&self) -> &'static [f64] {
         &[]
     }
@@ -282,66 +284,73 @@ pub trait Effect: Sync + Send {
         0.0
     }
 
-    /// Coefficients (parameters of a distortion, `count` of them) of the effect with size one, in each of its parameters that have a size. `middle` is the middle of
-    /// where its first joint moves. Each parameter by itself unless said otherwise.
+    /// Coefficients (parameters of a distortion, `count` of them) of the effect with size one, in each of its parameters that
+    /// have a size. `middle` is the middle of where its first joint moves. Each parameter by itself unless said otherwise.
     fn units(&self, _form: usize, count: usize, _middle: f64) -> Vec<Vec<f64>> {
         let unit = |at: usize| (0..count).map(|i| if i == at { 1.0 } else { 0.0 }).collect();
         (0..count).map(unit).collect()
     }
 
-    /// What is reported: the coefficients in the order of the columns, then the shape parameters; for a distortion its parameters.
+    /// What is reported: the coefficients in the order of the columns, then the shape parameters; for a distortion its
+    /// parameters.
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo>;
 
-    /// The physically consistent coefficients nearest to these, in the metric of their information matrix. The same unless said otherwise.
+    /// The physically consistent coefficients nearest to these, in the metric of their information matrix. The same unless said
+    /// otherwise.
     fn consistent(&self, coefficients: &[f64], _information: &DMatrix<f64>) -> Vec<f64> {
         coefficients.to_vec()
     }
 
-    /// Which of the coefficients, then shapes (for a distortion its parameters), are positive by their physical meaning. One that the data say is
-    /// negative is an imitation.
+    /// Which of the coefficients, then shapes (for a distortion its parameters), are positive by their physical meaning. One that
+    /// the data say is negative is an imitation.
     fn positive(&self, _form: usize) -> &[usize] {
         &[]
     }
 
-    /// Whether every robot has it, more or less: what the standard dynamic parameters of a joint hold besides body and friction (Khalil & Dombre
-    /// 2004: Ia and offset). Where the data do not decide, such an effect is the likelier one.
+    /// Whether every robot has it, more or less: what the standard dynamic parameters of a joint hold besides body and friction
+    /// (Khalil & Dombre 2004: Ia and offset). Where the data do not decide, such an effect is the likelier one.
     fn is_everyday(&self) -> bool {
         false
     }
 
-    /// Whether few robots have it, by construction or because it is a fault that commissioning finds. Where the noise is not measured, it needs better evidence.
+    /// Whether few robots have it, by construction or because it is a fault that commissioning finds. Where the noise is not
+    /// measured, it needs better evidence.
     fn is_rare(&self) -> bool {
         false
     }
 
-    /// Whether its torque times the speed is power that friction takes. Such effects on one joint are judged together: one alone may give some of it back.
+    /// Whether its torque times the speed is power that friction takes. Such effects on one joint are judged together: one alone
+    /// may give some of it back.
     fn is_friction(&self, _form: usize) -> bool {
         false
     }
 
-    /// Where the shape parameters, or the parameters of a distortion, lie on robots ([`ranges`](super::ranges)); empty where nothing is known.
+    /// Where the shape parameters, or the parameters of a distortion, lie on robots ([`ranges`](super::ranges)); empty where
+    /// nothing is known.
     fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {
         Vec::new()
     }
 
-    /// Whether these coefficients are those of a real thing, as far as `covariance` lets it be seen, on a joint that can be anywhere in `travel`.
+    /// Whether these coefficients are those of a real thing, as far as `covariance` lets it be seen, on a joint that can be
+    /// anywhere in `travel`.
     fn is_plausible(&self, _coefficients: &[f64], _covariance: &DMatrix<f64>, _travel: Travel) -> bool {
         true
     }
 
-    /// Codes of the effects on the same joints that it comes to where its parameters go to a limit: it fits no worse than those, whatever the cause.
+    /// Codes of the effects on the same joints that it comes to where its parameters go to a limit: it fits no worse than those,
+    /// whatever the cause.
     fn contains(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// Whether these coefficients, or some within three of their standard deviations, are those of a real thing, and not the limit at which it is one of
-    /// the effects that it [contains](Self::contains).
+    /// Whether these coefficients, or some within three of their standard deviations, are those of a real thing, and not the
+    /// limit at which it is one of the effects that it [contains](Self::contains).
     fn is_within_reach(&self, _coefficients: &[f64], _covariance: &DMatrix<f64>) -> bool {
         true
     }
 
-    /// Directions of the coefficients at the border between real things and the effects that it [contains](Self::contains): those that
-    /// [`is_within_reach`](Self::is_within_reach) parts where the data leave no doubt. None where it contains nothing.
+    /// Directions of the coefficients at the border between real things and the effects that it [contains](Self::contains): those
+    /// that [`is_within_reach`](Self::is_within_reach) parts where the data leave no doubt. None where it contains nothing.
     fn borders(&self) -> Vec<Vec<f64>> {
         Vec::new()
     }
@@ -351,7 +360,8 @@ pub trait Effect: Sync + Send {
         coefficients.to_vec()
     }
 
-    /// Reported values from coefficients and shape; differentiable, for the standard deviations. The identity unless said otherwise.
+    /// Reported values from coefficients and shape; differentiable, for the standard deviations. The identity unless said
+    /// otherwise.
     fn reported(&self, _form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
         coefficients.iter().chain(shape).copied().collect()
     }

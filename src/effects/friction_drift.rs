@@ -3,8 +3,8 @@
 use super::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Scene, Statements, Written, own_joint};
 use crate::model::Robot;
 
-/// `tau_j += (dFV qd + dFS sign qd) g(t)`: over the periods of a log g is the course of warming up, `exp(−t/T)`; against an existing
-/// model it is 1.
+/// `tau_j += (dFV qd + dFS sign qd) g(t)`: over the periods of a log g is the course of warming up, `exp(−t/T)`; against an
+/// existing model it is 1.
 pub struct FrictionDrift;
 
 impl Effect for FrictionDrift {

@@ -2,8 +2,8 @@
 
 use crate::dynamics::Motion;
 
-/// `[q, qd, qdd]` of a joint at sample position `at` (any fraction): the quintic through position, velocity and acceleration of both
-/// neighbours. Beyond the ends of a motion that does not repeat, constant acceleration.
+/// `[q, qd, qdd]` of a joint at sample position `at` (any fraction): the quintic through position, velocity and acceleration of
+/// both neighbours. Beyond the ends of a motion that does not repeat, constant acceleration.
 pub(super) fn at_time(motion: &Motion, joint: usize, at: f64, interval: f64, periodic: bool) -> [f64; 3] {
     let n = motion.samples();
     if !periodic && (at < 0.0 || at > (n - 1) as f64) {
@@ -35,8 +35,9 @@ fn quintic([q0, v0, a0]: [f64; 3], [q1, v1, a1]: [f64; 3], u: f64, h: f64) -> [f
     [q, v / h, a / (h * h)]
 }
 
-/// A smooth signal with its first and second time derivative: a local cubic fitted over [`REACH`] to both sides (Savitzky-Golay), which keeps
-/// the harmonics of a motion and not the noise of accelerations. Ends of signals that do not repeat are continued by their end values.
+/// A smooth signal with its first and second time derivative: a local cubic fitted over [`REACH`] to both sides (Savitzky-Golay),
+/// which keeps the harmonics of a motion and not the noise of accelerations. Ends of signals that do not repeat are continued by
+/// their end values.
 pub(super) fn derivatives(signal: &[f64], interval: f64, periodic: bool) -> [Vec<f64>; 3] {
     let n = signal.len() as i64;
     let reach = ((REACH / interval).round() as i64).max(FEWEST);
@@ -65,8 +66,9 @@ pub(super) fn derivatives(signal: &[f64], interval: f64, periodic: bool) -> [Vec
     [signal.to_vec(), first, second]
 }
 
-/// Half the window (s): a second derivative through it falls to half at 8 Hz. Elastic joints of arms resonate at 5 to 20 Hz; beyond that links do not follow,
-/// and the quasi-static law, which would amplify what is there, has no meaning. At 2 Hz, four times the fastest harmonic of a usual excitation, 4 % are lost.
+/// Half the window (s): a second derivative through it falls to half at 8 Hz. Elastic joints of arms resonate at 5 to 20 Hz;
+/// beyond that links do not follow, and the quasi-static law, which would amplify what is there, has no meaning. At 2 Hz, four
+/// times the fastest harmonic of a usual excitation, 4 % are lost.
 pub const REACH: f64 = 0.06;
 /// Samples to both sides at least: a cubic needs fewer.
 pub const FEWEST: i64 = 3;

@@ -5,7 +5,8 @@ use super::ranges::{COMPLIANCE_M, COMPLIANCE_RAD, by_kind};
 use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
-/// Encoder on the motor side: `q_link = q − c tau_rigid(q_link)`, c = 1/K the compliance, with velocity and acceleration to match.
+/// Encoder on the motor side: `q_link = q − c tau_rigid(q_link)`, c = 1/K the compliance, with velocity and acceleration to
+/// match.
 pub struct JointElasticity;
 
 impl Effect for JointElasticity {

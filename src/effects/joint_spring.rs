@@ -59,7 +59,8 @@ impl Effect for JointSpring {
         vec![vec![1.0, -middle]]
     }
 
-    /// Stiff beyond doubt (three standard deviations), and at rest where the joint can be, as far as the data tell: otherwise it is a torque offset.
+    /// Stiff beyond doubt (three standard deviations), and at rest where the joint can be, as far as the data tell: otherwise it
+    /// is a torque offset.
     fn is_plausible(&self, coefficients: &[f64], covariance: &DMatrix<f64>, travel: Travel) -> bool {
         let [k, c] = [coefficients[0], coefficients[1]];
         if k < 3.0 * covariance[(0, 0)].max(0.0).sqrt() {

@@ -1,8 +1,8 @@
 //! Effects that move torque and that the declared model lacks, one file each.
 //!
 //! An effect is a block of columns per joint (or per robot) with, perhaps, shape parameters: `tau += C(motion; shape) c`, or a
-//! distortion of what the regressor is evaluated at (an encoder offset, a tilted base, a late torque stream). [`all`] is the list; one
-//! more effect is one more file and one more line there. How they are distinguished on data is the business of
+//! distortion of what the regressor is evaluated at (an encoder offset, a tilted base, a late torque stream). [`all`] is the
+//! list; one more effect is one more file and one more line there. How they are distinguished on data is the business of
 //! [`diagnosis`](crate::diagnosis).
 
 mod effect;

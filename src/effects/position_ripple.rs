@@ -30,8 +30,8 @@ impl Effect for PositionRipple {
 
     fn shapes(&self, _form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
         let span = spans[joints[0]];
-        // At least one wave over the travel: fewer are a polynomial. At most half a wave per sample at three quarters of the top speed,
-        // beyond which the fast parts of the motion alias.
+        // At least one wave over the travel: fewer are a polynomial. At most half a wave per sample at three quarters of the top
+        // speed, beyond which the fast parts of the motion alias.
         let low = (2.0 * std::f64::consts::PI / span.range.max(1e-6)).max(2.5);
         let high = (std::f64::consts::PI / (0.75 * span.speed * span.interval).max(1e-12)).min(MOST_CYCLES.max(20.0 * low));
         if high <= low {

@@ -66,8 +66,9 @@ impl Effect for PreslidingHysteresis {
 
 /// The state over the samples: exact between samples that lie on the same side of a reversal, `z → s + (z − s) exp(−|Δq|/w)`.
 ///
-/// A step across a reversal is taken in two: to the turning point (where the cubic through both ends' positions and velocities has
-/// its extremum, here by the two velocities) and back. Periodic motions are run through twice so that the start has been forgotten.
+/// A step across a reversal is taken in two: to the turning point (where the cubic through both ends' positions and velocities
+/// has its extremum, here by the two velocities) and back. Periodic motions are run through twice so that the start has been
+/// forgotten.
 fn dahl_state(scene: &Scene, joint: usize, width: f64) -> Vec<f64> {
     let (q, qd) = (scene.motion.positions(joint), scene.motion.velocities(joint));
     let n = q.len();

@@ -4,9 +4,10 @@ use super::ranges::{FRICTION_LEAD, SMOOTHING_M, SMOOTHING_RAD, by_kind};
 use super::{About, Column, Effect, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written, own_joint};
 use crate::model::Robot;
 
-/// `tau_j += F (s(qd/v) − sign qd)`: with the declared Coulomb friction at the same level F the sum is `F s(qd/v)`, which goes through zero with the speed. Forms:
-/// `s = tanh`; `s` a straight line up to the level (`qd/v` within ±1); and the line as a function of `(qd + T qdd)/v`. The last is friction that a simulator
-/// computes as a soft constraint: it acts on the speed that the joint is about to have, T = `dmax timeconst / 2` of MuJoCo's `solimp` and `solref`.
+/// `tau_j += F (s(qd/v) − sign qd)`: with the declared Coulomb friction at the same level F the sum is `F s(qd/v)`, which goes
+/// through zero with the speed. Forms: `s = tanh`; `s` a straight line up to the level (`qd/v` within ±1); and the line as a
+/// function of `(qd + T qdd)/v`. The last is friction that a simulator computes as a soft constraint: it acts on the speed that
+/// the joint is about to have, T = `dmax timeconst / 2` of MuJoCo's `solimp` and `solref`.
 pub struct SmoothCoulombFriction;
 
 /// The form with a lead.

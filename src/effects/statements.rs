@@ -17,13 +17,14 @@ pub struct Written<'a> {
     pub count: usize,
 }
 
-/// Expressions in `q[j]`, `qd[j]`, `qdd[j]`, the torques `rigid[j]` of the bodies and `declared[j]` with friction, and the functions `sign`, `clamp` (to ±1), `fabs`, `pow`,
-/// `exp`, `tanh`, `sin` and `cos`.
+/// Expressions in `q[j]`, `qd[j]`, `qdd[j]`, the torques `rigid[j]` of the bodies and `declared[j]` with friction, and the
+/// functions `sign`, `clamp` (to ±1), `fabs`, `pow`, `exp`, `tanh`, `sin` and `cos`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Statements {
     /// Torque on a joint [N·m or N].
     pub torque: Vec<(usize, String)>,
-    /// What the torque grows by with accelerations: row, column and entry of the mass matrix, `r[i][k]` being that of the bodies alone.
+    /// What the torque grows by with accelerations: row, column and entry of the mass matrix, `r[i][k]` being that of the bodies
+    /// alone.
     pub inertia: Vec<(usize, usize, String)>,
 }
 

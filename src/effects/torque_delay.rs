@@ -58,8 +58,8 @@ impl Effect for TorqueDelay {
         &[1e-4]
     }
 
-    /// Half a sample: over less, a reversal of friction lies in the difference in one row of many and is multiplied there, where over half a sample it is in
-    /// every second row, as it is in the torque that is late.
+    /// Half a sample: over less, a reversal of friction lies in the difference in one row of many and is multiplied there, where
+    /// over half a sample it is in every second row, as it is in the torque that is late.
     fn least_step(&self, interval: f64) -> f64 {
         0.5 * interval
     }

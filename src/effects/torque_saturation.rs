@@ -3,9 +3,9 @@
 use super::{About, Column, Effect, ParameterInfo, PlotVariable, Reads, Scene, Statements, Written};
 use crate::model::Robot;
 
-/// `tau_j += c tau_j³`, τ being the torque of the declared model and c > 0. Motors whose iron saturates need more current for every
-/// further newton metre: torques that were computed from currents with one torque constant are too large at high load. The cube is
-/// the first odd term of the characteristic beyond the gain.
+/// `tau_j += c tau_j³`, τ being the torque of the declared model and c > 0. Motors whose iron saturates need more current for
+/// every further newton metre: torques that were computed from currents with one torque constant are too large at high load. The
+/// cube is the first odd term of the characteristic beyond the gain.
 pub struct TorqueSaturation;
 
 impl Effect for TorqueSaturation {

@@ -33,7 +33,8 @@ impl Effect for TransmissionCoupling {
         }
     }
 
-    /// Neighbours: joints that are coupled share a housing. Further apart no gear or belt runs, but base parameters that are missing imitate one.
+    /// Neighbours: joints that are coupled share a housing. Further apart no gear or belt runs, but base parameters that are
+    /// missing imitate one.
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
         (1..robot.joint_count())
             .map(|j| vec![j - 1, j])

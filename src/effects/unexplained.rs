@@ -6,8 +6,8 @@ use crate::model::Robot;
 
 /// `tau_j += Σ c f(u) g(v)` with f and g from a small dictionary: waves of a position, powers of anything.
 ///
-/// `joints` is `[row, variable (, variable (, second row))]`, variables coded as of [`variable_name`]; the shape holds centre and half range per variable, then
-/// the numbers of the products taken (all of them where none is named), and is not estimated.
+/// `joints` is `[row, variable (, variable (, second row))]`, variables coded as of [`variable_name`]; the shape holds centre and
+/// half range per variable, then the numbers of the products taken (all of them where none is named), and is not estimated.
 pub(crate) struct Unexplained;
 
 /// `q3`, `qd3` or `load3` for variable 2, n + 2, 2 n + 2.

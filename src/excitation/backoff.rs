@@ -1,7 +1,8 @@
 //! A smaller or slower version of a trajectory for a first run, with every limit looked at again.
 //!
-//! Limits on one joint's motion are convex around where it starts, and hold for every smaller amplitude. Torques and distances need not: an arm
-//! that passes over an obstacle at full amplitude may meet it at half. Where a limit does not hold, the motion is drawn in further.
+//! Limits on one joint's motion are convex around where it starts, and hold for every smaller amplitude. Torques and distances
+//! need not: an arm that passes over an obstacle at full amplitude may meet it at half. Where a limit does not hold, the motion
+//! is drawn in further.
 
 use super::margins::margins;
 use super::problem::Problem;
@@ -33,7 +34,8 @@ const DRAWN_IN: f64 = 0.9;
 /// At a hundredth of the motion nothing is learnt any more.
 const LEAST: f64 = 0.01;
 
-/// A smaller, slower `series` within all limits of the problem; `None` where what was asked for is not, nor any part of it down to a hundredth.
+/// A smaller, slower `series` within all limits of the problem; `None` where what was asked for is not, nor any part of it down
+/// to a hundredth.
 pub fn first_run(problem: &Problem, series: &FourierSeries, asked: Backoff) -> Option<FirstRun> {
     let mut amplitude = asked.amplitude;
     loop {

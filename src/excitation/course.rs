@@ -4,8 +4,8 @@ use super::criterion::{SmoothCriterion, true_log_value};
 use super::evaluator::Evaluator;
 use crate::dynamics::Coulomb;
 
-/// A point is taken when the evaluations have grown by this part since the last: close together at first, where the criterion falls fast,
-/// and some 25 in the 200 evaluations of a random start, which cost it a twentieth of its time.
+/// A point is taken when the evaluations have grown by this part since the last: close together at first, where the criterion
+/// falls fast, and some 25 in the 200 evaluations of a random start, which cost it a twentieth of its time.
 const GROWTH: f64 = 0.2;
 
 /// Takes points of a solve that goes on.

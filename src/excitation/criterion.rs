@@ -161,8 +161,8 @@ pub struct Criteria {
 }
 
 impl Criteria {
-    /// From the observation matrix Y_b (rows × b), the same with every row over its joint's noise, and the mean of `Y_bᵀ Y_b` over
-    /// the workspace; by singular values of the triangular factor.
+    /// From the observation matrix Y_b (rows × b), the same with every row over its joint's noise, and the mean of `Y_bᵀ Y_b`
+    /// over the workspace; by singular values of the triangular factor.
     pub fn from_regressor(y_b: &DMatrix<f64>, whitened: &DMatrix<f64>, workspace: &DMatrix<f64>, joints: usize) -> Self {
         if ![y_b, whitened, workspace].into_iter().all(is_finite) {
             return Self {

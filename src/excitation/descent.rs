@@ -33,7 +33,8 @@ pub(super) enum Grid {
     Asked,
 }
 
-/// From a random point to the neighbourhood of a local minimum. The first stage sees all singular values, the second the extreme ones.
+/// From a random point to the neighbourhood of a local minimum. The first stage sees all singular values, the second the extreme
+/// ones.
 const FROM_RANDOM: [Stage; 2] = [
     Stage {
         power: 2.0,
@@ -49,9 +50,9 @@ const FROM_RANDOM: [Stage; 2] = [
     },
 ];
 
-/// The end of a local solve. Sharp: with p = 50 the smoothed minimum lies some 2 % above the true one, more than neighbouring basins
-/// differ, and improvements drown. Over 40,000 evaluations and four seeds on the paper's problem, ending at p = 200 instead of 50 took
-/// the mean from 61.1 to 60.4 and the best from 60.0 to 57.6; more stages, or p = 300, changed nothing more.
+/// The end of a local solve. Sharp: with p = 50 the smoothed minimum lies some 2 % above the true one, more than neighbouring
+/// basins differ, and improvements drown. Over 40,000 evaluations and four seeds on the paper's problem, ending at p = 200
+/// instead of 50 took the mean from 61.1 to 60.4 and the best from 60.0 to 57.6; more stages, or p = 300, changed nothing more.
 const SHARP: Stage = Stage {
     power: 200.0,
     coulomb_fraction: 0.015,
@@ -97,8 +98,9 @@ pub(super) const POLISH: [Stage; 2] = [
     },
 ];
 
-/// Weight of the excess over limits along the path, per p of the smoothed criterion. At p = 200 a limit binding for 2 % of the samples is
-/// exceeded by about a percent where a percent of amplitude is worth a percent of the criterion; drawing in takes that back.
+/// Weight of the excess over limits along the path, per p of the smoothed criterion. At p = 200 a limit binding for 2 % of the
+/// samples is exceeded by about a percent where a percent of amplitude is worth a percent of the criterion; drawing in takes that
+/// back.
 const PENALTY_PER_POWER: f64 = 5.0;
 
 /// Power of the soft minimum of the evidence in both directions: within 3.5 % of the minimum.
@@ -162,8 +164,8 @@ impl<'a> Descent<'a> {
         (end, points)
     }
 
-    /// Runs the stages as long as `go_on` says so of the point and the smoothed value between two of them; a solve that is given up
-    /// has an infinite value.
+    /// Runs the stages as long as `go_on` says so of the point and the smoothed value between two of them; a solve that is given
+    /// up has an infinite value.
     pub fn run_while(&self, start: Vec<f64>, stages: &[Stage], go_on: &mut dyn FnMut(&[f64], f64) -> bool) -> Descended {
         self.run_watched(start, stages, go_on, None)
     }
@@ -303,8 +305,8 @@ impl<'a> Descent<'a> {
     }
 }
 
-/// Draws the motion towards rest until `holds`: at rest it does, and bisection finds a share of the motion, checked itself, within a thousandth of
-/// where it ceases to.
+/// Draws the motion towards rest until `holds`: at rest it does, and bisection finds a share of the motion, checked itself,
+/// within a thousandth of where it ceases to.
 pub(super) fn drawn_in_until(variables: &Variables, x: Vec<f64>, mut holds: impl FnMut(&[f64]) -> bool) -> Vec<f64> {
     if holds(&x) {
         return x;

@@ -1,12 +1,15 @@
-//! Eigenvalues and eigenvectors of a symmetric matrix: a third of every evaluation, so compiled for the vector units of the machine.
+//! Eigenvalues and eigenvectors of a symmetric matrix: a third of every evaluation, so compiled for the vector units of the
+//! machine.
 //!
-//! Householder tridiagonalisation and implicit QL with shifts (Martin, Reinsch, Wilkinson 1968; Bowdler, Martin, Reinsch, Wilkinson 1968: `tred2`, `tql2`),
-//! arranged so that every inner loop goes along a column. On matrices of this size general libraries, ours and LAPACK, take longer.
+//! Householder tridiagonalisation and implicit QL with shifts (Martin, Reinsch, Wilkinson 1968; Bowdler, Martin, Reinsch,
+//! Wilkinson 1968: `tred2`, `tql2`), arranged so that every inner loop goes along a column. On matrices of this size general
+//! libraries, ours and LAPACK, take longer.
 
 use multiversion::multiversion;
 use nalgebra::{DMatrix, DVector};
 
-/// Eigenvalues, not sorted, and eigenvectors (columns, orthonormal) of the symmetric `m`. What is not finite gives eigenvalues that are not.
+/// Eigenvalues, not sorted, and eigenvectors (columns, orthonormal) of the symmetric `m`. What is not finite gives eigenvalues
+/// that are not.
 pub(super) fn symmetric_eigen(mut m: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     let size = m.nrows();
     let mut vectors = DMatrix::identity(size, size);
@@ -31,7 +34,8 @@ fn decompose(a: &mut [f64], d: &mut [f64], e: &mut [f64], v: &mut [f64]) {
     implicit_ql(d, e, v);
 }
 
-/// Clears column k below the entry beside the diagonal, which goes to `e[k]`, from both sides. Returns `2/hᵀh` of the h that it leaves in the column.
+/// Clears column k below the entry beside the diagonal, which goes to `e[k]`, from both sides. Returns `2/hᵀh` of the h that it
+/// leaves in the column.
 #[inline(always)]
 fn reflect(a: &mut [f64], n: usize, k: usize, e: &mut [f64], work: &mut [f64]) -> f64 {
     let (head, rest) = a.split_at_mut((k + 1) * n);
@@ -86,8 +90,8 @@ fn transpose(v: &mut [f64], n: usize) {
     }
 }
 
-/// Turns the tridiagonal matrix (`d` its diagonal, `e` beside it, the last one zero) into its eigenvalues in `d`, and `v` into `v` times its
-/// eigenvectors.
+/// Turns the tridiagonal matrix (`d` its diagonal, `e` beside it, the last one zero) into its eigenvalues in `d`, and `v` into
+/// `v` times its eigenvectors.
 #[inline(always)]
 fn implicit_ql(d: &mut [f64], e: &mut [f64], v: &mut [f64]) {
     let n = d.len();

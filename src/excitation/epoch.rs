@@ -5,20 +5,20 @@ use super::variables::Variables;
 
 /// Local solves from random starts that open an epoch.
 const OPENING_STARTS: usize = 16;
-/// Jobs without improvement of the epoch's best by more than [`NOTICEABLE`] after which it ends. In traces of six epochs on the paper's
-/// problem most improvements came within 130 jobs of the one before, and the longest wait that paid was 280.
+/// Jobs without improvement of the epoch's best by more than [`NOTICEABLE`] after which it ends. In traces of six epochs on the
+/// paper's problem most improvements came within 130 jobs of the one before, and the longest wait that paid was 280.
 const PATIENCE_JOBS: usize = 160;
 /// Relative improvement that counts; a user cannot tell condition numbers closer than this.
 pub(super) const NOTICEABLE: f64 = 1e-3;
-/// Points this near to the best (in the logarithm) are polished: more than polishing gains (1 % to 2 %), so that no better minimum
-/// is passed over because its local solve ended early.
+/// Points this near to the best (in the logarithm) are polished: more than polishing gains (1 % to 2 %), so that no better
+/// minimum is passed over because its local solve ended early.
 const WORTH_POLISHING: f64 = 0.03;
 /// Polishing runs on all asked samples and costs several hops: at most one job in so many.
 const POLISHING_SHARE: usize = 4;
 /// One job in so many shakes a good point slightly instead of leaving it.
 const SHAKING_SHARE: usize = 8;
-/// Hops go on beyond their first stage if that ended among the best two fifths of recent hops: in a trace of 400 local solves on the
-/// paper's problem what improved an epoch's best was among those, and the first stage costs a quarter of the whole.
+/// Hops go on beyond their first stage if that ended among the best two fifths of recent hops: in a trace of 400 local solves on
+/// the paper's problem what improved an epoch's best was among those, and the first stage costs a quarter of the whole.
 const PROMISING_SHARE: f64 = 0.4;
 /// Hops that "recent" means, and that must have been seen before any is given up.
 const RECENT_HOPS: usize = 64;

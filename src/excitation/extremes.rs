@@ -10,8 +10,9 @@ use std::sync::{Arc, OnceLock};
 /// Values of every coefficient's basis function at the points of one period: coefficient after coefficient, `points` each.
 type Basis = Arc<Vec<f64>>;
 
-/// The bases of position, velocity, acceleration and jerk, made when a limit first asks for one. They are the same for every joint, and an evaluation that reads
-/// one of them seven times from a near cache takes a fraction of the time that seven of them take from memory.
+/// The bases of position, velocity, acceleration and jerk, made when a limit first asks for one. They are the same for every
+/// joint, and an evaluation that reads one of them seven times from a near cache takes a fraction of the time that seven of them
+/// take from memory.
 #[derive(Debug)]
 pub(super) struct SampledBases {
     order: usize,
@@ -121,8 +122,8 @@ impl CertifiedExtremes {
 /// Points that are summed at a time: 1 kB of sums, which stay in registers and the nearest cache while the coefficients pass.
 const TOGETHER: usize = 128;
 
-/// Least and greatest value of `Σ c_i basis_i` over the points, with the point where it is taken first. Every sum is taken in the order of the coefficients, so
-/// that vectors of any width give the same bits.
+/// Least and greatest value of `Σ c_i basis_i` over the points, with the point where it is taken first. Every sum is taken in the
+/// order of the coefficients, so that vectors of any width give the same bits.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
 fn extremes(basis: &[f64], points: usize, c: &[f64]) -> [(f64, usize); 2] {
     let mut sums = [0.0; TOGETHER];

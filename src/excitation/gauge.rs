@@ -14,7 +14,8 @@ pub(super) enum JointSet {
 }
 
 impl JointSet {
-    /// `rest`: position around which coefficients scale, strictly inside the position limits. `bases`: those of `spec`, for all its joints.
+    /// `rest`: position around which coefficients scale, strictly inside the position limits. `bases`: those of `spec`, for all
+    /// its joints.
     pub fn new(limits: &Limits, rest: f64, spec: &ProblemSpec, bases: &SampledBases) -> Self {
         match spec.form {
             Form::Paper => Self::Paper(TriangleBounds::new(limits, rest, spec)),
@@ -32,8 +33,8 @@ impl JointSet {
     }
 }
 
-/// (14d)–(14g): `|offset| + Σ_l w_l sqrt(a_l² + b_l²) ≤ limit` with w = 1/(ω l), 1, ω l, (ω l)² for position, velocity, acceleration and
-/// jerk, and boxes on the coefficients.
+/// (14d)–(14g): `|offset| + Σ_l w_l sqrt(a_l² + b_l²) ≤ limit` with w = 1/(ω l), 1, ω l, (ω l)² for position, velocity,
+/// acceleration and jerk, and boxes on the coefficients.
 #[derive(Debug, Clone)]
 pub(super) struct TriangleBounds {
     order: usize,

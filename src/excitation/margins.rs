@@ -41,8 +41,8 @@ pub struct Margin {
     pub limit: f64,
     /// Extreme value reached, at `at_s`.
     pub peak: f64,
-    /// Proven bound on the extreme over all time: of motions `middle ± half range / cos(π L / N)` of N equispaced values, of torques by bounds
-    /// on their second derivative.
+    /// Proven bound on the extreme over all time: of motions `middle ± half range / cos(π L / N)` of N equispaced values, of
+    /// torques by bounds on their second derivative.
     pub certified_peak: f64,
     /// Time of the extreme (s).
     pub at_s: f64,

@@ -1,6 +1,7 @@
 //! Excitation trajectories: the Fourier series that makes all base parameters visible, within every limit.
 //!
-//! [`Problem`] is what is asked, [`search`] solves it, [`Design`] is the answer. The paper's section 3.3 and (12)–(14), corrected.
+//! [`Problem`] is what is asked, [`search`] solves it, [`Design`] is the answer. The paper's section 3.3 and (12)–(14),
+//! corrected.
 
 mod added;
 mod backoff;

@@ -20,8 +20,8 @@ pub(super) fn random_start(variables: &Variables, rng: &mut ChaCha8Rng) -> Vec<f
     variables.on_the_limits(&raw)
 }
 
-/// A start in another basin, from good points (best first): one or two joints anew, joints exchanged between two points, or a long
-/// step. Steps below a quarter mostly fall back into the basin they came from.
+/// A start in another basin, from good points (best first): one or two joints anew, joints exchanged between two points, or a
+/// long step. Steps below a quarter mostly fall back into the basin they came from.
 pub(super) fn hop(variables: &Variables, symmetries: &Symmetries, pool: &[Point], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let at = favour_the_first(pool.len(), rng);
     let kind: f64 = rng.random();

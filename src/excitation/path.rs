@@ -1,8 +1,8 @@
 //! Limits along the path that bind all joints together: what a joint's torque may be depends on the motion of the others.
 //!
-//! Unlike the limits of one joint's motion they are no convex set of its coefficients. The search adds the square of what exceeds them to
-//! the criterion, and every local solve ends by drawing the whole motion towards rest until they hold; so what is handed back meets
-//! them whatever the weight of the square was.
+//! Unlike the limits of one joint's motion they are no convex set of its coefficients. The search adds the square of what exceeds
+//! them to the criterion, and every local solve ends by drawing the whole motion towards rest until they hold; so what is handed
+//! back meets them whatever the weight of the square was.
 
 use super::problem::ProblemSpec;
 use crate::model::FieldProblem;

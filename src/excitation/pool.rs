@@ -1,7 +1,8 @@
 //! The best points found, one of each niche.
 //!
-//! Local solves end a percent or two above their local minimum, and one minimum is reached again and again: by value alone a pool fills
-//! with copies of one basin within ten rounds, and exchange between its points then leads nowhere. Points are distinguished by distance.
+//! Local solves end a percent or two above their local minimum, and one minimum is reached again and again: by value alone a pool
+//! fills with copies of one basin within ten rounds, and exchange between its points then leads nowhere. Points are distinguished
+//! by distance.
 
 use super::variables::Variables;
 
@@ -62,8 +63,8 @@ pub(super) fn is_near(variables: &Variables, one: &[f64], other: &[f64]) -> bool
     distance(variables, one, other) < RADIUS
 }
 
-/// Root mean square over the joints of `|x_j − y_j| / sqrt(|x_j| |y_j|)`, every joint scaled to its limits: 0 for equal motions, about
-/// √2 for unrelated ones, whatever the joints' speeds.
+/// Root mean square over the joints of `|x_j − y_j| / sqrt(|x_j| |y_j|)`, every joint scaled to its limits: 0 for equal motions,
+/// about √2 for unrelated ones, whatever the joints' speeds.
 pub(super) fn distance(variables: &Variables, one: &[f64], other: &[f64]) -> f64 {
     let per_joint = variables.per_joint();
     let (one, other) = (variables.on_the_limits(one), variables.on_the_limits(other));

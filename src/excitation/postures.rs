@@ -1,7 +1,8 @@
 //! Where a motion can rest: limits along the path looked at in random postures.
 //!
-//! Motions scale from a point of rest, which has to keep every limit itself. A free start takes the middle of the joints' ranges where that is
-//! allowed, else the random posture that stays farthest from all limits. Where none is allowed, the counts say which limits fight.
+//! Motions scale from a point of rest, which has to keep every limit itself. A free start takes the middle of the joints' ranges
+//! where that is allowed, else the random posture that stays farthest from all limits. Where none is allowed, the counts say
+//! which limits fight.
 
 use super::problem::Problem;
 use crate::dynamics::{Coulomb, Motion, inverse_dynamics_batch};
@@ -62,7 +63,8 @@ impl Postures {
     }
 }
 
-/// Per posture what is left to the torque limits (part of the limit) and to the distances (part of 0.1 m, 1 at most); 1 where there are none.
+/// Per posture what is left to the torque limits (part of the limit) and to the distances (part of 0.1 m, 1 at most); 1 where
+/// there are none.
 fn left_over(problem: &Problem, postures: &[Vec<f64>]) -> Vec<[f64; 2]> {
     let n = problem.robot().joint_count();
     let mut left = vec![[1.0f64; 2]; postures.len()];

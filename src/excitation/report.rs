@@ -9,7 +9,8 @@ use super::workspace::workspace_gram;
 use crate::trajectory::FourierSeries;
 use nalgebra::{DMatrix, DVector};
 
-/// How a search ended. Outcomes are values: every one but [`Outcome::Infeasible`] comes with a trajectory that meets all constraints.
+/// How a search ended. Outcomes are values: every one but [`Outcome::Infeasible`] comes with a trajectory that meets all
+/// constraints.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// The best point is a local minimum of the criterion, and searching around it found nothing better for a while.
@@ -48,7 +49,8 @@ pub struct StartReport {
     pub evaluations: u32,
     /// Whether the minimiser ended at a minimum.
     pub converged: bool,
-    /// Evaluations of this start, and the criterion at its best point then; from `initial` to `reached`, closer together at first.
+    /// Evaluations of this start, and the criterion at its best point then; from `initial` to `reached`, closer together at
+    /// first.
     pub course: Vec<(u32, f64)>,
 }
 
@@ -175,7 +177,8 @@ enum Side {
     Rival,
 }
 
-/// All columns but those of the rival that is not in the model: two explanations of the same residual are never estimated beside each other.
+/// All columns but those of the rival that is not in the model: two explanations of the same residual are never estimated beside
+/// each other.
 fn own_columns(problem: &Problem, side: Side) -> Vec<usize> {
     let other = problem.spec().knowledge.rivals.as_ref().map(|r| match side {
         Side::Finding => r.rival.columns.clone(),

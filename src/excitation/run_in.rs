@@ -1,7 +1,8 @@
 //! From a given pose into the periodic motion, and out of it, within the limits of the design.
 //!
-//! Both are half a period of a Fourier series of order 3 with the frequency `1/(2T)`. Positions, velocities and accelerations at both ends are met exactly, and where both
-//! ends are at rest the jerk is zero too. What proves a design proves them: the margins of the whole period hold for its half.
+//! Both are half a period of a Fourier series of order 3 with the frequency `1/(2T)`. Positions, velocities and accelerations at
+//! both ends are met exactly, and where both ends are at rest the jerk is zero too. What proves a design proves them: the margins
+//! of the whole period hold for its half.
 
 use super::backoff::holds;
 use super::problem::Problem;
@@ -116,8 +117,8 @@ fn way(series: &FourierSeries, pose: &[f64], duration: f64, out: bool) -> Fourie
     way
 }
 
-/// `o + Σ c_l cos(l ω t) + s_l sin(l ω t)` from one `[q, qd, qdd]` at t = 0 to another at `t = π/ω`: even harmonics hold the sums of both ends' conditions, odd
-/// ones the differences.
+/// `o + Σ c_l cos(l ω t) + s_l sin(l ω t)` from one `[q, qd, qdd]` at t = 0 to another at `t = π/ω`: even harmonics hold the sums
+/// of both ends' conditions, odd ones the differences.
 fn between(from: [f64; 3], to: [f64; 3], omega: f64) -> (f64, [f64; ORDER], [f64; ORDER]) {
     let [sum, difference] = [1.0, -1.0].map(|sign| [0, 1, 2].map(|k| 0.5 * (from[k] + sign * to[k])));
     let curvature = omega * omega;

@@ -1,9 +1,9 @@
 //! Motions that are worth the same: mirror images and reversal in time.
 //!
-//! Run backwards, a motion has the same accelerations and opposite velocities, which changes signs of friction columns only. Mirrored at a
-//! plane that holds gravity, some joints turn the other way; which ones depends on the robot. All these have the same singular
-//! values, so two searches that found the same joint motions may hold them as mirror images, and an exchange between them is
-//! worth nothing until one is turned into the image nearest to the other.
+//! Run backwards, a motion has the same accelerations and opposite velocities, which changes signs of friction columns only.
+//! Mirrored at a plane that holds gravity, some joints turn the other way; which ones depends on the robot. All these have the
+//! same singular values, so two searches that found the same joint motions may hold them as mirror images, and an exchange
+//! between them is worth nothing until one is turned into the image nearest to the other.
 
 use super::criterion::is_finite;
 use super::evaluator::Evaluator;

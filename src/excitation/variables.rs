@@ -5,8 +5,8 @@
 //! variables x leave its set is pulled back along the ray to rest, `x / g(x)` with the gauge `g` of the set. At the optimum
 //! the limits bind, and the search runs on the surface `g = 1` without constraints.
 //!
-//! Where limits along the path ([`super::path`]) may ask for less than full motion, the inside of the set has to be reached too: then the
-//! motion is `x / (1 + g^4)^(1/4)`, which approaches the surface as x grows.
+//! Where limits along the path ([`super::path`]) may ask for less than full motion, the inside of the set has to be reached too:
+//! then the motion is `x / (1 + g^4)^(1/4)`, which approaches the surface as x grows.
 
 use super::extremes::SampledBases;
 use super::gauge::JointSet;
@@ -20,8 +20,8 @@ pub(super) struct Variables {
     joints: usize,
     order: usize,
     per_joint: usize,
-    /// Of every joint: coefficients `[a_1…a_L, b_1…b_L, offset − rest]` from its variables; orthonormal columns, and columns of zeros for a joint
-    /// with fewer harmonics than another.
+    /// Of every joint: coefficients `[a_1…a_L, b_1…b_L, offset − rest]` from its variables; orthonormal columns, and columns of
+    /// zeros for a joint with fewer harmonics than another.
     null_spaces: Vec<DMatrix<f64>>,
     /// The two lowest harmonics of every joint: (14c) binds them to the others.
     lowest: Vec<[usize; 2]>,
@@ -141,7 +141,8 @@ impl Variables {
     pub fn drawn_in(&self, x: &[f64], share: f64) -> Vec<f64> {
         let mut at = self.project(x);
         for (j, mut column) in at.coefficients.column_iter_mut().enumerate() {
-            // Coefficients are u r(g), on the set at gauge g r(g); the variables that project to a share of them are further in on u's ray.
+            // Coefficients are u r(g), on the set at gauge g r(g); the variables that project to a share of them are further in
+            // on u's ray.
             let gauge = share * at.gauges[j] * self.radial.factor(at.gauges[j]);
             column.scale_mut(share / self.radial.factor(self.radial.gauge_of(gauge)));
         }
@@ -190,8 +191,8 @@ impl Variables {
         let mut series = FourierSeries::at_rest(self.rest.clone(), self.order, self.fundamental_hz);
         for j in 0..self.joints {
             let mut column = coefficients.column(j).into_owned();
-            // Rounding to the grid moves coefficients by less than 1e-10 of the largest; a second pull-back with that to spare leaves
-            // every limit met by whoever evaluates it, in whatever order they sum.
+            // Rounding to the grid moves coefficients by less than 1e-10 of the largest; a second pull-back with that to spare
+            // leaves every limit met by whoever evaluates it, in whatever order they sum.
             column *= 1.0 - ROOM;
             self.to_grid(column.as_mut_slice(), self.lowest[j]);
             for l in 0..self.order {
@@ -204,10 +205,12 @@ impl Variables {
     }
 
     /// Rounds to multiples of a power of two such that `Σ a = 0`, `Σ l b = 0` (and `Σ b/l = 0`) hold exactly in floating point,
-    /// whatever the order of summation: the joint then stands still at t = 0 by everybody's arithmetic, and `sign(qd)` there is 0.
+    /// whatever the order of summation: the joint then stands still at t = 0 by everybody's arithmetic, and `sign(qd)` there is
+    /// 0.
     ///
-    /// The two lowest harmonics, m < n, follow from the others. Of a multiple of `l (n² − m²)` grid for b_l both `Σ b_l/l` and `Σ l b_l` over the
-    /// others are such multiples that `b_n/n = (m² Σ b/l − Σ l b)/(n² − m²)` and `b_m/m = −Σ b/l − b_n/n` are whole grids.
+    /// The two lowest harmonics, m < n, follow from the others. Of a multiple of `l (n² − m²)` grid for b_l both `Σ b_l/l` and
+    /// `Σ l b_l` over the others are such multiples that `b_n/n = (m² Σ b/l − Σ l b)/(n² − m²)` and `b_m/m = −Σ b/l − b_n/n` are
+    /// whole grids.
     fn to_grid(&self, c: &mut [f64], [m, n]: [usize; 2]) {
         let order = self.order;
         let largest = c[..2 * order].iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -270,8 +273,8 @@ impl Radial {
         }
     }
 
-    /// Gauge of variables for the same motion; inside, what lies far out is brought back to where its motion is within 0.3 % the same and
-    /// can still shrink.
+    /// Gauge of variables for the same motion; inside, what lies far out is brought back to where its motion is within 0.3 % the
+    /// same and can still shrink.
     fn settled(self, gauge: f64) -> f64 {
         match self {
             Radial::Surface => 1.0,
@@ -292,7 +295,8 @@ impl Radial {
 const ROOM: f64 = 1e-8;
 
 /// Orthonormal basis of the coefficients `[a, b, offset]` of one joint that satisfy (14c), corrected: `Σ a = 0` (velocity),
-/// `Σ l b = 0` (acceleration), for a fixed start `Σ b/l = 0` (position) without offset, and that have no other harmonics than these.
+/// `Σ l b = 0` (acceleration), for a fixed start `Σ b/l = 0` (position) without offset, and that have no other harmonics than
+/// these.
 fn null_space(order: usize, harmonics: &[usize], start: Start) -> DMatrix<f64> {
     let size = 2 * order + 1;
     let fixed = start == Start::Zero;

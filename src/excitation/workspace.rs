@@ -10,8 +10,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 
-/// Random states averaged over: the mean of their Gram matrices is known to about 1/sqrt(2000) = 2 %, alike for all designs since the
-/// states are always the same ones.
+/// Random states averaged over: the mean of their Gram matrices is known to about 1/sqrt(2000) = 2 %, alike for all designs since
+/// the states are always the same ones.
 const STATES: usize = 2000;
 
 /// Mean of `Y_bᵀ Y_b` over states drawn uniformly inside the limits (all columns).
@@ -42,8 +42,8 @@ pub(super) fn workspace_gram(problem: &Problem) -> DMatrix<f64> {
     problem.gram_along(&motion, 1.0, false) / STATES as f64
 }
 
-/// Columns that look at other samples have no value at a state. They are averaged over random motions within the limits, as many samples as
-/// there are states otherwise.
+/// Columns that look at other samples have no value at a state. They are averaged over random motions within the limits, as many
+/// samples as there are states otherwise.
 fn over_motions(problem: &Problem) -> DMatrix<f64> {
     let variables = Variables::new(problem);
     let samples = (20 * problem.spec().order).next_multiple_of(8);

@@ -1,7 +1,8 @@
 //! JSON text to a value, with an answer to what programs write instead of numbers.
 //!
-//! `NaN`, `Infinity` and numbers beyond the range of f64 are not JSON, and a parser stops at the first of them. Programs that compute
-//! write them all the same, so they are looked for first: each becomes a finding that names its field, and reading goes on.
+//! `NaN`, `Infinity` and numbers beyond the range of f64 are not JSON, and a parser stops at the first of them. Programs that
+//! compute write them all the same, so they are looked for first: each becomes a finding that names its field, and reading goes
+//! on.
 
 use crate::model::{FieldProblem, INPUT_LIMITS};
 use serde_json::Value;

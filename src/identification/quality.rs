@@ -24,8 +24,8 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Joints whose predicted torque is less certain away from the recorded motion than it is exact on it, the worst first; joints without rows, of which
-    /// nothing is known, come before all.
+    /// Joints whose predicted torque is less certain away from the recorded motion than it is exact on it, the worst first;
+    /// joints without rows, of which nothing is known, come before all.
     pub fn poor_joints(&self) -> Vec<usize> {
         let mut poor: Vec<usize> = (0..self.extrapolation.len())
             .filter(|&j| self.extrapolation[j] > MOST_EXTRAPOLATION)

@@ -1,8 +1,8 @@
 //! Angles and lengths as files have them: rounded.
 //!
-//! Vendors publish quarter turns as 3.1416, 1.57079 or 3.14. Taken as written, axes that are parallel are not, quite: parameters that
-//! the arm can never show become base parameters, and the condition number grows by orders of magnitude. So an angle that is a
-//! rounded quarter turn is read as the quarter turn.
+//! Vendors publish quarter turns as 3.1416, 1.57079 or 3.14. Taken as written, axes that are parallel are not, quite: parameters
+//! that the arm can never show become base parameters, and the condition number grows by orders of magnitude. So an angle that is
+//! a rounded quarter turn is read as the quarter turn.
 
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};

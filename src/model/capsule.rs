@@ -4,8 +4,8 @@ use super::INPUT_LIMITS;
 use crate::spatial::Transform;
 use nalgebra::{Matrix3, Vector3};
 
-/// All points within `radius` of the segment between two points fixed to a link. Chosen generously it contains the link; distances
-/// between two of them, and their derivatives, are exact and cheap.
+/// All points within `radius` of the segment between two points fixed to a link. Chosen generously it contains the link;
+/// distances between two of them, and their derivatives, are exact and cheap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capsule {
     /// Ends of the segment in the link frame of the dynamics (m).
@@ -18,9 +18,9 @@ pub struct Capsule {
 pub type Ball = (Vector3<f64>, f64);
 
 impl Capsule {
-    /// The smallest of seven capsules that contain all the balls: its axis runs along x, y, z, a principal direction of the centres, or the line between
-    /// the two that are farthest apart in such a direction, and through the middle of what is seen along it. `None` without balls, or with numbers that
-    /// no link has.
+    /// The smallest of seven capsules that contain all the balls: its axis runs along x, y, z, a principal direction of the
+    /// centres, or the line between the two that are farthest apart in such a direction, and through the middle of what is seen
+    /// along it. `None` without balls, or with numbers that no link has.
     pub fn around(balls: &[Ball]) -> Option<Self> {
         let usable =
             |&(p, r): &Ball| p.iter().all(|v| v.abs() <= INPUT_LIMITS.length) && (0.0..=INPUT_LIMITS.length).contains(&r);

@@ -1,8 +1,8 @@
 //! What a document or a log may ask for at most.
 //!
-//! A small document can describe a large computation: a chain of ten thousand joints, a trajectory of a million harmonics, a log whose last
-//! time stamp is a trillion seconds. Everything that the input controls (recursion, walks, loops, allocations) is held to these limits while it is
-//! read, and the error states the limit that was exceeded.
+//! A small document can describe a large computation: a chain of ten thousand joints, a trajectory of a million harmonics, a log
+//! whose last time stamp is a trillion seconds. Everything that the input controls (recursion, walks, loops, allocations) is held
+//! to these limits while it is read, and the error states the limit that was exceeded.
 
 /// Limits on the size of what the readers accept. Each is far above what arms, controllers and recordings have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,8 @@ pub struct InputLimits {
     pub inertia: f64,
     /// Largest coefficient of friction [N·m s/rad or N s/m; N·m or N].
     pub friction: f64,
-    /// Largest distance between two joints, or of a centre of mass from its joint (m): millimetres taken for metres land far above.
+    /// Largest distance between two joints, or of a centre of mass from its joint (m): millimetres taken for metres land far
+    /// above.
     pub length: f64,
     /// Notes about how a document was read.
     pub notes: usize,
@@ -69,7 +70,8 @@ pub struct InputLimits {
     pub log_line: usize,
     /// Bytes of the header of a log.
     pub log_header: usize,
-    /// How many times larger than the file a compressed log may be, beyond `log_unpacked_free` bytes. Recordings compress to a tenth.
+    /// How many times larger than the file a compressed log may be, beyond `log_unpacked_free` bytes. Recordings compress to a
+    /// tenth.
     pub log_expansion: u64,
     /// Bytes that a compressed log may unpack to whatever its size.
     pub log_unpacked_free: u64,
@@ -79,7 +81,8 @@ pub struct InputLimits {
     pub log_on_disk: u64,
     /// Numbers of all columns of a log in such a format.
     pub log_numbers: usize,
-    /// Values of a simulated log: rows times joints and two more columns. Of seven joints a quarter of an hour at 1 kHz; in memory 130 MB.
+    /// Values of a simulated log: rows times joints and two more columns. Of seven joints a quarter of an hour at 1 kHz; in
+    /// memory 130 MB.
     pub simulated_values: usize,
     /// Steps of a simulation with elastic joints, times joints: of seven joints nearly five minutes.
     pub simulated_steps: usize,

@@ -60,7 +60,8 @@ pub enum Axis {
     Z,
 }
 
-/// What the physical parameters of a link must lie between, `[lower, upper]`: the paper's (10b). In the link frame of the description.
+/// What the physical parameters of a link must lie between, `[lower, upper]`: the paper's (10b). In the link frame of the
+/// description.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinkBounds {
     /// (kg).

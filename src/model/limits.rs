@@ -31,9 +31,9 @@ impl Limits {
 
     /// The limits without those that nobody meant, and what was dropped, in words.
     ///
-    /// Programs that must write something where there is no limit write 1e16, 10000 rad or [0, 0]. What no joint can reach limits nothing. A
-    /// position within reach but in degrees is left in place, so that it is refused. `is_of_file`: a URDF file, where zero and negative
-    /// magnitudes stand for none too, and so does a speed beyond any joint's beside a position in radians.
+    /// Programs that must write something where there is no limit write 1e16, 10000 rad or [0, 0]. What no joint can reach limits
+    /// nothing. A position within reach but in degrees is left in place, so that it is refused. `is_of_file`: a URDF file, where
+    /// zero and negative magnitudes stand for none too, and so does a speed beyond any joint's beside a position in radians.
     pub fn without_placeholders(self, is_revolute: bool, is_of_file: bool) -> (Self, Vec<String>) {
         let mut dropped = Vec::new();
         let mut kept = self;

@@ -19,7 +19,8 @@ pub struct LinkMesh {
 }
 
 impl LinkMesh {
-    /// A point of the mesh file in the link's frame (m): `R S Rrᵀ (p − pr) + t`, with `R, t` of `pose`, `S` of `scale` and `Rr, pr` of `reference`.
+    /// A point of the mesh file in the link's frame (m): `R S Rrᵀ (p − pr) + t`, with `R, t` of `pose`, `S` of `scale` and
+    /// `Rr, pr` of `reference`.
     pub fn placed(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let meant = self.reference.rotation.transpose() * (point - self.reference.translation);
         self.pose.rotation * self.scale.component_mul(&meant) + self.pose.translation

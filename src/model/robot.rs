@@ -236,8 +236,8 @@ fn limit_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     degree_problems(i, joint, found);
 }
 
-/// Limits that were written in degrees. A single joint with short travel in degrees (±20) would slip below, but all joints are written in the
-/// same unit, and some have a long travel.
+/// Limits that were written in degrees. A single joint with short travel in degrees (±20) would slip below, but all joints are
+/// written in the same unit, and some have a long travel.
 fn degree_problems(i: usize, joint: &Joint, found: &mut Vec<FieldProblem>) {
     let hint = "limits of revolute joints are in radians; this looks like degrees: multiply by π/180";
     if let Some([low, high]) = joint.limits.position

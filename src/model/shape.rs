@@ -11,11 +11,12 @@ const RADII: [f64; 2] = [0.02, 0.12];
 const SHORTEST: f64 = 1.5;
 
 impl Robot {
-    /// The robot with shapes, where no link of it has one: a capsule from every joint to the next, as thick as links of arms of this length are. The
-    /// last link reaches to twice its centre of mass, where that is known. Second, the joints whose links were given one.
+    /// The robot with shapes, where no link of it has one: a capsule from every joint to the next, as thick as links of arms of
+    /// this length are. The last link reaches to twice its centre of mass, where that is known. Second, the joints whose links
+    /// were given one.
     ///
-    /// It is a guess: enough to keep an arm from folding into itself, and to be replaced by capsules of the real links where the arm comes close to
-    /// anything.
+    /// It is a guess: enough to keep an arm from folding into itself, and to be replaced by capsules of the real links where the
+    /// arm comes close to anything.
     pub fn with_shape(&self) -> (Self, Vec<String>) {
         if self.joints().iter().any(|j| !j.geometry.is_empty()) {
             return (self.clone(), Vec::new());

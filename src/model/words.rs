@@ -3,7 +3,8 @@
 /// Longest text of a double with an exponent.
 const LONGEST_NUMBER: usize = 24;
 
-/// The shortest text that reads as `value`: written out, or with an exponent where that would be hundreds of digits. What is no finite number is said in words.
+/// The shortest text that reads as `value`: written out, or with an exponent where that would be hundreds of digits. What is no
+/// finite number is said in words.
 pub fn shortest(value: f64) -> String {
     if !value.is_finite() {
         return endless(value).into();
@@ -32,8 +33,8 @@ fn endless(value: f64) -> &'static str {
     }
 }
 
-/// A message without endless numbers: what somebody has written as 1e300 is not said back as three hundred digits. All that goes into a problem, a choice or an
-/// error passes through here.
+/// A message without endless numbers: what somebody has written as 1e300 is not said back as three hundred digits. All that goes
+/// into a problem, a choice or an error passes through here.
 pub fn readable(text: impl Into<String>) -> String {
     let text = text.into();
     let is_digit = |c: char| c.is_ascii_digit() || c == '.';

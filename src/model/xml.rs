@@ -1,7 +1,7 @@
 //! XML as robot files have it, made ready for a strict parser, and held to the limits on its size.
 //!
-//! Files in the wild have a comment before the XML declaration, or prefixes that nobody declared (`drake:acceleration`). Both are mended here. One
-//! pass without recursion counts levels, elements and attributes before any tree is built.
+//! Files in the wild have a comment before the XML declaration, or prefixes that nobody declared (`drake:acceleration`). Both are
+//! mended here. One pass without recursion counts levels, elements and attributes before any tree is built.
 
 use super::notes::Notes;
 use super::{FieldProblem, INPUT_LIMITS, ModelError};

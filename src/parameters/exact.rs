@@ -2,9 +2,9 @@
 //!
 //! Regrouping rules of Gautier & Khalil (1990), stated for a general fixed transform per joint: a body that is symmetric about a
 //! revolute joint's axis may be handed to the link before, because the joint turns it into itself; the rotational inertia of a
-//! sliding link may be handed on as it is. At the start of the chain some links cannot turn, or turn about one direction only, and
-//! more drops out. Each rule is a null vector `ν` of the regressor, `Y ν = 0`; eliminating from the last parameter to the first
-//! leaves the parameters that come first, which is Khalil's choice of names.
+//! sliding link may be handed on as it is. At the start of the chain some links cannot turn, or turn about one direction only,
+//! and more drops out. Each rule is a null vector `ν` of the regressor, `Y ν = 0`; eliminating from the last parameter to the
+//! first leaves the parameters that come first, which is Khalil's choice of names.
 
 use crate::model::{Joint, Robot};
 use crate::parameters::Layout;
@@ -28,8 +28,8 @@ pub(super) fn null_vectors(robot: &Robot, layout: &Layout) -> DMatrix<f64> {
     DMatrix::from_fn(nulls.rows.len(), p, |r, c| nulls.rows[r][c])
 }
 
-/// Directions nearer than this are parallel, offsets below it are none: products of a few exact rotations and lengths of order one
-/// carry 1e-15, real geometry starts at micrometres.
+/// Directions nearer than this are parallel, offsets below it are none: products of a few exact rotations and lengths of order
+/// one carry 1e-15, real geometry starts at micrometres.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// How a link can turn.

@@ -10,8 +10,8 @@ pub struct Expression {
 }
 
 impl Expression {
-    /// `terms` with the parameter that gives the name first. The others follow as they are written by hand: inertias, first moments,
-    /// masses, each by link.
+    /// `terms` with the parameter that gives the name first. The others follow as they are written by hand: inertias, first
+    /// moments, masses, each by link.
     pub(super) fn new(mut terms: Vec<(f64, Parameter)>) -> Self {
         let rank = |p: &Parameter| match p.kind {
             ParameterKind::Inertial(Inertial::M) => 2,

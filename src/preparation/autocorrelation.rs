@@ -15,10 +15,11 @@ pub(crate) fn moments(q: &[f64]) -> (f64, f64) {
     (mean, q.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / q.len() as f64)
 }
 
-/// `d(L) = Σ_j mean_t (q_j(t + L) − q_j(t))² / 2 var q_j`, averaged over the joints that move, for all lags up to three quarters of the
-/// record and a few more; `None` when nothing moves.
+/// `d(L) = Σ_j mean_t (q_j(t + L) − q_j(t))² / 2 var q_j`, averaged over the joints that move, for all lags up to three quarters
+/// of the record and a few more; `None` when nothing moves.
 ///
-/// The sum over joints is taken before the transform back. Zeros behind the record keep its end from meeting its start at any of those lags.
+/// The sum over joints is taken before the transform back. Zeros behind the record keep its end from meeting its start at any of
+/// those lags.
 pub(crate) fn lag_difference(log: &Log, cancel: &CancelFlag) -> Option<Vec<f64>> {
     let n = log.samples();
     let lags = n.min(3 * n / 4 + 5);

@@ -122,8 +122,8 @@ impl Periods {
     }
 }
 
-/// Variance of the mean of K ≥ 2 periods that each Fourier line 0 … N/2 carries, `E|X_l|²/N`, by the scatter of the `unfolded` periods about their `mean`: for white
-/// noise the constant `σ²/K`. Unusable samples count as equal to the mean.
+/// Variance of the mean of K ≥ 2 periods that each Fourier line 0 … N/2 carries, `E|X_l|²/N`, by the scatter of the `unfolded`
+/// periods about their `mean`: for white noise the constant `σ²/K`. Unusable samples count as equal to the mean.
 pub(crate) fn mean_spectrum(periods: &Periods, unfolded: &[f64], mean: &[f64], usable: &[bool], cancel: &CancelFlag) -> Vec<f64> {
     let (k, n) = (periods.count, periods.samples);
     let mut lines = vec![0.0; n / 2 + 1];
@@ -153,8 +153,8 @@ pub struct Scatter {
     pub usable: Vec<bool>,
     /// Standard deviation of one torque sample about the mean of its periods, per joint [N m or N].
     pub std_dev: Vec<f64>,
-    /// Variance of the *averaged* torque that each Fourier line 0 … N/2 carries, per joint, `E|X_l|²/N`: for white noise the constant
-    /// `std_dev²/K`.
+    /// Variance of the *averaged* torque that each Fourier line 0 … N/2 carries, per joint, `E|X_l|²/N`: for white noise the
+    /// constant `std_dev²/K`.
     pub spectrum: Vec<Vec<f64>>,
 }
 

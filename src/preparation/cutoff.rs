@@ -13,16 +13,16 @@ pub(crate) const RIGID_LIMIT_HZ: f64 = 20.0;
 /// Cut-off of the row filter over the highest frequency of the signal.
 pub(crate) const ABOVE_SIGNAL: f64 = 1.5;
 
-/// Ten times the frequency below which 99 % of a velocity's power lies: friction reverses in steps, whose harmonics say more of it than the motion's own lines. A filter
-/// at the highest line of a slow, clean motion would leave a few dozen rows of a log.
+/// Ten times the frequency below which 99 % of a velocity's power lies: friction reverses in steps, whose harmonics say more of
+/// it than the motion's own lines. A filter at the highest line of a slow, clean motion would leave a few dozen rows of a log.
 const ABOVE_SPEED: f64 = 10.0;
 
 /// No row filter is lower [Hz]: joints of arms reverse within a second.
 const LEAST_HZ: f64 = 2.0;
 
 /// Cut-off (Hz) for a log that does not repeat: one and a half times the highest frequency at which some joint's position stands
-/// 20 dB above its own noise floor, so that the filter's roll-off stays clear of it, but no less than ten times that of the speeds (the joint in the middle), which does not
-/// go with the number of digits; at most 20 Hz and a fifth of the rate.
+/// 20 dB above its own noise floor, so that the filter's roll-off stays clear of it, but no less than ten times that of the
+/// speeds (the joint in the middle), which does not go with the number of digits; at most 20 Hz and a fifth of the rate.
 pub fn signal_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
     let of = |q: &Vec<f64>| {
         cancel.leave_if_set();

@@ -29,23 +29,24 @@ pub(crate) struct PositionNoise {
 /// Half the width, in lines, over which a line is judged together with its neighbours.
 const NEIGHBOURS: usize = 2;
 
-/// A line of pure noise has a power beyond 13.8 times its expectation once in a million. Its neighbours do not make that rarer: noise that
-/// comes and goes with the motion (time stamps that jitter move positions by speed times jitter) has lines that go together, and one false
-/// line near half the sampling rate, differentiated twice, is an acceleration of its own.
+/// A line of pure noise has a power beyond 13.8 times its expectation once in a million. Its neighbours do not make that rarer:
+/// noise that comes and goes with the motion (time stamps that jitter move positions by speed times jitter) has lines that go
+/// together, and one false line near half the sampling rate, differentiated twice, is an acceleration of its own.
 const ABOVE_NOISE: f64 = 13.8;
 
-/// A spectrum whose last line that stands out is within 30 dB of the noise has faded into it; one that a trajectory ends by itself stops
-/// far above.
+/// A spectrum whose last line that stands out is within 30 dB of the noise has faded into it; one that a trajectory ends by
+/// itself stops far above.
 const FADING: f64 = 1e3;
 
-/// Fits the period `q` of `period_s` seconds. `scatter` is the noise of `q`, where periods show it; `order` the excitation's highest harmonic, where known: those harmonics are kept in any case.
+/// Fits the period `q` of `period_s` seconds. `scatter` is the noise of `q`, where periods show it; `order` the excitation's
+/// highest harmonic, where known: those harmonics are kept in any case.
 ///
 /// A line is kept when it and its neighbours together stand above the noise. With `q = Σ_l c_l exp(iωlt)` the derivatives are
 /// exact: `iωl c_l` and `−(ωl)² c_l`, and the noise in them is what the kept lines carry and no more.
 ///
-/// Motions with steps in their jerk (polynomials through way-points) have no last harmonic: theirs fall as `l⁻⁴` and sink into the noise.
-/// There the lines beyond the last that stands out are weighted by `S/(S + N)`, Wiener's filter, with S falling on as it must: cutting
-/// them would cut the corners of the acceleration.
+/// Motions with steps in their jerk (polynomials through way-points) have no last harmonic: theirs fall as `l⁻⁴` and sink into
+/// the noise. There the lines beyond the last that stands out are weighted by `S/(S + N)`, Wiener's filter, with S falling on as
+/// it must: cutting them would cut the corners of the acceleration.
 pub(crate) fn fourier_fit(q: &[f64], period_s: f64, scatter: Option<&PositionNoise>, order: Option<usize>) -> FourierFit {
     let n = q.len();
     let lines = forward(q);

@@ -1,7 +1,7 @@
 //! Thinning series for the eye.
 
-/// Indices of about `most` samples, ascending, among them the lowest and the highest value of every series in every one of as many
-/// equal stretches as that allows: what is drawn from them has every peak.
+/// Indices of about `most` samples, ascending, among them the lowest and the highest value of every series in every one of as
+/// many equal stretches as that allows: what is drawn from them has every peak.
 ///
 /// # Panics
 /// When the series differ in length.

@@ -1,9 +1,9 @@
 //! From a log to motion and torque on one grid.
 //!
-//! 1. The period is taken from the request, or from the data ([`detect_period`]); the stretch that really repeats is cut into whole
-//!    periods, whose mean is kept and whose scatter is the noise, measured without any model ([`Scatter`]).
-//! 2. Derivatives: a log that repeats is a Fourier series, which is cut where it sinks into the noise and differentiated exactly. A log
-//!    that does not is low-pass filtered without delay and differenced.
+//! 1. The period is taken from the request, or from the data ([`detect_period`]); the stretch that really repeats is cut into
+//!    whole periods, whose mean is kept and whose scatter is the noise, measured without any model ([`Scatter`]).
+//! 2. Derivatives: a log that repeats is a Fourier series, which is cut where it sinks into the noise and differentiated exactly.
+//!    A log that does not is low-pass filtered without delay and differenced.
 //! 3. Torque and regressor columns then go through one and the same [`RowFilter`].
 
 mod autocorrelation;

@@ -24,8 +24,8 @@ pub struct PreprocessOptions {
     pub position_filter: Option<FilterSpec>,
     /// Zero-phase low-pass on torques; with [`Method::ParallelFilter`] on every regressor column as well.
     pub torque_filter: Option<FilterSpec>,
-    /// Highest cut-off of the row filter of a log that does not repeat, where no filter is given (Hz): that of the logs that a model is made from, for those that it is
-    /// held against. What the fit never saw is no error of the model.
+    /// Highest cut-off of the row filter of a log that does not repeat, where no filter is given (Hz): that of the logs that a
+    /// model is made from, for those that it is held against. What the fit never saw is no error of the model.
     pub band_hz: Option<f64>,
     /// Time dropped at both ends of a record that was filtered and does not repeat (s).
     pub discard_edges_s: Option<f64>,
@@ -35,7 +35,8 @@ pub struct PreprocessOptions {
     pub dead_zone: Option<f64>,
 }
 
-/// The paper's chain (section 4.3): average over periods, order 20 at 2 Hz on positions, order 12 at 1.6 Hz on torques, central differences.
+/// The paper's chain (section 4.3): average over periods, order 20 at 2 Hz on positions, order 12 at 1.6 Hz on torques, central
+/// differences.
 impl PreprocessOptions {
     /// The published preparation (section 4.3) of a log of this period.
     pub fn paper(period_s: f64) -> Self {
@@ -60,7 +61,8 @@ pub enum Period {
         /// Highest harmonic of the excitation, where known.
         order: Option<usize>,
     },
-    /// That of another log of the same request: taken where this one repeats with it, else found, and no error where there is none.
+    /// That of another log of the same request: taken where this one repeats with it, else found, and no error where there is
+    /// none.
     Expected {
         /// The period (s).
         period_s: f64,

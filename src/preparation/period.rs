@@ -18,12 +18,12 @@ const LEFT: f64 = 0.3;
 
 /// The period of the positions (s), from their autocorrelation: `None` when nothing repeats at least twice.
 ///
-/// `d(L) = Σ_j mean_t (q_j(t + L) − q_j(t))² / 2 var q_j`, averaged over the joints that move; the period is the first lag, after d
-/// has risen, where it falls to a minimum near zero. The lag of the last full repetition, divided by their number, refines it to a
-/// fraction of a sample.
+/// `d(L) = Σ_j mean_t (q_j(t + L) − q_j(t))² / 2 var q_j`, averaged over the joints that move; the period is the first lag, after
+/// d has risen, where it falls to a minimum near zero. The lag of the last full repetition, divided by their number, refines it
+/// to a fraction of a sample.
 ///
-/// The stretch that really repeats is then looked at alone, because a robot that starts late pulls the minimum aside, and a period
-/// within a fiftieth of a sample of a whole number of samples is taken to be that: a controller counts samples.
+/// The stretch that really repeats is then looked at alone, because a robot that starts late pulls the minimum aside, and a
+/// period within a fiftieth of a sample of a whole number of samples is taken to be that: a controller counts samples.
 pub fn detect_period(log: &Log) -> Option<f64> {
     detect_period_until(log, &CancelFlag::default())
 }
@@ -68,8 +68,8 @@ fn period_in_samples(log: &Log, cancel: &CancelFlag) -> Option<f64> {
     Some(lag)
 }
 
-/// Whether the median of `|q(t + L) − q(t)|²` over time, all joints together, is next to nothing beside the variance: whether more than half
-/// of the samples are below that.
+/// Whether the median of `|q(t + L) − q(t)|²` over time, all joints together, is next to nothing beside the variance: whether
+/// more than half of the samples are below that.
 fn mostly_repeats(log: &Log, lag: usize, cancel: &CancelFlag) -> bool {
     /// Samples of all joints that stay in the cache together.
     const STRETCH: usize = 1024;
@@ -114,7 +114,8 @@ fn refine(d: &[f64], at: usize) -> f64 {
     at as f64 + shift
 }
 
-/// The longest stretch of samples in which positions repeat after `lag` samples: `[first, last)` of samples s with q(s) ≈ q(s + lag).
+/// The longest stretch of samples in which positions repeat after `lag` samples: `[first, last)` of samples s with q(s) ≈ q(s +
+/// lag).
 ///
 /// A robot that starts late, a transient before the motion has settled, or an early end show as samples that do not repeat. The
 /// difference is smoothed over a hundredth of the period; it may be four times its median (noise is steady, a transient is not),

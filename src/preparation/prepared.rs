@@ -36,7 +36,8 @@ pub struct PreparedLog {
     pub dead_zone: Vec<f64>,
     /// Per joint: why its torque takes no part, where it does not. Such a joint has no rows.
     pub excluded: Vec<Option<Exclusion>>,
-    /// Per joint: standard deviation that recording has added to a torque sample, steps of the file or the converter over √12 [N m or N].
+    /// Per joint: standard deviation that recording has added to a torque sample, steps of the file or the converter over √12 [N
+    /// m or N].
     pub resolution: Vec<f64>,
     /// Per joint: what is not known of its motion.
     pub motion_error: Vec<MotionError>,

@@ -5,10 +5,12 @@ use realfft::num_complex::Complex64;
 use std::collections::BTreeSet;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
-/// A plan holds as many sines as the record has samples: making one takes longer than using it, and a log has few lengths. All threads share them.
+/// A plan holds as many sines as the record has samples: making one takes longer than using it, and a log has few lengths. All
+/// threads share them.
 static PLANS: LazyLock<Mutex<Plans>> = LazyLock::new(Mutex::default);
 
-/// Samples whose plans are kept at most: those of the longest logs, in some 100 MB. A server that runs for months sees many lengths.
+/// Samples whose plans are kept at most: those of the longest logs, in some 100 MB. A server that runs for months sees many
+/// lengths.
 const MOST_PLANNED: usize = 4 << 20;
 
 #[derive(Default)]

@@ -48,7 +48,8 @@ fn short(value: f64) -> String {
 /// Largest torques that joints have: from far below what a watch needs to far above what the largest crane lifts [N m or N].
 const PLAUSIBLE: std::ops::Range<f64> = 1e-9..INPUT_LIMITS.measured_torque;
 
-/// A column whose largest torque is below this part of the largest of all joints is rounding beside them: torque channels resolve 24 bits (6e-8) at best.
+/// A column whose largest torque is below this part of the largest of all joints is rounding beside them: torque channels resolve
+/// 24 bits (6e-8) at best.
 const LEAST_SHARE: f64 = 1e-9;
 
 /// A spread below this part of the value is rounding of one number.
@@ -76,7 +77,8 @@ pub(crate) fn exclusions(torque: &[Vec<f64>], usable: &[bool], still: &[bool]) -
     ranges.iter().zip(still).map(one).collect()
 }
 
-/// Lowest and highest value of the samples that are data; zeros where there is none. What is no number (the sum of infinities) is beyond all of them.
+/// Lowest and highest value of the samples that are data; zeros where there is none. What is no number (the sum of infinities) is
+/// beyond all of them.
 fn range(column: &[f64], usable: &[bool]) -> [f64; 2] {
     let number = |v: &f64| if v.is_nan() { f64::INFINITY } else { *v };
     let values = column.iter().zip(usable).filter(|(_, u)| **u).map(|(v, _)| number(v));
@@ -84,15 +86,16 @@ fn range(column: &[f64], usable: &[bool]) -> [f64; 2] {
     if low <= high { [low, high] } else { [0.0; 2] }
 }
 
-/// Steps finer than this part of the largest value are not looked for: torque channels resolve 24 bits (6e-8) at best, and the multiples of finer steps are lost in
-/// the rounding of doubles.
+/// Steps finer than this part of the largest value are not looked for: torque channels resolve 24 bits (6e-8) at best, and the
+/// multiples of finer steps are lost in the rounding of doubles.
 const FINEST: f64 = 1e-7;
 
-/// A remainder below this part of a step is the rounding of decimals: a column of 1e7 steps holds them to 1e-9 of its largest value, a hundredth of a step.
+/// A remainder below this part of a step is the rounding of decimals: a column of 1e7 steps holds them to 1e-9 of its largest
+/// value, a hundredth of a step.
 const ROUNDING: f64 = 0.01;
 
-/// Standard deviation that recording has added to a column: `d/√12` for values that are whole multiples of d (decimals of a file, counts of a
-/// converter), and that of the finest step where there is none to be seen. No noise floor is below it.
+/// Standard deviation that recording has added to a column: `d/√12` for values that are whole multiples of d (decimals of a file,
+/// counts of a converter), and that of the finest step where there is none to be seen. No noise floor is below it.
 pub(crate) fn resolution(column: &[f64], usable: &[bool]) -> f64 {
     let finest = finest(column, usable);
     common_step(column, usable, finest).unwrap_or(finest) / 12f64.sqrt()
@@ -109,8 +112,9 @@ fn finest(column: &[f64], usable: &[bool]) -> f64 {
     FINEST * low.abs().max(high.abs())
 }
 
-/// Variance of rounding to steps `d` that the mean over repetitions keeps, where each is measured with noise of standard deviation `noise`. Without noise every
-/// repetition is rounded alike, `d²/12`; noise smooths the steps, and of that `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
+/// Variance of rounding to steps `d` that the mean over repetitions keeps, where each is measured with noise of standard
+/// deviation `noise`. Without noise every repetition is rounded alike, `d²/12`; noise smooths the steps, and of that
+/// `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
 pub(crate) fn rounded_alike(step: f64, noise: f64) -> f64 {
     if step <= 0.0 {
         return 0.0;
@@ -132,7 +136,8 @@ fn common_step(column: &[f64], usable: &[bool], finest: f64) -> Option<f64> {
     (step > finest).then_some(step)
 }
 
-/// Euclid's algorithm, with nearest multiples; a where b is zero. Where a is a multiple of b, it says more closely what b is: rounding of a is divided by many.
+/// Euclid's algorithm, with nearest multiples; a where b is zero. Where a is a multiple of b, it says more closely what b is:
+/// rounding of a is divided by many.
 fn divisor(mut a: f64, mut b: f64) -> f64 {
     while b > 0.0 {
         let count = (a / b).round();

@@ -96,9 +96,10 @@ impl NoiseModel {
         Some(Self::from_covariance(NoiseSource::Periods, &covariance, freedom, floor))
     }
 
-    /// Levinson's recursion, the order chosen by the Bayesian information criterion, with a little white noise added (white-noise correction; Kay, Modern
-    /// Spectral Estimation, 1988). Where a log was filtered before it was recorded its noise has next to no power, and no model of a few terms says how little:
-    /// differences there would be magnified by orders of magnitude and taken for effects.
+    /// Levinson's recursion, the order chosen by the Bayesian information criterion, with a little white noise added (white-noise
+    /// correction; Kay, Modern Spectral Estimation, 1988). Where a log was filtered before it was recorded its noise has next to
+    /// no power, and no model of a few terms says how little: differences there would be magnified by orders of magnitude and
+    /// taken for effects.
     fn from_covariance(source: NoiseSource, covariance: &[f64], freedom: f64, floor: f64) -> Self {
         let variance = covariance[0].max(f64::MIN_POSITIVE.sqrt());
         let floored = covariance[0].max(f64::MIN_POSITIVE) * (1.0 + floor);
@@ -138,7 +139,8 @@ impl NoiseModel {
         }
     }
 
-    /// Standard deviation of white noise that hides slow signals as much: what the whitening filter makes of a constant [N·m or N].
+    /// Standard deviation of white noise that hides slow signals as much: what the whitening filter makes of a constant [N·m or
+    /// N].
     pub fn slow_std_dev(&self) -> f64 {
         let gain = 1.0 - self.autoregression.iter().sum::<f64>();
         self.innovation / gain.abs().max(f64::EPSILON)
@@ -175,12 +177,12 @@ impl NoiseModel {
     }
 }
 
-/// Variance, for one measurement, of the rounding of torques that the mean over periods keeps, given noise of variance `own`. Without noise every period is
-/// rounded alike, by `d²/12` for steps d, and the mean over them as well; noise smooths the steps, and of their variance `exp(−4π² σ²/d²)` remains
-/// (Widrow & Kollár, Quantization Noise, 2008).
+/// Variance, for one measurement, of the rounding of torques that the mean over periods keeps, given noise of variance `own`.
+/// Without noise every period is rounded alike, by `d²/12` for steps d, and the mean over them as well; noise smooths the steps,
+/// and of their variance `exp(−4π² σ²/d²)` remains (Widrow & Kollár, Quantization Noise, 2008).
 ///
-/// A torque that stays within a step for some rows is off by the same all that time: those rows count as one, and white noise that says as little has so many
-/// times the variance.
+/// A torque that stays within a step for some rows is off by the same all that time: those rows count as one, and white noise
+/// that says as little has so many times the variance.
 fn rounding(repeating: &[&Stretch], joint: usize, own: f64) -> f64 {
     let lasting = repeating.iter().map(|s| rows_of_a_step(s, joint)).fold(1.0, f64::max);
     let alike = |s: &&Stretch| s.repetitions() as f64 * rounded_alike(s.resolution[joint] * 12f64.sqrt(), own.sqrt());

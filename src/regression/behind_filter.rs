@@ -1,4 +1,5 @@
-//! A log whose torques were filtered before they were recorded: columns go through the same filter, and rows are taken no closer together than they say something new.
+//! A log whose torques were filtered before they were recorded: columns go through the same filter, and rows are taken no closer
+//! together than they say something new.
 
 use super::dataset::{Coarse, ColumnFilter, Stretch, Unfiltered, slices};
 use super::recorded_filter::RecordedFilter;
@@ -11,7 +12,8 @@ impl Stretch {
         self.filter.is_none() || self.coarse.as_ref().is_some_and(|c| c.stretch.filter.is_none())
     }
 
-    /// The same torques, with columns that go through the filter on their way into the rows. `None` where the motion has too few samples a second for it.
+    /// The same torques, with columns that go through the filter on their way into the rows. `None` where the motion has too few
+    /// samples a second for it.
     pub(crate) fn behind(&self, filter: RecordedFilter) -> Option<Self> {
         self.behind_with(filter, self.step(filter))
     }
@@ -91,7 +93,8 @@ impl Stretch {
         }
     }
 
-    /// Every `step`-th row with the sample of the motion that it stands for, and no filter: what changes between the periods is looked for here.
+    /// Every `step`-th row with the sample of the motion that it stands for, and no filter: what changes between the periods is
+    /// looked for here.
     fn as_rows(&self, step: usize) -> Self {
         let at = every(&(0..self.motion.samples()).collect::<Vec<_>>(), step);
         let channel = |c: &Channel| c.with(&every(&c.values, step));

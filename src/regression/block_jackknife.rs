@@ -1,8 +1,9 @@
 //! Blocks of time left out of a fit, in turn: what the parameters become without them, and how uncertain they are by that.
 //!
-//! Where a residual is more than noise its rows are no independent witnesses, and the textbook's covariance is too small by a factor of several. The
-//! delete-one jackknife over contiguous blocks (Künsch 1989; Shao & Wu 1989) needs no model of the misfit: blocks that are long beside its memory
-//! are independent, and what a fit without one of them says otherwise is what that block contributed by chance.
+//! Where a residual is more than noise its rows are no independent witnesses, and the textbook's covariance is too small by a
+//! factor of several. The delete-one jackknife over contiguous blocks (Künsch 1989; Shao & Wu 1989) needs no model of the misfit:
+//! blocks that are long beside its memory are independent, and what a fit without one of them says otherwise is what that block
+//! contributed by chance.
 
 use super::normal_equations::{Data, System};
 use super::product::transposed_product;
@@ -91,8 +92,8 @@ pub(crate) fn jackknife_sum(values: &[DVector<f64>]) -> DMatrix<f64> {
 }
 
 impl System {
-    /// Covariance of term `at` by the jackknife: each block of time is left out in turn. Without block b the linearised fit moves by
-    /// `−(G − G_b)⁻¹ g_b`, which is `−C (1 − G_b C)⁻¹ g_b` with the covariance C of all.
+    /// Covariance of term `at` by the jackknife: each block of time is left out in turn. Without block b the linearised fit moves
+    /// by `−(G − G_b)⁻¹ g_b`, which is `−C (1 − G_b C)⁻¹ g_b` with the covariance C of all.
     pub fn jackknife(&self, at: usize) -> DMatrix<f64> {
         let (from, k) = (self.model.offset_of(at), self.model.terms[at].parameters());
         let p = self.covariance.nrows();

@@ -7,8 +7,8 @@ use crate::effects::{Column, Span};
 use crate::preparation::{Exclusion, MotionError, PreparedLog};
 use std::sync::Arc;
 
-/// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike: columns of N samples to
-/// columns of M rows.
+/// A linear filter (with decimation, perhaps) that the torque has been through, and that every column must go through alike:
+/// columns of N samples to columns of M rows.
 pub type ColumnFilter = Arc<dyn Fn(&[&[f64]]) -> Vec<Vec<f64>> + Send + Sync>;
 
 /// Rows of a matrix, borrowed.
@@ -61,8 +61,8 @@ pub struct Stretch {
 
 /// Periods as they were measured, and the filter on the way to the rows.
 ///
-/// What changes from one period to the next is looked for here: a filter spreads a touch over the rows around it, brings the start of a period to its end, and leaves noise
-/// that goes together over more rows than a model of it has terms.
+/// What changes from one period to the next is looked for here: a filter spreads a touch over the rows around it, brings the
+/// start of a period to its end, and leaves noise that goes together over more rows than a model of it has terms.
 #[derive(Clone)]
 pub struct Unfiltered {
     /// The same stretch before the filter.
@@ -147,10 +147,11 @@ impl Stretch {
         shaped
     }
 
-    /// Rows of `joint` that can be compared with a model whose (distorted) motion is `motion`: usable ones, but not those at a reversal,
-    /// where a fraction of a sample decides on the sign of Coulomb friction.
+    /// Rows of `joint` that can be compared with a model whose (distorted) motion is `motion`: usable ones, but not those at a
+    /// reversal, where a fraction of a sample decides on the sign of Coulomb friction.
     ///
-    /// A filtered stretch keeps them, unless its filter is a mean over a few samples: there the jump is filtered alike on both sides.
+    /// A filtered stretch keeps them, unless its filter is a mean over a few samples: there the jump is filtered alike on both
+    /// sides.
     pub(crate) fn kept(&self, motion: &Motion, joint: usize) -> Vec<bool> {
         let mut keep = self.usable[joint].clone();
         let binned = self.coarse.as_ref().filter(|c| c.stretch.filter.is_none());
@@ -207,14 +208,14 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
         .collect()
 }
 
-/// Every `step`-th sample from `first` (or the mean of it and the next), and a filter of the same cut-off at that rate: good to a few percent of a jump of the sign, ten
-/// times cheaper, and used to find what is worth fitting.
+/// Every `step`-th sample from `first` (or the mean of it and the next), and a filter of the same cut-off at that rate: good to a
+/// few percent of a jump of the sign, ten times cheaper, and used to find what is worth fitting.
 #[derive(Debug, Clone)]
 pub struct Coarse {
     pub first: usize,
     pub step: usize,
-    /// Samples that the mean is taken over: one, or the two in the middle of a bin of an even number. One of them alone would be half a sample early or late, and
-    /// that is a delay.
+    /// Samples that the mean is taken over: one, or the two in the middle of a bin of an even number. One of them alone would be
+    /// half a sample early or late, and that is a delay.
     pub width: usize,
     pub stretch: Box<Stretch>,
 }

@@ -7,8 +7,8 @@ use crate::preparation::filter::LowPass;
 use crate::regression::settings::SETTINGS;
 use std::sync::Arc;
 
-/// Rows that a period keeps at least: two hundred a second, which is what the slower controllers record and friction and ripples are seen by, but no fewer
-/// than a hundred to the fastest of twenty harmonics, and of long periods no more than twice that.
+/// Rows that a period keeps at least: two hundred a second, which is what the slower controllers record and friction and ripples
+/// are seen by, but no fewer than a hundred to the fastest of twenty harmonics, and of long periods no more than twice that.
 fn fewest_rows(period_s: f64) -> usize {
     (200.0 * period_s).clamp(2000.0, 4000.0) as usize
 }
@@ -44,8 +44,8 @@ impl Stretch {
         }
     }
 
-    /// Rows that are means over neighbouring samples, where a period has many more samples than its course has turns: torque and columns
-    /// alike, so that nothing changes but the number of rows. The coarse form has the samples in the middle of the bins.
+    /// Rows that are means over neighbouring samples, where a period has many more samples than its course has turns: torque and
+    /// columns alike, so that nothing changes but the number of rows. The coarse form has the samples in the middle of the bins.
     pub(crate) fn in_bins(self) -> Self {
         let samples = self.motion.samples();
         let fewest = fewest_rows(samples as f64 * self.interval);

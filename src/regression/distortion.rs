@@ -28,8 +28,9 @@ impl AugmentedModel {
         }
     }
 
-    /// Derivative of the declared torque by every parameter of a distortion, n × N each, by central differences around its present value
-    /// (zero for a distortion that is not in the model). Where the motion and gravity are those of `known`, so is the torque.
+    /// Derivative of the declared torque by every parameter of a distortion, n × N each, by central differences around its
+    /// present value (zero for a distortion that is not in the model). Where the motion and gravity are those of `known`, so is
+    /// the torque.
     pub(crate) fn distortion_columns(
         &self,
         stretch: &Stretch,
@@ -71,12 +72,14 @@ impl AugmentedModel {
             .collect()
     }
 
-    /// All distortions applied in turn; `changed` stands in for the term at that place, or comes on top. Where one depends on the load, the load
-    /// is that of the distorted motion: an elastic joint bends by a few per cent of what its own bending changes, so that `load_rounds` are enough.
+    /// All distortions applied in turn; `changed` stands in for the term at that place, or comes on top. Where one depends on the
+    /// load, the load is that of the distorted motion: an elastic joint bends by a few per cent of what its own bending changes,
+    /// so that `load_rounds` are enough.
     ///
-    /// Distortions that depend on the load come last, whatever the order of the terms: the late torque of an elastic arm is that of the earlier motion and of its load.
-    /// Bending first would have a delay interpolate between bent states, whose velocities and accelerations are smoothed and do not belong to their positions: the difference
-    /// would come back divided by the square of the sampling interval.
+    /// Distortions that depend on the load come last, whatever the order of the terms: the late torque of an elastic arm is that
+    /// of the earlier motion and of its load. Bending first would have a delay interpolate between bent states, whose velocities
+    /// and accelerations are smoothed and do not belong to their positions: the difference would come back divided by the square
+    /// of the sampling interval.
     pub(crate) fn world(&self, stretch: &Stretch, plain: &Torques, changed: Option<(Option<usize>, &Term)>) -> World {
         let list = self.distortions(changed);
         let mut world = self.distorted(stretch, plain, &list, &stretch.motion);
@@ -92,8 +95,8 @@ impl AugmentedModel {
         world
     }
 
-    /// The world with `changed`; `motion` is that of the model's world, which a change that keeps it need not bend again. Of a candidate beside the model,
-    /// it is the measured one.
+    /// The world with `changed`; `motion` is that of the model's world, which a change that keeps it need not bend again. Of a
+    /// candidate beside the model, it is the measured one.
     fn world_beside(&self, stretch: &Stretch, plain: &Torques, changed: (Option<usize>, &Term), motion: &Motion) -> World {
         let mut list = self.distortions(Some(changed));
         let bends = |t: &&Term| !t.effect.keeps_motion() && (changed.0.is_none() || t.effect.distorts_by_load());

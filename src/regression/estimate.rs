@@ -1,8 +1,8 @@
 //! The estimate that is handed out: base parameters and effects of one model, fitted together, with what is known of them.
 //!
-//! Generalised least squares on the rows that the diagnosis works on: whitened by the noise between periods where that is measured, by the size of what
-//! the model leaves where it is not. Deviations are those of the noise where it accounts for the residual, and of the jackknife over blocks of time
-//! where more than noise is left.
+//! Generalised least squares on the rows that the diagnosis works on: whitened by the noise between periods where that is
+//! measured, by the size of what the model leaves where it is not. Deviations are those of the noise where it accounts for the
+//! residual, and of the jackknife over blocks of time where more than noise is left.
 
 use super::ar_noise::{NoiseModel, NoiseSource};
 use super::block_jackknife::jackknife_covariance;
@@ -28,8 +28,8 @@ pub enum Estimator {
     /// Rows of joint j by `1/σⱼ²`, σⱼ from the residual, iterated.
     #[default]
     Weighted,
-    /// Weighted with σⱼ from the median residual, and rows whose residual is beyond 1.345 σⱼ by `1.345 σⱼ/|e|` more (Huber): 95 % as good as least squares on normal
-    /// noise, and a few gross errors do no harm.
+    /// Weighted with σⱼ from the median residual, and rows whose residual is beyond 1.345 σⱼ by `1.345 σⱼ/|e|` more (Huber): 95 %
+    /// as good as least squares on normal noise, and a few gross errors do no harm.
     Robust,
 }
 
@@ -131,7 +131,8 @@ impl Fitted {
     }
 }
 
-/// How the base parameters of an augmented model, which are those of any gravity, and those that are reported follow from each other; effects stay as they are.
+/// How the base parameters of an augmented model, which are those of any gravity, and those that are reported follow from each
+/// other; effects stay as they are.
 pub(crate) struct Reduction {
     /// `θ_model = up θ_reported`.
     up: DMatrix<f64>,
@@ -165,8 +166,8 @@ fn reported_base(model: &AugmentedModel) -> BaseParameters {
     }
 }
 
-/// Base parameters of `robot` as declared, from the rows of `stretches`, without a search for effects: the paper's (9) with [`Estimator::Ordinary`], otherwise rows
-/// weighted by their noise.
+/// Base parameters of `robot` as declared, from the rows of `stretches`, without a search for effects: the paper's (9) with
+/// [`Estimator::Ordinary`], otherwise rows weighted by their noise.
 ///
 /// # Panics
 /// Without a stretch.
@@ -232,7 +233,8 @@ pub(crate) fn fitted(data: &Data, system: &System) -> Fitted {
     }
 }
 
-/// Normal equations of the whitened rows of a joint, about zero: the rows `r + Jθ` are what is left to a model without parameters.
+/// Normal equations of the whitened rows of a joint, about zero: the rows `r + Jθ` are what is left to a model without
+/// parameters.
 fn joint_normal(data: &Data, system: &System, joint: usize, at: &DVector<f64>, reduction: &Reduction) -> JointNormal {
     let p = at.len();
     let (mut gram, mut gradient, mut square) = (DMatrix::zeros(p, p), DVector::zeros(p), 0.0);
@@ -275,8 +277,8 @@ fn joint_fit(data: &Data, system: &System, joint: usize) -> JointFit {
     }
 }
 
-/// Of the noise where it is measured and accounts for the residual of every joint; by the jackknife otherwise, with no deviation below that of noise of the
-/// size that the rows were weighted with.
+/// Of the noise where it is measured and accounts for the residual of every joint; by the jackknife otherwise, with no deviation
+/// below that of noise of the size that the rows were weighted with.
 fn covariance(data: &Data, system: &System, reduction: &Reduction, solution: &Solution) -> DMatrix<f64> {
     let joints: Vec<usize> = (0..data.noise.len()).collect();
     let by_noise = solution.inverse.clone();

@@ -1,7 +1,8 @@
 //! Does a model explain more of the torque than a constant per joint does?
 //!
-//! Held-out data decide: of a log with periods one half of them predicts the other, of one without each fifth of its rows is predicted from the rest. In-sample
-//! fits of noise explain as much as they have parameters; out of sample they explain nothing, whatever the noise's correlation in time.
+//! Held-out data decide: of a log with periods one half of them predicts the other, of one without each fifth of its rows is
+//! predicted from the rest. In-sample fits of noise explain as much as they have parameters; out of sample they explain nothing,
+//! whatever the noise's correlation in time.
 
 use super::dataset::Stretch;
 use super::joint_normal::JointNormal;
@@ -74,7 +75,8 @@ pub(crate) fn folds_both_ways(one: Part, other: Part) -> Vec<Fold> {
     vec![there, Fold { train: other, test: one }]
 }
 
-/// Normal equations of rows of which `used` are not zero, the constant's behind them; `columns` are the model's, and last the constant's.
+/// Normal equations of rows of which `used` are not zero, the constant's behind them; `columns` are the model's, and last the
+/// constant's.
 pub(crate) fn with_constant(matrix: &DMatrix<f64>, torque: &[f64], used: usize, columns: Vec<usize>) -> JointNormal {
     let w = matrix.ncols();
     let mut whole = transposed_product(matrix, matrix).resize(w + 1, w + 1, 0.0);
@@ -162,8 +164,8 @@ fn about(normal: &JointNormal, mean: f64) -> (DVector<f64>, f64) {
     (moment, square.max(0.0))
 }
 
-/// Least squares of the rows to fit, every joint by the inverse of its variance, with a ridge of a part of all information where the rows do not determine a
-/// direction clearly.
+/// Least squares of the rows to fit, every joint by the inverse of its variance, with a ridge of a part of all information where
+/// the rows do not determine a direction clearly.
 fn fitted(fold: &Fold, means: &[f64]) -> DVector<f64> {
     let size = fold.train.iter().flat_map(|n| &n.columns).max().map_or(0, |c| c + 1);
     let (mut own, mut all, mut moment) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size), DVector::zeros(size));
@@ -184,9 +186,10 @@ fn fitted(fold: &Fold, means: &[f64]) -> DVector<f64> {
     solved(&own, &all, &moment, rows as f64)
 }
 
-/// Least squares by the information `own` and the moment, direction by direction of unit information in `all`. What the rows to fit know of a direction is a share g
-/// of that; `g / (g + SETTINGS.explained_ridge)` of its estimate counts, or more where its part of the torque stands out of the noise by itself (James & Stein 1961: all but noise over
-/// part), since a single event in the rows to predict may hold most of the information about what the others determine well enough.
+/// Least squares by the information `own` and the moment, direction by direction of unit information in `all`. What the rows to
+/// fit know of a direction is a share g of that; `g / (g + SETTINGS.explained_ridge)` of its estimate counts, or more where its
+/// part of the torque stands out of the noise by itself (James & Stein 1961: all but noise over part), since a single event in
+/// the rows to predict may hold most of the information about what the others determine well enough.
 fn solved(own: &DMatrix<f64>, all: &DMatrix<f64>, moment: &DVector<f64>, square: f64) -> DVector<f64> {
     let is_usable = |m: &DMatrix<f64>| m.iter().all(|v| v.is_finite());
     if !is_usable(all) || !is_usable(own) || all.diagonal().iter().all(|v| *v <= 0.0) {
@@ -230,7 +233,8 @@ fn solved(own: &DMatrix<f64>, all: &DMatrix<f64>, moment: &DVector<f64>, square:
     (root * DVector::from_fn(along.len(), step)).component_mul(&scale)
 }
 
-/// Share of the torques on `stretches` that `model`, without its effects, explains on held-out data: of stretches with periods, one half of them predicts the other.
+/// Share of the torques on `stretches` that `model`, without its effects, explains on held-out data: of stretches with periods,
+/// one half of them predicts the other.
 pub fn explained_share(model: &AugmentedModel, stretches: &[Stretch]) -> Explained {
     let p = model.values.len();
     let folds = stretches.iter().flat_map(|stretch| {

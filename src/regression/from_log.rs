@@ -34,7 +34,8 @@ impl Stretch {
         }
     }
 
-    /// One period of a motion that will be recorded: [`Self::of_motion`] without the rows at which a joint rests, which a recording does not count either.
+    /// One period of a motion that will be recorded: [`Self::of_motion`] without the rows at which a joint rests, which a
+    /// recording does not count either.
     pub(crate) fn of_planned(motion: Motion, interval: f64) -> Self {
         let resting: Vec<Vec<bool>> = (0..motion.joints())
             .map(|j| at_rest(motion.velocities(j), interval))

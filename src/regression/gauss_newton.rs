@@ -7,8 +7,8 @@ use crate::regression::settings::SETTINGS;
 use nalgebra::{DMatrix, DVector};
 
 impl Data<'_> {
-    /// Gauss-Newton from `model` until a step takes less than `settled_to_report` (or `settled_to_compare`) off the sum of squares, or makes the fit worse
-    /// however short it is.
+    /// Gauss-Newton from `model` until a step takes less than `settled_to_report` (or `settled_to_compare`) off the sum of
+    /// squares, or makes the fit worse however short it is.
     pub fn fit(&self, model: AugmentedModel) -> System {
         let mut here = self.linearise(model);
         let mut cost = self.cost(&here);
@@ -32,8 +32,9 @@ impl Data<'_> {
         here
     }
 
-    /// The fit after `step`, or after the largest of its halves that does not make it worse, and its cost. `None` where a sixteenth does: the derivatives of a
-    /// distortion are differences over steps in which friction reverses, and near the least cost they point elsewhere. A linear model takes every step.
+    /// The fit after `step`, or after the largest of its halves that does not make it worse, and its cost. `None` where a
+    /// sixteenth does: the derivatives of a distortion are differences over steps in which friction reverses, and near the least
+    /// cost they point elsewhere. A linear model takes every step.
     fn shortened(&self, here: &System, step: &DVector<f64>, cost: f64) -> Option<(System, f64)> {
         let linear = here.model.terms.is_empty();
         (0..SETTINGS.step_halvings + 1).find_map(|k| {
@@ -44,8 +45,8 @@ impl Data<'_> {
         })
     }
 
-    /// What a fit knows of its parameters, as an inverse covariance: the normal matrix with the prior's part, the rows of a joint that keeps more
-    /// than noise counted for as much less as they leave and go together.
+    /// What a fit knows of its parameters, as an inverse covariance: the normal matrix with the prior's part, the rows of a joint
+    /// that keeps more than noise counted for as much less as they leave and go together.
     pub fn known(&self, system: &System) -> DMatrix<f64> {
         let p = system.covariance.nrows();
         let doubts = self.doubts(system);
@@ -61,8 +62,8 @@ impl Data<'_> {
         normal
     }
 
-    /// By how much less the rows of every joint count: as much as they keep more than noise and go together. 1 for a joint that keeps nothing, or has no rows:
-    /// nothing makes rows count for more.
+    /// By how much less the rows of every joint count: as much as they keep more than noise and go together. 1 for a joint that
+    /// keeps nothing, or has no rows: nothing makes rows count for more.
     pub fn doubts(&self, system: &System) -> Vec<f64> {
         let doubt = |j: usize| match system.has_misfit(&[j]) {
             true => (system.mean_square(&[j]) * system.persistence(&[j])).max(1.0),
@@ -95,8 +96,8 @@ impl Data<'_> {
         })
     }
 
-    /// How much less `after` leaves than `before`, on the rows that both have: a distortion moves reversals, and the rows left out
-    /// there are no gain.
+    /// How much less `after` leaves than `before`, on the rows that both have: a distortion moves reversals, and the rows left
+    /// out there are no gain.
     pub fn gain(&self, before: &System, after: &System) -> f64 {
         let pairs = before.blocks.iter().flatten().zip(after.blocks.iter().flatten());
         let rows: f64 = pairs
@@ -113,8 +114,8 @@ impl Data<'_> {
         rows + self.distance(before) - self.distance(after)
     }
 
-    /// White noise of the size of what a fit leaves on every joint. How far the rows go together is weighed effect by effect, or slow
-    /// effects would pass for noise.
+    /// White noise of the size of what a fit leaves on every joint. How far the rows go together is weighed effect by effect, or
+    /// slow effects would pass for noise.
     pub fn left_as_noise(&self, system: &System) -> Vec<NoiseModel> {
         let of = |(j, noise): (usize, &NoiseModel)| {
             if system.rows(j) == 0 {
@@ -148,7 +149,8 @@ impl System {
         self.blocks.iter().map(|b| b[joint].rows.iter().filter(|r| **r).count()).sum()
     }
 
-    /// Rows over which the residual of these joints keeps its sign: mean square of sums over runs of rows, relative to white noise.
+    /// Rows over which the residual of these joints keeps its sign: mean square of sums over runs of rows, relative to white
+    /// noise.
     pub fn persistence(&self, joints: &[usize]) -> f64 {
         let (mut together, mut alone) = (0.0, 0.0);
         for blocks in &self.blocks {

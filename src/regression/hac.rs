@@ -1,8 +1,9 @@
 //! What rows are worth that go together: tests and deviations where the residual is not white.
 //!
-//! Without replicates the noise is what the model leaves, and that is smooth: rows next to each other say the same. How much this costs
-//! depends on the column: a constant meets all of a slow misfit, an acceleration hardly any. So every block of columns is tested against
-//! the scatter of its own scores over stretches of time (Newey & West 1987), not against one number of effective rows for all.
+//! Without replicates the noise is what the model leaves, and that is smooth: rows next to each other say the same. How much this
+//! costs depends on the column: a constant meets all of a slow misfit, an acceleration hardly any. So every block of columns is
+//! tested against the scatter of its own scores over stretches of time (Newey & West 1987), not against one number of effective
+//! rows for all.
 
 use super::block_jackknife::{TimeBlock, time_blocks};
 use super::normal_equations::{Block, System};
@@ -12,7 +13,8 @@ use super::tail::f_tail;
 use crate::regression::settings::SETTINGS;
 use nalgebra::{DMatrix, DVector};
 
-/// Degrees of freedom of a covariance from `SETTINGS.score_blocks` sums with Bartlett's weights 1 and 1/2 on neighbours: `3/2` of their number over the two.
+/// Degrees of freedom of a covariance from `SETTINGS.score_blocks` sums with Bartlett's weights 1 and 1/2 on neighbours: `3/2` of
+/// their number over the two.
 const FREEDOM: f64 = 0.75 * SETTINGS.score_blocks as f64;
 
 /// Sum of `zₐ zₐᵀ` with half of the products of neighbours of the same log.
@@ -60,8 +62,9 @@ fn scores(system: &System, columns: &Whitened, base: &DMatrix<f64>, along: &DVec
     time_blocks(&rows, SETTINGS.score_blocks).into_iter().map(of).collect()
 }
 
-/// Coefficient of a single column on the row of `joint` beside the model, and its standard deviation; `None` where the model hides it. Where rows go together
-/// it is by the scatter over stretches of time, and what the joint keeps beyond measured noise widens it by `doubt`.
+/// Coefficient of a single column on the row of `joint` beside the model, and its standard deviation; `None` where the model
+/// hides it. Where rows go together it is by the scatter over stretches of time, and what the joint keeps beyond measured noise
+/// widens it by `doubt`.
 pub(crate) fn single_estimate(system: &System, columns: &Whitened, joint: usize, doubt: f64) -> Option<(f64, f64)> {
     let (own, rest, right) = system.projected(columns);
     let base = directions(&own, &rest);

@@ -8,7 +8,8 @@ use crate::regression::settings::SETTINGS;
 /// Median of the absolute value of a standard normal variable.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// Data with Huber's weights, and `model` fitted to them: iteratively reweighted least squares, the scale of every joint from its median residual.
+/// Data with Huber's weights, and `model` fitted to them: iteratively reweighted least squares, the scale of every joint from its
+/// median residual.
 pub(crate) fn robust_system<'a>(data: &Data<'a>, model: &AugmentedModel) -> (Data<'a>, System) {
     let mut scale = vec![1.0; data.noise.len()];
     let mut weighted = data.with_noise(white(&scale));
@@ -52,7 +53,8 @@ fn weights(system: &System, sigma: &[f64]) -> RowWeights {
         .collect()
 }
 
-/// Standard deviation of the whitened residuals of one joint by their median size, which half of the rows may be wrong without moving far.
+/// Standard deviation of the whitened residuals of one joint by their median size, which half of the rows may be wrong without
+/// moving far.
 fn median_residual(system: &System, joint: usize) -> f64 {
     let own = system.blocks.iter().map(|b| &b[joint]);
     let used = own.flat_map(|b| b.residual.iter().zip(&b.rows).filter(|(_, used)| **used));

@@ -29,10 +29,11 @@ impl AugmentedModel {
         self.evaluate(stretch, None).torque
     }
 
-    /// How the torque along a motion changes with every parameter of the effects, per joint: `(parameter, values over the samples)` of every column
-    /// that is not zero there, parameters counted over the terms from 0 (coefficients, then free shapes) [N·m or N per unit of it]. For
-    /// designing a motion that determines the effects beside the base parameters: their columns stand next to the regressor's. The columns of a
-    /// distortion are those of the declared torque.
+    /// How the torque along a motion changes with every parameter of the effects, per joint:
+    /// `(parameter, values over the samples)` of every column that is not zero there, parameters counted over the terms from 0
+    /// (coefficients, then free shapes) [N·m or N per unit of it]. For designing a motion that determines the effects beside the
+    /// base parameters: their columns stand next to the regressor's. The columns of a distortion are those of the declared
+    /// torque.
     ///
     /// `interval` is the time between samples (s); `periodic` says whether the sample after the last is the first.
     pub fn effect_columns(&self, motion: &Motion, interval: f64, periodic: bool) -> Vec<Vec<(usize, Vec<f64>)>> {
@@ -47,7 +48,8 @@ impl AugmentedModel {
         derivatives.into_iter().map(own).collect()
     }
 
-    /// Torque over the rows of a stretch, and, where the base parameters' rows along its undistorted motion are handed in, the derivatives.
+    /// Torque over the rows of a stretch, and, where the base parameters' rows along its undistorted motion are handed in, the
+    /// derivatives.
     pub(crate) fn evaluate(&self, stretch: &Stretch, base: Option<&ShapedRows>) -> Evaluated {
         let distorted = self.terms.iter().any(Term::is_distortion);
         // Along the measured motion of a distorted model they are asked for by what bends with the load alone.
@@ -137,7 +139,8 @@ fn add_columns(torque: &mut [Vec<f64>], columns: &[Column], coefficients: &[f64]
     }
 }
 
-/// `∂(C c)/∂shape` by central differences; a thousandth of the value is far above rounding and far below the curvature of any column.
+/// `∂(C c)/∂shape` by central differences; a thousandth of the value is far above rounding and far below the curvature of any
+/// column.
 pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
     (0..term.free_shapes)
         .map(|i| {

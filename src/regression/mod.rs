@@ -1,9 +1,10 @@
 //! Weighted least squares of a robot's model, with or without effects: one engine under identification and diagnosis.
 //!
-//! A [`Stretch`] is the dataset: motion, torque, weights and gaps, from a prepared log. [`AugmentedModel`] is the declared model with effects; its torque is
-//! `tau = Y(q, qd, qdd) phi + sum of C_k c_k`, where distortions change q, gravity or gains before Y is taken. Rows are whitened by a [`NoiseModel`] per joint, the
-//! model is linearised (`jacobian`), summed to normal equations, and solved by Gauss-Newton steps; rank is decided once (`rank`). What a further block of columns
-//! would gain is found after the model's own columns are projected out (`partial_regression`). Covariances are those of the noise where it accounts for the
+//! A [`Stretch`] is the dataset: motion, torque, weights and gaps, from a prepared log. [`AugmentedModel`] is the declared model
+//! with effects; its torque is `tau = Y(q, qd, qdd) phi + sum of C_k c_k`, where distortions change q, gravity or gains before Y
+//! is taken. Rows are whitened by a [`NoiseModel`] per joint, the model is linearised (`jacobian`), summed to normal equations,
+//! and solved by Gauss-Newton steps; rank is decided once (`rank`). What a further block of columns would gain is found after the
+//! model's own columns are projected out (`partial_regression`). Covariances are those of the noise where it accounts for the
 //! residual, and of blocks of time where more is left (`block_jackknife`, `hac`). [`estimate`] is the whole in one call.
 
 mod ar_noise;

@@ -122,8 +122,8 @@ pub struct AugmentedModel {
 impl AugmentedModel {
     /// The declared model with all parameters zero.
     pub fn declared(robot: &Robot) -> Self {
-        // A base that is not level makes parameters of the first links act that gravity along their axes hides; their columns are zero
-        // until a tilt is in the model.
+        // A base that is not level makes parameters of the first links act that gravity along their axes hides; their columns are
+        // zero until a tilt is in the model.
         let anyhow = Rotation3::from_euler_angles(0.1, 0.07, 0.05) * robot.gravity();
         let base = BaseParameters::exact(&robot.with_gravity(anyhow));
         let values = DVector::zeros(base.len());

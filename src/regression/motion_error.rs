@@ -6,14 +6,15 @@ use super::rows::clear_of_reversals;
 use crate::dynamics::{Coulomb, Motion};
 use crate::regression::settings::SETTINGS;
 
-/// Variance of white noise on the torque of every joint, for one measurement, that weighs as much as what errors in the positions do to it [(N·m)² or N²]; the
-/// largest of all stretches that repeat.
+/// Variance of white noise on the torque of every joint, for one measurement, that weighs as much as what errors in the positions
+/// do to it [(N·m)² or N²]; the largest of all stretches that repeat.
 ///
-/// To first order a motion off by `δ` predicts a torque off by `∂τ/∂q δ + ∂τ/∂q̇ δ' + ∂τ/∂q̈ δ''`. The periods' mean is taken along one motion, so that no scatter
-/// of the periods shows it. Errors of different joints and of different derivatives are taken for independent.
+/// To first order a motion off by `δ` predicts a torque off by `∂τ/∂q δ + ∂τ/∂q̇ δ' + ∂τ/∂q̈ δ''`. The periods' mean is taken
+/// along one motion, so that no scatter of the periods shows it. Errors of different joints and of different derivatives are
+/// taken for independent.
 ///
-/// The errors lie below the motion's highest frequency, where the model's columns lie as well: their variance is spread over few of the spectrum's lines, and counts by
-/// the density there ([`MotionError`](crate::preparation::MotionError)).
+/// The errors lie below the motion's highest frequency, where the model's columns lie as well: their variance is spread over few
+/// of the spectrum's lines, and counts by the density there ([`MotionError`](crate::preparation::MotionError)).
 pub(crate) fn motion_error_variance(model: &AugmentedModel, stretches: &[Stretch]) -> Vec<f64> {
     let nothing = vec![0.0; model.robot.joint_count()];
     let repeating = stretches.iter().filter(|s| s.periods.len() >= 2);

@@ -6,7 +6,8 @@ use super::motion_error::motion_error_variance;
 use super::normal_equations::Data;
 use crate::model::Robot;
 
-/// The noise of every joint: from the periods where there are at least two, with what errors of the positions add; otherwise from what the model leaves.
+/// The noise of every joint: from the periods where there are at least two, with what errors of the positions add; otherwise from
+/// what the model leaves.
 pub(crate) fn floor(robot: &Robot, data: &Data, model: &AugmentedModel) -> Vec<NoiseModel> {
     let Some(torque_noise) = from_periods(robot, data, &vec![0.0; robot.joint_count()]) else {
         return residual_noise(data, model);

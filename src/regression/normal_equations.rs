@@ -38,7 +38,8 @@ pub(crate) struct Data<'a> {
     white: OnceLock<Vec<Vec<Block>>>,
     /// Columns of candidates along the undistorted motion.
     pub columns: Arc<ColumnStore>,
-    /// The model to start from with smooth functions beside it and no effects; they are asked for again and again. For noise that is measured.
+    /// The model to start from with smooth functions beside it and no effects; they are asked for again and again. For noise that
+    /// is measured.
     pub alone: Arc<OnceLock<Option<AugmentedModel>>>,
     /// Square roots of further weights of the rows, per stretch and joint; `None` where every row counts by its noise alone.
     pub(crate) row_weights: Option<RowWeights>,
@@ -322,7 +323,8 @@ fn bordered(known: &DMatrix<f64>, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl System {
-    /// The linear model without term `at`, fitted again. The torques that further columns are made from stay those of the model with it.
+    /// The linear model without term `at`, fitted again. The torques that further columns are made from stay those of the model
+    /// with it.
     pub(crate) fn without_term(&self, data: &Data, at: usize) -> System {
         let (from, k) = (self.model.offset_of(at), self.model.terms[at].parameters());
         let term = &self.model.terms[at];

@@ -55,7 +55,8 @@ impl System {
         })
     }
 
-    /// Torques of the declared model along the coarse forms of the stretches, as they were measured: what distortions are compared with.
+    /// Torques of the declared model along the coarse forms of the stretches, as they were measured: what distortions are
+    /// compared with.
     pub(crate) fn undistorted(&self, data: &Data) -> &[Torques] {
         let of = |s: &Stretch| self.model.torques(&s.coarse_form().motion, &self.model.robot, None);
         self.undistorted.get_or_init(|| data.stretches.iter().map(of).collect())

@@ -1,15 +1,17 @@
-//! Groups of consecutive periods, each with a mean of its own: what follows a slow quantity, such as a temperature, differs between them, and the mean over all hides it.
+//! Groups of consecutive periods, each with a mean of its own: what follows a slow quantity, such as a temperature, differs
+//! between them, and the mean over all hides it.
 
 use super::dataset::Stretch;
 use crate::dynamics::Channel;
 use std::ops::Range;
 
-/// Groups of one log at most: eight values of a quantity tell a straight line from a curve, and every group costs as much as a log.
+/// Groups of one log at most: eight values of a quantity tell a straight line from a curve, and every group costs as much as a
+/// log.
 const MOST_GROUPS: usize = 8;
 
 impl Stretch {
-    /// The same log as groups of two periods or more, whose scatter still shows the noise. The motion is the mean over all periods; further quantities are means over the
-    /// group. A log without periods, or with fewer than four, stays one.
+    /// The same log as groups of two periods or more, whose scatter still shows the noise. The motion is the mean over all
+    /// periods; further quantities are means over the group. A log without periods, or with fewer than four, stays one.
     pub(crate) fn in_groups(&self) -> Vec<Self> {
         let periods = self.periods.len();
         let groups = (periods / 2).min(MOST_GROUPS);

@@ -49,7 +49,8 @@ impl Stretch {
         self
     }
 
-    /// One half of the periods, or of the rows where there are none. Of an odd number of periods the one in the middle belongs to both.
+    /// One half of the periods, or of the rows where there are none. Of an odd number of periods the one in the middle belongs to
+    /// both.
     pub(crate) fn half(self, which: usize) -> Option<Self> {
         let count = self.periods.len();
         if count == 0 {

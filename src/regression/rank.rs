@@ -15,7 +15,8 @@ pub(crate) fn directions(own: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64
     })
 }
 
-/// Pseudo-inverse of a positive semidefinite matrix, scaled to a unit diagonal first; eigenvalues below `relative` of the largest count as zero.
+/// Pseudo-inverse of a positive semidefinite matrix, scaled to a unit diagonal first; eigenvalues below `relative` of the largest
+/// count as zero.
 pub(crate) fn pseudo_inverse(normal: &DMatrix<f64>, relative: f64) -> DMatrix<f64> {
     let half = pseudo_root(normal, relative);
     &half * half.transpose()

@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 pub enum Phase {
     /// Run forwards and backwards, as in a log that was smoothed afterwards: gain `|H|²`.
     Zero,
-    /// Run while the arm moved: gain `|H|`. Positions are as late as torques by what slow signals are delayed; only what the filter does beside that is left in the torques. A delay of
-    /// the torques alone is an effect, and found as one.
+    /// Run while the arm moved: gain `|H|`. Positions are as late as torques by what slow signals are delayed; only what the
+    /// filter does beside that is left in the torques. A delay of the torques alone is an effect, and found as one.
     Causal,
 }
 
@@ -28,11 +28,13 @@ pub struct RecordedFilter {
     pub phase: Phase,
 }
 
-/// Share of the power behind a filter below which it is said to have none left: rows that show more of it show noise that no model of a few terms describes.
+/// Share of the power behind a filter below which it is said to have none left: rows that show more of it show noise that no
+/// model of a few terms describes.
 const NOTHING_LEFT: f64 = 0.01;
 
 impl RecordedFilter {
-    /// Frequency beyond which the density of what was white is less than a hundredth (Hz): `(f/f_c)^2n` is then 9 after two runs, 99 after one.
+    /// Frequency beyond which the density of what was white is less than a hundredth (Hz): `(f/f_c)^2n` is then 9 after two runs,
+    /// 99 after one.
     pub fn edge_hz(&self) -> f64 {
         let ratio = match self.phase {
             Phase::Zero => NOTHING_LEFT.powf(-0.5) - 1.0,
@@ -89,8 +91,8 @@ impl SampledFilter {
         }
     }
 
-    /// Records of one length, at `rate_hz`, behind the filter: their Fourier lines times the gain, up to half of either rate. Those that do not repeat are continued at both ends, `2 x(0) − x(−t)`, as far as the filter
-    /// remembers.
+    /// Records of one length, at `rate_hz`, behind the filter: their Fourier lines times the gain, up to half of either rate.
+    /// Those that do not repeat are continued at both ends, `2 x(0) − x(−t)`, as far as the filter remembers.
     pub fn through(&self, records: &[&[f64]], rate_hz: f64, periodic: bool) -> Vec<Vec<f64>> {
         let samples = records.first().map_or(0, |x| x.len());
         let most = if periodic { 0 } else { samples.saturating_sub(1) };

@@ -2,8 +2,8 @@
 
 use crate::regression::settings::SETTINGS;
 
-/// Samples that are neither at a reversal nor so slow that the sign is a matter of the derivative's own ripple: a thousandth of the top
-/// speed.
+/// Samples that are neither at a reversal nor so slow that the sign is a matter of the derivative's own ripple: a thousandth of
+/// the top speed.
 pub(crate) fn clear_of_reversals(v: &[f64], periodic: bool) -> Vec<bool> {
     let n = v.len();
     let slowest = 1e-3 * v.iter().fold(0.0f64, |a, v| a.max(v.abs()));
@@ -22,8 +22,8 @@ pub(crate) fn clear_of_reversals(v: &[f64], periodic: bool) -> Vec<bool> {
     clear
 }
 
-/// Samples at which a joint rests: locked-in friction holds it then, any torque between the two levels of Coulomb friction, which is no function of the state. A
-/// joint that never moves does not rest, it is not there.
+/// Samples at which a joint rests: locked-in friction holds it then, any torque between the two levels of Coulomb friction, which
+/// is no function of the state. A joint that never moves does not rest, it is not there.
 pub(crate) fn at_rest(speeds: &[f64], interval: f64) -> Vec<bool> {
     let mut sorted: Vec<f64> = speeds.iter().map(|v| v.abs()).collect();
     sorted.sort_by(f64::total_cmp);

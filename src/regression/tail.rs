@@ -1,10 +1,11 @@
-//! Tail probabilities that have an answer for every argument: exact fits make F infinite, empty joints leave no degrees of freedom.
+//! Tail probabilities that have an answer for every argument: exact fits make F infinite, empty joints leave no degrees of
+//! freedom.
 
 use crate::regression::settings::SETTINGS;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
-/// Chance of a mean square `statistic` times that of noise, F with `freedom` degrees of freedom above and below. Without degrees of freedom, or
-/// where the statistic is no number, nothing was tested: 1.
+/// Chance of a mean square `statistic` times that of noise, F with `freedom` degrees of freedom above and below. Without degrees
+/// of freedom, or where the statistic is no number, nothing was tested: 1.
 pub(crate) fn f_tail(statistic: f64, freedom: [f64; 2]) -> f64 {
     if statistic.is_nan() || freedom.iter().any(|d| d.is_nan() || *d < SETTINGS.least_freedom) {
         return 1.0;

@@ -81,8 +81,8 @@ impl Access {
         }
     }
 
-    /// The robot whose tokens see a job on `named` (a robot of the lab or one that comes with the program) or on a robot that stands in
-    /// the request itself. Documents are anybody's: with them, a token for one robot works for that robot.
+    /// The robot whose tokens see a job on `named` (a robot of the lab or one that comes with the program) or on a robot that
+    /// stands in the request itself. Documents are anybody's: with them, a token for one robot works for that robot.
     ///
     /// # Errors
     /// The token is for several robots, and the request does not say which.
@@ -139,7 +139,8 @@ impl<S: Send + Sync> FromRequestParts<S> for Access {
 #[derive(Debug, Clone)]
 struct Refusal(Error);
 
-/// Finds out who asks. Who may not is turned away by [`turn_away`] only: between the two, requests are counted by who was found to ask.
+/// Finds out who asks. Who may not is turned away by [`turn_away`] only: between the two, requests are counted by who was found
+/// to ask.
 pub async fn authenticate(State(service): State<Service>, mut request: Request, next: Next) -> Response {
     let extensions = request.extensions();
     let peer = extensions.get::<ConnectInfo<SocketAddr>>().map(|c| c.0);
@@ -206,7 +207,8 @@ fn bearer(headers: &HeaderMap) -> Option<&str> {
     scheme.eq_ignore_ascii_case("bearer").then(|| token.trim())
 }
 
-/// Makes a token that is `valid` for a time from now, or until it is revoked; its secret, which is handed back, is shown once and kept nowhere.
+/// Makes a token that is `valid` for a time from now, or until it is revoked; its secret, which is handed back, is shown once and
+/// kept nowhere.
 pub fn new_token(name: &str, role: Role, robots: Vec<String>, valid: Option<Duration>) -> (TokenRow, String, String) {
     let secret: [u8; 32] = rand::rng().random();
     let id = Uuid::new_v4().simple().to_string()[..8].to_string();

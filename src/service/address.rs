@@ -6,7 +6,8 @@ use axum::extract::Request;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-/// Answers addresses that are no text, at whatever route: their handlers read parts of them as text, and would say so in words of their own.
+/// Answers addresses that are no text, at whatever route: their handlers read parts of them as text, and would say so in words of
+/// their own.
 pub(super) async fn refuse_unreadable(request: Request, next: Next) -> Response {
     match is_text(request.uri().path()) {
         true => next.run(request).await,

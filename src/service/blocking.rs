@@ -1,4 +1,5 @@
-//! Work of a request that takes longer than a few milliseconds: off the threads that serve, and ended when nobody waits for it any more.
+//! Work of a request that takes longer than a few milliseconds: off the threads that serve, and ended when nobody waits for it
+//! any more.
 
 use super::problem::internal_error;
 use super::state::Service;
@@ -17,14 +18,15 @@ impl Drop for CancelOnDrop {
     }
 }
 
-/// How many such pieces of work run at the same time: one for each core, and one more, so that a long one leaves room on a small machine.
+/// How many such pieces of work run at the same time: one for each core, and one more, so that a long one leaves room on a small
+/// machine.
 pub(super) fn places() -> usize {
     available_parallelism().map_or(1, usize::from) + 1
 }
 
 impl Service {
-    /// Does `work` on a thread that may take its time, when one of a bounded number of places is free. The flag that it is handed is set when the client
-    /// leaves or the server stops; work that may take long looks at it.
+    /// Does `work` on a thread that may take its time, when one of a bounded number of places is free. The flag that it is handed
+    /// is set when the client leaves or the server stops; work that may take long looks at it.
     ///
     /// # Errors
     /// Those of the work; `shutting_down`; `internal` for a panic.

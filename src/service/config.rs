@@ -12,11 +12,11 @@ pub struct Config {
     pub database_url: Option<String>,
     /// Long searches that run at the same time. Each uses all cores, so more than one shares them. 0 leaves the work to workers.
     pub concurrent_jobs: usize,
-    /// Identifications and validations that run at the same time, beside the searches; with at least one place for them there is one for searches that
-    /// are not long. 0 leaves the work to workers.
+    /// Identifications and validations that run at the same time, beside the searches; with at least one place for them there is
+    /// one for searches that are not long. 0 leaves the work to workers.
     pub short_jobs: usize,
-    /// Program that is started for the work of jobs and requests, as `PROGRAM child`. `None` does it on threads of this process, which an abort or
-    /// an endless loop takes with it.
+    /// Program that is started for the work of jobs and requests, as `PROGRAM child`. `None` does it on threads of this process,
+    /// which an abort or an endless loop takes with it.
     pub program: Option<PathBuf>,
     /// Memory that one job or request may take (bytes); half of that of the machine, or of its container, if `None`.
     pub job_memory: Option<u64>,
@@ -50,21 +50,25 @@ pub struct Config {
     pub largest_document: usize,
     /// Largest multipart body accepted, all its logs together (bytes). Two hours of seven joints at 1 kHz are 1.3 GB of text.
     pub largest_upload: usize,
-    /// Requests that one client (a known token, else the address that the connection comes from) may make per second over a longer time; `None` for no bound.
+    /// Requests that one client (a known token, else the address that the connection comes from) may make per second over a
+    /// longer time; `None` for no bound.
     pub requests_per_second: Option<u64>,
     /// Requests that it may make at once.
     pub request_burst: u32,
     /// Whether every request needs a bearer token.
     pub tokens_required: bool,
-    /// Names of hosts, with a port where it is not the usual one, under which a server without tokens is reached, beside addresses in numbers and `localhost`.
+    /// Names of hosts, with a port where it is not the usual one, under which a server without tokens is reached, beside
+    /// addresses in numbers and `localhost`.
     pub allowed_hosts: Vec<String>,
     /// Connections that are open at the same time; further ones wait. Fewer where the limit on open files says so.
     pub most_connections: usize,
-    /// Time in which the header of a request has to be complete, and in which a connection that is kept open has to have its next request.
+    /// Time in which the header of a request has to be complete, and in which a connection that is kept open has to have its next
+    /// request.
     pub header_timeout: Duration,
     /// Time after which a body that stops coming in, or an answer that is not taken, ends the connection.
     pub idle_timeout: Duration,
-    /// Whether requests that came through a proxy are refused: right for a server that is open because it serves its own machine only.
+    /// Whether requests that came through a proxy are refused: right for a server that is open because it serves its own machine
+    /// only.
     pub refuse_forwarded: bool,
 }
 

@@ -1,8 +1,8 @@
 //! Connections: accepted up to a limit, each with time limits on everything that the client may leave undone.
 //!
-//! A client that stops half way (slow-loris) holds a connection for a bounded time only: hyper closes one whose header is not complete, or
-//! that stays idle between two requests, after `header_timeout`; a body that stalls is an error of that body after `idle_timeout`, and so is
-//! a client that does not take its answer.
+//! A client that stops half way (slow-loris) holds a connection for a bounded time only: hyper closes one whose header is not
+//! complete, or that stays idle between two requests, after `header_timeout`; a body that stalls is an error of that body after
+//! `idle_timeout`, and so is a client that does not take its answer.
 
 use super::config::Config;
 use axum::Router;
@@ -25,20 +25,22 @@ use tokio_io_timeout::TimeoutStream;
 use tower::ServiceExt;
 use tower_http::timeout::TimeoutBody;
 
-/// Open answers may be finished for so long after the end of the server was asked for; systemd and container engines wait 30 s and 10 s
-/// before they kill.
+/// Open answers may be finished for so long after the end of the server was asked for; systemd and container engines wait 30 s
+/// and 10 s before they kill.
 const GRACE: Duration = Duration::from_secs(8);
-/// Pauses after the system has refused a connection (no file handle, no memory): the shortest is not noticed, the longest is no load.
+/// Pauses after the system has refused a connection (no file handle, no memory): the shortest is not noticed, the longest is no
+/// load.
 const PAUSES: [Duration; 2] = [Duration::from_millis(10), Duration::from_secs(1)];
-/// File handles that are not for connections: of a database three for each of eight connections, of the runtime, of child processes.
+/// File handles that are not for connections: of a database three for each of eight connections, of the runtime, of child
+/// processes.
 const OTHER_HANDLES: u64 = 96;
 /// File handles of one connection: its socket, and a file that it reads or writes.
 const HANDLES_PER_CONNECTION: u64 = 2;
 /// A machine with very few handles serves that many all the same.
 const FEWEST_CONNECTIONS: u64 = 8;
 
-/// Serves connections of `listener` until `shutdown` resolves; then takes no further ones and hands back when open answers are finished, or
-/// cut off after a few seconds.
+/// Serves connections of `listener` until `shutdown` resolves; then takes no further ones and hands back when open answers are
+/// finished, or cut off after a few seconds.
 pub(super) async fn serve_connections(
     listener: TcpListener,
     router: Router,
@@ -121,7 +123,8 @@ impl Serving {
     }
 }
 
-/// How many connections the file handles of this process allow, at most `wanted`; raises the soft limit on handles where that is too low.
+/// How many connections the file handles of this process allow, at most `wanted`; raises the soft limit on handles where that is
+/// too low.
 fn places(wanted: usize) -> usize {
     let needed = OTHER_HANDLES + HANDLES_PER_CONNECTION * wanted as u64;
     let Some(handles) = handles(needed) else { return wanted };

@@ -18,7 +18,8 @@ pub struct JsonBody {
 /// A robot: JSON or a URDF file.
 pub struct RobotBody(pub Parsed);
 
-/// A robot that is to be kept: as [`RobotBody`], or a ZIP archive of a robot's file with its meshes, which is still to be unpacked.
+/// A robot that is to be kept: as [`RobotBody`], or a ZIP archive of a robot's file with its meshes, which is still to be
+/// unpacked.
 pub enum RobotUpload {
     Document(Parsed),
     Archive(Bytes),
@@ -27,7 +28,8 @@ pub enum RobotUpload {
 /// A ZIP archive of a robot's file with its meshes, which is still to be unpacked.
 pub struct ArchiveBody(pub Bytes);
 
-/// Bytes of an archive of a robot: meshes of an arm have tens of megabytes. Other documents are held to less, being held in memory several times.
+/// Bytes of an archive of a robot: meshes of an arm have tens of megabytes. Other documents are held to less, being held in
+/// memory several times.
 const LARGEST_ARCHIVE: usize = 64 << 20;
 
 fn media_type(headers: &HeaderMap) -> String {

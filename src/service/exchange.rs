@@ -1,8 +1,8 @@
 //! What connects the search of a design with its earlier life and with the searches beside it: the table of what they have found.
 //!
-//! A search writes down the best point of each of its niches, at most every other second, under the lease of its job. Searches take in
-//! those of the others when an epoch ends; whoever takes a job over begins with all of them, and with the time that was left. Only
-//! searches that are limited by time do so: those limited by evaluations give the same answer in every life.
+//! A search writes down the best point of each of its niches, at most every other second, under the lease of its job. Searches
+//! take in those of the others when an epoch ends; whoever takes a job over begins with all of them, and with the time that was
+//! left. Only searches that are limited by time do so: those limited by evaluations give the same answer in every life.
 
 use super::child::{Latest, Spot};
 use super::state::Service;

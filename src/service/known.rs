@@ -1,5 +1,5 @@
-//! What a request calls by name, looked up before it is read and kept with the job: what becomes of the robot later does not matter to
-//! a job that has been accepted.
+//! What a request calls by name, looked up before it is read and kept with the job: what becomes of the robot later does not
+//! matter to a job that has been accepted.
 
 use super::access::Access;
 use super::blocking::read_stored;
@@ -155,7 +155,7 @@ impl Known {
         Some(robot_document_of(&parsed, self))
     }
 
-    /// Identifications and designs that a design goes on from.
+    /// Identifications and designs that a design continues from.
     async fn look_up_data(&mut self, request: &Value, service: &Service, access: &Access) -> Result<(), Error> {
         let own = std::iter::once((true, &request["model"]));
         for (of_request, value) in own.chain(given(request).map(|g| (false, g))) {

@@ -42,8 +42,8 @@ use crate::app::Error;
 use std::future::Future;
 use tokio::net::TcpListener;
 
-/// Serves on `listener` until `shutdown` resolves; then running jobs go back into the queue, or, where the data does not outlive the
-/// process, end with the best they have, open answers are finished or cut off after a few seconds, and the function returns.
+/// Serves on `listener` until `shutdown` resolves; then running jobs go back into the queue, or, where the data does not outlive
+/// the process, end with the best they have, open answers are finished or cut off after a few seconds, and the function returns.
 ///
 /// # Errors
 /// Data folder or database cannot be used.

@@ -1,15 +1,17 @@
 //! Whose pages may use a server that asks for no tokens.
 //!
-//! A browser lets any page send requests to any server. Where no token is needed, being reached is being trusted, so the server itself has to tell its own pages
-//! from those of others:
+//! A browser lets any page send requests to any server. Where no token is needed, being reached is being trusted, so the server
+//! itself has to tell its own pages from those of others:
 //!
-//! - *DNS rebinding*: a foreign name that suddenly points to this machine makes a foreign page one of ours, for the browser. The page still says
-//!   the foreign name in `Host`; only addresses in numbers, `localhost` and the names that the operator allows are answered.
-//! - *Requests across sites*: forms, `fetch` and embedded pictures say in `Sec-Fetch-Site` and `Origin` where they come from. Those that change something are held
-//!   to tower-http's `csrf` layer; those that read, here, where more is refused than they could see anyway. What stays allowed is that a
-//!   person follows a link to a page.
+//! - *DNS rebinding*: a foreign name that suddenly points to this machine makes a foreign page one of ours, for the browser. The
+//!   page still says the foreign name in `Host`; only addresses in numbers, `localhost` and the names that the operator allows
+//!   are answered.
+//! - *Requests across sites*: forms, `fetch` and embedded pictures say in `Sec-Fetch-Site` and `Origin` where they come from.
+//!   Those that change something are held to tower-http's `csrf` layer; those that read, here, where more is refused than they
+//!   could see anyway. What stays allowed is that a person follows a link to a page.
 //!
-//! Programs send none of these headers, and are not hindered. Where tokens are needed, no foreign page has one, and nothing is checked.
+//! Programs send none of these headers, and are not hindered. Where tokens are needed, no foreign page has one, and nothing is
+//! checked.
 
 use super::problem::Failure;
 use super::state::Service;
@@ -28,7 +30,8 @@ const SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 const MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
 const DESTINATION: HeaderName = HeaderName::from_static("sec-fetch-dest");
 
-/// The layer that refuses requests of other sites that may change something; pages under the names in `allowed` are this server's own.
+/// The layer that refuses requests of other sites that may change something; pages under the names in `allowed` are this server's
+/// own.
 pub(super) fn changes_of_own_pages(
     allowed: &[String],
 ) -> CsrfLayer<impl Fn(ProtectionError) -> Response<Body> + Clone + Send + Sync + 'static> {

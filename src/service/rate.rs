@@ -1,8 +1,9 @@
 //! How many requests one client may make.
 //!
-//! A client is who it has been proven to be: a token that is known, else the address that the connection comes from. What a request says of
-//! itself does not count: whoever invents tokens, or addresses in the headers of proxies, would have a fresh budget for every invention. Behind a proxy all
-//! who have no token share the budget of the proxy; tokens have theirs wherever they come from.
+//! A client is who it has been proven to be: a token that is known, else the address that the connection comes from. What a
+//! request says of itself does not count: whoever invents tokens, or addresses in the headers of proxies, would have a fresh
+//! budget for every invention. Behind a proxy all who have no token share the budget of the proxy; tokens have theirs wherever
+//! they come from.
 
 use super::access::Access;
 use super::config::Config;

@@ -144,8 +144,8 @@ pub fn openapi_json() -> String {
     text
 }
 
-/// What the page of Swagger UI lacks: the width of a screen, without which phones show it as wide as a desk; its main part as such; names and colours that
-/// everybody can read (`docs.js`, `docs.css`); and a title.
+/// What the page of Swagger UI lacks: the width of a screen, without which phones show it as wide as a desk; its main part as
+/// such; names and colours that everybody can read (`docs.js`, `docs.css`); and a title.
 const ADDED_TO_DOCS: [(&str, &str); 4] = [
     (
         "<head>",

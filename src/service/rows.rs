@@ -4,8 +4,8 @@ use crate::app::{CancelFlag, Code, Error, LogFile};
 use crate::formats::logs::{LogError, Rows, rows_of};
 use std::io::Read;
 
-/// Bytes a row may have on average: sixty columns of twenty-five characters, and some more. A file that is compressed a thousandfold
-/// has no more of them either.
+/// Bytes a row may have on average: sixty columns of twenty-five characters, and some more. A file that is compressed a
+/// thousandfold has no more of them either.
 const BYTES_OF_ROW: usize = 2000;
 
 /// Ends without a finding when `cancel` is set.

@@ -1,7 +1,8 @@
 //! One design on many workers: idle ones search for it with other random numbers, and the best of all is the result.
 //!
-//! Each searches for itself and hears of what the others have found when an epoch of its own ends ([`super::exchange`]): their evaluations
-//! add up without waiting for each other, and a worker that is lost takes nothing with it but its own. A search that is limited by a number of evaluations is not spread: it gives the same answer everywhere.
+//! Each searches for itself and hears of what the others have found when an epoch of its own ends ([`super::exchange`]): their
+//! evaluations add up without waiting for each other, and a worker that is lost takes nothing with it but its own. A search that
+//! is limited by a number of evaluations is not spread: it gives the same answer everywhere.
 
 use super::child::{Advance, JobTask, ShareOf, Task};
 use super::exchange::Link;
@@ -18,7 +19,8 @@ use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 
 /// Time that a share keeps for handing in before the search is over.
 const HANDING_IN: Duration = Duration::from_secs(1);
-/// How long the search waits for shares that are about to come in: their handing in, and the time until they hear that it is over.
+/// How long the search waits for shares that are about to come in: their handing in, and the time until they hear that it is
+/// over.
 const GATHERING: Duration = Duration::from_secs(3);
 /// Odd constants take every number to another seed: of the golden ratio, as in SplitMix64, and of the next of its generalisations
 /// (Roberts), so that shares and later lives do not meet.
@@ -53,7 +55,8 @@ pub async fn with_shares(service: &Service, job: &Claimed, progress: Value) -> V
     progress
 }
 
-/// Ends the shares of a search and takes in what they found: the document of the best, with the work of all, and of earlier lives.
+/// Ends the shares of a search and takes in what they found: the document of the best, with the work of all, and of earlier
+/// lives.
 pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome, before: Spent) -> Result<Vec<u8>, Error> {
     let own = &outcome.document;
     let store = service.store();

@@ -164,7 +164,8 @@ impl Service {
         Ok(self.store().job(id).await?.filter(|job| access.sees(&job.robot)))
     }
 
-    /// Ends a job: at once if it waits, within a second if it runs here, soon if it runs elsewhere, and not at all if it has ended.
+    /// Ends a job: at once if it waits, within a second if it runs here, soon if it runs elsewhere, and not at all if it has
+    /// ended.
     pub(super) async fn cancel_job(&self, job: &JobRow, access: &Access) -> Result<JobRow, Error> {
         if !job.state.is_final() {
             self.store().cancel(&job.id).await?;

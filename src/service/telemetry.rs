@@ -17,7 +17,8 @@ const REQUEST_ID: &str = "x-request-id";
 #[derive(Debug, Clone)]
 pub struct RequestId(pub String);
 
-/// Gives every request an id (the client's own, if it sends a reasonable one), which stands in all its log lines and in the answer.
+/// Gives every request an id (the client's own, if it sends a reasonable one), which stands in all its log lines and in the
+/// answer.
 pub(super) async fn identify_and_log(State(service): State<Service>, mut request: Request, next: Next) -> Response {
     let given = request.headers().get(REQUEST_ID).and_then(|v| v.to_str().ok());
     let id = match given {
@@ -42,8 +43,8 @@ pub(super) async fn identify_and_log(State(service): State<Service>, mut request
     response
 }
 
-/// Sends log lines to standard error, as text or as one JSON object each; `filter` as in `RUST_LOG`. Does nothing if a logger is set
-/// already.
+/// Sends log lines to standard error, as text or as one JSON object each; `filter` as in `RUST_LOG`. Does nothing if a logger is
+/// set already.
 pub fn log_to_stderr(filter: &str, json: bool) {
     let filter = EnvFilter::try_new(filter).unwrap_or_else(|_| EnvFilter::new("info"));
     let builder = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);

@@ -25,8 +25,9 @@ pub(super) type Motors = Vec<[f64; 3]>;
 type State = (DVector<f64>, DVector<f64>);
 
 impl ElasticArm<'_> {
-    /// Elastic joints and their states over time, `steps` steps of `interval` after the first: `tau(q, qd, qdd) = K (θ − q) + D (θ̇ − q̇)` on the elastic
-    /// joints (Spong 1987), integrated by the classical Runge-Kutta method. `motor` says what all motors do after so many half steps. Starts in equilibrium.
+    /// Elastic joints and their states over time, `steps` steps of `interval` after the first:
+    /// `tau(q, qd, qdd) = K (θ − q) + D (θ̇ − q̇)` on the elastic joints (Spong 1987), integrated by the classical Runge-Kutta
+    /// method. `motor` says what all motors do after so many half steps. Starts in equilibrium.
     pub fn links(&self, motor: &dyn Fn(usize) -> Motors, steps: usize, interval: f64) -> Vec<(usize, Vec<[f64; 3]>)> {
         let elastic: Vec<usize> = (0..self.compliance.len()).filter(|&j| self.compliance[j] != 0.0).collect();
         let mut here = motor(0);
@@ -66,7 +67,8 @@ impl ElasticArm<'_> {
         DVector::from_iterator(elastic.len(), elastic.iter().map(|&j| tau[j]))
     }
 
-    /// `q = θ − tau/K` with everything as it moves there; gravity's stiffness over K is a few per cent, so that twenty rounds leave rounding.
+    /// `q = θ − tau/K` with everything as it moves there; gravity's stiffness over K is a few per cent, so that twenty rounds
+    /// leave rounding.
     fn equilibrium(&self, motor: &Motors, elastic: &[usize]) -> State {
         let of = |i: usize| DVector::from_iterator(elastic.len(), elastic.iter().map(|&j| motor[j][i]));
         let (theta, v, a) = (of(0), of(1), of(2));

@@ -5,8 +5,8 @@ pub(super) fn direction(speed: f64) -> f64 {
     if speed == 0.0 { 0.0 } else { speed.signum() }
 }
 
-/// Dahl's state over a uniformly sampled speed, `dz/dt = (qd − |qd| z)/width`, by the classical Runge-Kutta method in `SUB_STEPS` steps per
-/// sample with the speed interpolated linearly. Starts as if the joint had come a long way in its first direction.
+/// Dahl's state over a uniformly sampled speed, `dz/dt = (qd − |qd| z)/width`, by the classical Runge-Kutta method in `SUB_STEPS`
+/// steps per sample with the speed interpolated linearly. Starts as if the joint had come a long way in its first direction.
 pub(super) fn dahl(speed: &[f64], interval: f64, width: f64) -> Vec<f64> {
     let mut z = speed.iter().copied().find(|&v| v != 0.0).map_or(0.0, direction);
     let mut states = Vec::with_capacity(speed.len());

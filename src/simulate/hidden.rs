@@ -57,7 +57,8 @@ pub enum HiddenEffect {
         /// Way after a reversal over which it builds up [rad or m].
         width: f64,
     },
-    /// Coulomb friction of this level that goes through zero as `tanh(qd/velocity)`, in addition to an equally lower one that jumps.
+    /// Coulomb friction of this level that goes through zero as `tanh(qd/velocity)`, in addition to an equally lower one that
+    /// jumps.
     SmoothCoulombFriction {
         /// Number of the joint, from 0.
         joint: usize,
@@ -177,7 +178,8 @@ pub enum HiddenEffect {
         /// Torque on every joint [N·m or N].
         torque: Vec<f64>,
     },
-    /// A torque that dies out whatever the robot does, `torque · exp(−t/time_constant)`, as a sensor's zero that drifts while it warms up [N·m or N].
+    /// A torque that dies out whatever the robot does, `torque · exp(−t/time_constant)`, as a sensor's zero that drifts while it
+    /// warms up [N·m or N].
     TorqueDrift {
         /// Number of the joint, from 0.
         joint: usize,

@@ -5,8 +5,9 @@ use crate::effects::{Effect, Kind, Scene, Shape, Span, by_code};
 use crate::model::Robot;
 use serde::Deserialize;
 
-/// `tau += C(motion; shape) coefficients`, C being the columns that the search for the effect has as well. A wrong column is wrong in both: where there is a simulation
-/// by other means, such as [`JointSpring`](super::HiddenEffect::JointSpring), tests take that.
+/// `tau += C(motion; shape) coefficients`, C being the columns that the search for the effect has as well. A wrong column is
+/// wrong in both: where there is a simulation by other means, such as [`JointSpring`](super::HiddenEffect::JointSpring), tests
+/// take that.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ListedEffect {
@@ -32,7 +33,8 @@ pub(super) struct Part<'a> {
     pub interval: f64,
 }
 
-/// Shape parameters where a joint moves over 2 rad or m at up to 1.5 rad/s or m/s; how many there are does not depend on the motion.
+/// Shape parameters where a joint moves over 2 rad or m at up to 1.5 rad/s or m/s; how many there are does not depend on the
+/// motion.
 fn shapes(effect: &dyn Effect, form: usize, robot: &Robot, joints: &[usize]) -> Vec<Shape> {
     let span = Span {
         range: 2.0,
@@ -43,7 +45,8 @@ fn shapes(effect: &dyn Effect, form: usize, robot: &Robot, joints: &[usize]) -> 
 }
 
 impl ListedEffect {
-    /// The simplest form of an effect on a joint, well visible in noise of `noise` where the joint carries about `load` [N·m or N]; `None` where it cannot be there.
+    /// The simplest form of an effect on a joint, well visible in noise of `noise` where the joint carries about `load` [N·m or
+    /// N]; `None` where it cannot be there.
     pub fn example(code: &str, robot: &Robot, joint: usize, [noise, load]: [f64; 2]) -> Option<Self> {
         let effect = by_code(code)?;
         let joints = effect.places(robot).into_iter().find(|place| place.first() == Some(&joint))?;

@@ -1,7 +1,8 @@
 //! A virtual robot that makes logs: any arm, any trajectory, any of the effects, noise, and faults of the record.
 //!
-//! Simulation and identification of an effect share no code: here states are integrated in time, delays shift time, elastic joints are
-//! solved for the link's motion, so that agreement with the columns of [`effects`](crate::effects) means something. [`ListedEffect`] is the exception.
+//! Simulation and identification of an effect share no code: here states are integrated in time, delays shift time, elastic
+//! joints are solved for the link's motion, so that agreement with the columns of [`effects`](crate::effects) means something.
+//! [`ListedEffect`] is the exception.
 
 mod elastic;
 mod experiment;

@@ -13,7 +13,8 @@ pub type Constraints<'a> = dyn FnMut(&[f64], &mut [f64], Option<&mut [f64]>) + '
 /// Where a constrained solve ended.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConstrainedMinimum {
-    /// The best point evaluated that meets every constraint to the tolerance; where there was none, the one that breaks them least.
+    /// The best point evaluated that meets every constraint to the tolerance; where there was none, the one that breaks them
+    /// least.
     pub x: Vec<f64>,
     /// Value of the objective there.
     pub value: f64,
@@ -98,8 +99,8 @@ impl State<'_, '_, '_> {
 
 /// Minimises `objective` from `start` subject to constraints `g(x) ≤ 0`, by `LD_SLSQP` (Kraft 1988).
 ///
-/// `tolerances` has one number for every constraint: what it may be exceeded by. NLopt itself hands back its start when it runs out of evaluations between
-/// feasible points; the best point is therefore kept here.
+/// `tolerances` has one number for every constraint: what it may be exceeded by. NLopt itself hands back its start when it runs
+/// out of evaluations between feasible points; the best point is therefore kept here.
 pub fn minimize_subject_to(
     start: &[f64],
     rule: StopRule,

@@ -99,13 +99,13 @@ impl State<'_, '_> {
     }
 }
 
-/// Most variables that NLopt is asked to minimise over without constraints. Its direction costs `O(n³)`: the 77 of an arm of seven joints at order 5 are a small
-/// part of a search, the 266 at order 20 took 57 % of it.
+/// Most variables that NLopt is asked to minimise over without constraints. Its direction costs `O(n³)`: the 77 of an arm of
+/// seven joints at order 5 are a small part of a search, the 266 at order 20 took 57 % of it.
 const MOST_FOR_NLOPT: usize = 80;
 
-/// Minimises `objective` from `start` without constraints, by `LD_SLSQP` (Kraft 1988), which then is a dense BFGS with line search; with more variables than
-/// 80 by the same method with a direction that costs `O(n²)`.
-/// The start counts as the best point until a better one is evaluated.
+/// Minimises `objective` from `start` without constraints, by `LD_SLSQP` (Kraft 1988), which then is a dense BFGS with line
+/// search; with more variables than 80 by the same method with a direction that costs `O(n²)`. The start counts as the best point
+/// until a better one is evaluated.
 pub fn minimize(start: &[f64], rule: StopRule, objective: &mut Objective<'_>) -> Minimum {
     if start.len() > MOST_FOR_NLOPT {
         return variable_metric::minimize(start, rule, objective);

@@ -1,8 +1,9 @@
 //! Minimisation without constraints in many variables.
 //!
-//! What `LD_SLSQP` (Kraft 1988) does where nothing is constrained, step for step: directions `−H ∇f`, Armijo's line search with the quadratic through what is
-//! known, at least a tenth of the last step, and the BFGS update with Powell's damping (Nocedal & Wright 2006, sections 6.1 and 18.3). It keeps the inverse H of
-//! the approximate Hessian, which costs `O(n²)` per step; NLopt solves a least-squares problem with n inequalities for the same direction, which costs `O(n³)`.
+//! What `LD_SLSQP` (Kraft 1988) does where nothing is constrained, step for step: directions `−H ∇f`, Armijo's line search with
+//! the quadratic through what is known, at least a tenth of the last step, and the BFGS update with Powell's damping (Nocedal &
+//! Wright 2006, sections 6.1 and 18.3). It keeps the inverse H of the approximate Hessian, which costs `O(n²)` per step; NLopt
+//! solves a least-squares problem with n inequalities for the same direction, which costs `O(n³)`.
 
 use super::{Ending, Minimum, NOT_A_NUMBER, Objective, StopRule};
 use nalgebra::{DMatrix, DVector};
@@ -116,7 +117,8 @@ impl InverseHessian {
         -(&self.0 * gradient)
     }
 
-    /// The BFGS update with the step `s = share · direction` and the change y of the gradient. Since `B direction = −gradient`, Powell's damping needs no B.
+    /// The BFGS update with the step `s = share · direction` and the change y of the gradient. Since `B direction = −gradient`,
+    /// Powell's damping needs no B.
     fn update(&mut self, direction: &DVector<f64>, share: f64, slope: f64, before: &DVector<f64>, after: &DVector<f64>) {
         let step = direction * share;
         let mut change = after - before;
@@ -176,7 +178,8 @@ mod tests {
             let mut values: Vec<f64> = Vec::new();
             minimize(&mut |x, g| {
                 let value = rosenbrock(x, g)?;
-                // NLopt evaluates the end of a line search of several steps once more, for a gradient that it did not ask for before.
+                // NLopt evaluates the end of a line search of several steps once more, for a gradient that it did not ask for
+                // before.
                 if values.last() != Some(&value) {
                     values.push(value);
                 }

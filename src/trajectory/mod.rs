@@ -1,6 +1,7 @@
 //! Trajectories with analytic velocities and accelerations.
 //!
-//! The finite Fourier series (12) excites; sums of sines and fifth-order way-point polynomials validate (the paper's section 4.6).
+//! The finite Fourier series (12) excites; sums of sines and fifth-order way-point polynomials validate (the paper's section
+//! 4.6).
 
 mod fourier;
 mod quintic;

@@ -4,7 +4,8 @@ use super::Trajectory;
 
 /// From way-point to way-point with `10 s³ − 15 s⁴ + 6 s⁵`, s = t/T: at rest, without acceleration, at every way-point.
 ///
-/// The paper prints the end point `D^k` as the factor of the polynomial; reaching `D^k` from `D^{k−1}` takes their difference, as here.
+/// The paper prints the end point `D^k` as the factor of the polynomial; reaching `D^k` from `D^{k−1}` takes their difference, as
+/// here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuinticWayPoints {
     /// K + 1 positions of n joints [rad or m].

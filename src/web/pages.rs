@@ -17,8 +17,8 @@ const PAGES: &[(&str, &str, &str)] = &[
     ("/help", "Help", "help"),
 ];
 
-/// What the pages may load: their own files, and no script that stands in a page. plotly.js sets styles on elements and hands pictures out as
-/// data and blob addresses; so does Swagger UI.
+/// What the pages may load: their own files, and no script that stands in a page. plotly.js sets styles on elements and hands
+/// pictures out as data and blob addresses; so does Swagger UI.
 pub const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
     font-src 'self'; connect-src 'self'; form-action 'self'; base-uri 'none'; object-src 'none'; frame-ancestors 'none'";
 

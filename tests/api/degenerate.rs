@@ -97,7 +97,8 @@ fn what_cannot_be_identified_from_is_refused_before_it_is_a_job() {
     assert_eq!(answer.status, 200, "{}", answer.text);
 }
 
-/// The period of the request is that of the identification log; the validation log, which runs through its motion in four seconds, has its own.
+/// The period of the request is that of the identification log; the validation log, which runs through its motion in four
+/// seconds, has its own.
 #[test]
 fn the_period_is_found_log_by_log() {
     let server = Server::start();

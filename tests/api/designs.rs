@@ -9,7 +9,8 @@ fn problems(answer: &crate::server::Answer) -> Vec<String> {
     list.iter().map(|e| e["pointer"].as_str().unwrap().to_string()).collect()
 }
 
-/// An identification of the recording has the declared effects of the robot: what they imitate is seen no more, what they do not is seen as before.
+/// An identification of the recording has the declared effects of the robot: what they imitate is seen no more, what they do not
+/// is seen as before.
 #[test]
 fn declared_own_effects_of_the_robot_belong_to_what_a_recording_reveals() {
     let server = Server::start();
@@ -187,8 +188,8 @@ fn what_is_not_there_is_named() {
     assert_eq!(problems(&server.excite(&alone)), ["/rivals"]);
 }
 
-/// That there is no trajectory is an outcome with its reason, not an error; the reason names what takes part. A start that the robot cannot take is
-/// an error of that field.
+/// That there is no trajectory is an outcome with its reason, not an error; the reason names what takes part. A start that the
+/// robot cannot take is an error of that field.
 #[test]
 fn limits_that_leave_no_room_are_named() {
     let server = Server::start();

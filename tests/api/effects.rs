@@ -163,7 +163,8 @@ fn one_unreadable_effect_does_not_hide_the_others() {
     let _ = std::fs::remove_dir_all(&folder);
 }
 
-/// A robot names an effect: it is looked for when the robot is kept, stays while the robot needs it, and the robot says what does not fit.
+/// A robot names an effect: it is looked for when the robot is kept, stays while the robot needs it, and the robot says what does
+/// not fit.
 #[test]
 fn robots_name_effects_of_the_catalogue() {
     let server = Server::start();

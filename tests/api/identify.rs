@@ -104,8 +104,8 @@ pub fn identify(server: &Server) -> Value {
     answer.json()
 }
 
-/// The identification of a log in which the second joint of the planar arm moves a little and feels a constant torque, which a spring
-/// would explain nearly as well.
+/// The identification of a log in which the second joint of the planar arm moves a little and feels a constant torque, which a
+/// spring would explain nearly as well.
 pub fn simulated_log(server: &Server) -> Value {
     let robot = Shipped.named("planar_two_link").unwrap().robot;
     let layout = Layout::standard(&robot);

@@ -44,7 +44,8 @@ fn text(rows: &[Vec<String>]) -> String {
     rows.iter().map(|row| row.join(",") + "\n").collect()
 }
 
-/// The excitation's id alone tells the period: a log of one period and a half holds none that repeats, so that nothing else could.
+/// The excitation's id alone tells the period: a log of one period and a half holds none that repeats, so that nothing else
+/// could.
 #[test]
 fn the_period_comes_from_the_excitations_id() {
     let server = Server::start();
@@ -84,7 +85,8 @@ fn the_period_comes_from_the_excitations_id() {
     assert!(answer.errors()[0].starts_with("/excitation"), "{}", answer.text);
 }
 
-/// The same rows under other headers, in other units, with another sign, an offset, and joints that are driven through each other.
+/// The same rows under other headers, in other units, with another sign, an offset, and joints that are driven through each
+/// other.
 #[test]
 fn columns_turn_a_laboratorys_file_into_the_robots_own_quantities() {
     let server = Server::start();
@@ -150,7 +152,8 @@ fn two_logs_make_one_identification() {
     let (value, deviation) = (values(&both, "value"), values(&both, "std_dev"));
     let apart: Vec<Vec<f64>> = alone.iter().map(|found| values(found, "std_dev")).collect();
     for c in 0..base.len() {
-        // More information never makes a parameter less certain; the noise is estimated anew from twice the rows, which scatters by 3 %.
+        // More information never makes a parameter less certain; the noise is estimated anew from twice the rows, which scatters
+        // by 3 %.
         let least = apart.iter().map(|d| d[c]).fold(f64::INFINITY, f64::min);
         assert!(deviation[c] < 1.1 * least, "{} {} {least}", base.names[c], deviation[c]);
         assert!(deviation[c] > 0.0 && value[c].is_finite());

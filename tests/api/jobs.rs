@@ -66,7 +66,8 @@ fn a_trajectory_is_that_of_the_coefficients() {
                 expected[2] += f * (b * c - a * s);
             }
             for (k, value) in expected.iter().enumerate() {
-                // CSV has ten decimals; the second period is computed at the phases of the first: the sine's argument rounds differently, by 1e-15 relative.
+                // CSV has ten decimals; the second period is computed at the phases of the first: the sine's argument rounds
+                // differently, by 1e-15 relative.
                 assert!((row[1 + 2 * k + joint] - value).abs() < 0.5e-10 + 1e-12, "{row:?}");
             }
         }

@@ -244,7 +244,8 @@ fn nothing_of_another_robot_is_seen_at_any_address() {
     }
 }
 
-/// The catalogue is that of all robots: everybody reads and uses it, and the admin of some robots does not change it for the others.
+/// The catalogue is that of all robots: everybody reads and uses it, and the admin of some robots does not change it for the
+/// others.
 #[test]
 fn the_catalogue_of_effects_is_changed_by_those_who_administrate_all_robots() {
     let guarded = Guarded::start("catalogue");
@@ -523,7 +524,8 @@ fn too_many_requests_are_told_when_to_come_back() {
     assert!(refused.header("retry-after").unwrap().parse::<u64>().unwrap() >= 1);
 }
 
-/// A word that nobody has verified makes no other client of the same one: neither where tokens are not asked for, nor where they are.
+/// A word that nobody has verified makes no other client of the same one: neither where tokens are not asked for, nor where they
+/// are.
 #[test]
 fn regress_invented_tokens_have_no_budget_of_their_own() {
     let config = Config {
@@ -537,7 +539,8 @@ fn regress_invented_tokens_have_no_budget_of_their_own() {
     for server in [&open, &guarded.server] {
         let ask = |i: usize| server.send("GET", "/jobs", &[("authorization", &format!("Bearer invented{i}"))], "");
         let answers: Vec<Answer> = (0..6).map(ask).collect();
-        // The bucket gains one a second: six requests within a few seconds find three to six places, and six of them only if nothing is limited.
+        // The bucket gains one a second: six requests within a few seconds find three to six places, and six of them only if
+        // nothing is limited.
         let limited = answers.iter().filter(|a| a.status == 429).count();
         assert!(limited >= 1, "{:?}", answers.iter().map(|a| a.status).collect::<Vec<_>>());
         assert!(answers[..3].iter().all(|a| a.status != 429));

@@ -30,7 +30,8 @@ fn run_alone(script: &str) {
     drive(script, &[]);
 }
 
-/// `watch.py` ends a script that waits too long for one thing; this ends whatever goes on all the same. The slowest takes a minute and a half.
+/// `watch.py` ends a script that waits too long for one thing; this ends whatever goes on all the same. The slowest takes a
+/// minute and a half.
 const LONGEST_S: &str = "600";
 
 fn drive(script: &str, arguments: &[&str]) {

@@ -1,7 +1,9 @@
-//! The kinds of input that once stopped the program or lost a result, each with generated members, on the command line and over HTTP.
+//! The kinds of input that once stopped the program or lost a result, each with generated members, on the command line and over
+//! HTTP.
 //!
-//! `tests/data` has one file of every kind; here are their relatives: other depths, cycles, scales, encodings, containers. Whatever the input is, the answer is a result or a
-//! refusal in words (exit status 2, 422), in seconds, without a number that is none.
+//! `tests/data` has one file of every kind; here are their relatives: other depths, cycles, scales, encodings, containers.
+//! Whatever the input is, the answer is a result or a refusal in words (exit status 2, 422), in seconds, without a number that is
+//! none.
 
 mod containers;
 mod documents;

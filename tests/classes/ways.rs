@@ -199,7 +199,8 @@ pub fn multipart(request: &Value, logs: &[(String, Vec<u8>)]) -> Vec<u8> {
     body
 }
 
-/// The robot as a document has it. What is no JSON, or no text in UTF-8, is sent as it would be by a program that reads the file as Latin-1.
+/// The robot as a document has it. What is no JSON, or no text in UTF-8, is sent as it would be by a program that reads the file
+/// as Latin-1.
 fn in_document(robot: &RobotFile) -> Value {
     match robot {
         RobotFile::Named(name) => json!(name),

@@ -54,7 +54,8 @@ fn identified(folder: &Folder, effects: &Value) -> (Value, String) {
     (result["residual"].clone(), model)
 }
 
-/// The value of a parameter of the only finding lies within four of its standard deviations: one in 16,000, and there are some forty.
+/// The value of a parameter of the only finding lies within four of its standard deviations: one in 16,000, and there are some
+/// forty.
 fn assert_told(residual: &Value, effect: &str, joints: &[&str], values: &[(&str, f64)]) {
     let findings = residual["findings"].as_array().unwrap();
     assert_eq!(findings.len(), 1, "{effect}: {findings:?}");
@@ -219,8 +220,8 @@ fn rotor_inertias_of_several_joints_are_found_together() {
     }
 }
 
-/// MuJoCo's own friction is named on the joints that show it, and nothing else is: level and lead (half of `dmax timeconst`) within four standard deviations of what the
-/// simulator was given.
+/// MuJoCo's own friction is named on the joints that show it, and nothing else is: level and lead (half of `dmax timeconst`)
+/// within four standard deviations of what the simulator was given.
 #[test]
 fn val_friction_of_mujoco_is_named() {
     let folder = Folder::new("mujoco-friction");

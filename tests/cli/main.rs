@@ -491,8 +491,8 @@ fn logs_of_every_rate_are_drawn_and_what_the_found_effects_predict_fits() {
                 "{case}: {}",
                 measured.len()
             );
-            // The spring moves the second torque by some 20 N m, and predictions at other samples than their own by a tenth of that. What is drawn
-            // keeps the peaks of the noise, so that its own mean square may be a few times that of all rows.
+            // The spring moves the second torque by some 20 N m, and predictions at other samples than their own by a tenth of
+            // that. What is drawn keeps the peaks of the noise, so that its own mean square may be a few times that of all rows.
             let squares: f64 = measured.iter().zip(&predicted).map(|(m, p)| (m - p).powi(2)).sum();
             let rms = (squares / measured.len() as f64).sqrt();
             assert!(rms < 3.0 * noise, "{case}: {rms} beside a noise of {noise}");

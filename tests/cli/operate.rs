@@ -156,8 +156,8 @@ fn long_diagnosis(folder: &Folder) -> Vec<String> {
         .to_vec()
 }
 
-/// Reading takes a fraction of a second, so that these moments lie within the search. Its loops look at the switch every few hundredths of a second; a busy
-/// machine may take a second for that.
+/// Reading takes a fraction of a second, so that these moments lie within the search. Its loops look at the switch every few
+/// hundredths of a second; a busy machine may take a second for that.
 #[test]
 fn a_long_diagnosis_ends_soon_after_it_is_cancelled() {
     let folder = Folder::new("cancel");

@@ -156,7 +156,8 @@ fn meshes_beside_a_urdf_file_give_its_links_a_shape() {
     assert!(stderr(&output).contains("not in the archive"), "{}", stderr(&output));
 }
 
-/// The same for MJCF: the compiler names the folder, a default class the scale, and `geometry` of a document of one's own goes before.
+/// The same for MJCF: the compiler names the folder, a default class the scale, and `geometry` of a document of one's own goes
+/// before.
 #[test]
 fn meshes_beside_an_mjcf_file_give_its_bodies_a_shape() {
     let folder = Folder::new("mjcf-meshes");

@@ -142,7 +142,8 @@ fn prop_a_remounted_base_and_worn_friction_are_found_against_the_model_file() {
     assert!(nothing.findings.is_empty(), "{:?}", nothing.findings);
 }
 
-/// However the two are listed, a delay takes the arm as it was earlier, bent as it was then; also near the ends of a motion that does not repeat.
+/// However the two are listed, a delay takes the arm as it was earlier, bent as it was then; also near the ends of a motion that
+/// does not repeat.
 #[test]
 fn prop_the_late_torque_of_an_elastic_arm_is_that_of_the_earlier_motion() {
     const INTERVAL: f64 = 2e-3;
@@ -190,8 +191,8 @@ fn prop_the_late_torque_of_an_elastic_arm_is_that_of_the_earlier_motion() {
     let bent = differences(&expected, &stiff, 0);
     for terms in [[&elastic, &late], [&late, &elastic]] {
         let found = torques(&terms, 0.0);
-        // Before the motion there is nothing but its first state. The load of the first round is that of the motion that is not yet late: of 1 Hz by 2.7 %, of which two further rounds
-        // leave a few hundredths.
+        // Before the motion there is nothing but its first state. The load of the first round is that of the motion that is not
+        // yet late: of 1 Hz by 2.7 %, of which two further rounds leave a few hundredths.
         let error = differences(&found, &expected, 3);
         assert!(error < 0.005 * bent, "{error:e} of {bent:e}");
     }

@@ -101,8 +101,8 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
     term
 }
 
-/// Sizes at which distortions are found. The gear does not give at all: where it does, tracing also has the load follow the bent arm, which designs leave
-/// out as of second order.
+/// Sizes at which distortions are found. The gear does not give at all: where it does, tracing also has the load follow the bent
+/// arm, which designs leave out as of second order.
 fn distortion(code: &str) -> Vec<f64> {
     match code {
         "joint_elasticity" => vec![0.0],
@@ -164,8 +164,8 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most, v| most.max(v.abs()))
 }
 
-/// What both ways may differ by: torques of some hundred operations, each rounded to 2⁻⁵³ of what it adds up, ten times the sum itself where parts
-/// cancel; a distortion's column divides their difference by its step.
+/// What both ways may differ by: torques of some hundred operations, each rounded to 2⁻⁵³ of what it adds up, ten times the sum
+/// itself where parts cancel; a distortion's column divides their difference by its step.
 fn rounding(term: &Term, torque: f64) -> f64 {
     let step = term.effect.steps().iter().copied().fold(1.0, f64::min);
     1000.0 * 0.5 * f64::EPSILON * torque / step
@@ -184,8 +184,8 @@ fn prop_designs_and_tracing_have_the_same_columns_of_every_effect() {
         let traced = Dense::of_model(&term, &model, &motion);
         let mut seen = 0;
         for j in 0..4 {
-            // Designs take signs along the motion as commanded, tracing along the distorted one: a torque stream that is late has another sign for
-            // so long after a reversal, and a difference across one for the step of the derivative beside it.
+            // Designs take signs along the motion as commanded, tracing along the distorted one: a torque stream that is late has
+            // another sign for so long after a reversal, and a difference across one for the step of the derivative beside it.
             let turning = (DELAY + 2e-4) * largest(motion.accelerations(j).iter().copied());
             for s in (0..motion.samples()).filter(|&s| motion.velocities(j)[s].abs() > turning) {
                 for at in 0..term.parameters() {
@@ -198,7 +198,8 @@ fn prop_designs_and_tracing_have_the_same_columns_of_every_effect() {
                 }
             }
         }
-        // Half the samples of one joint at least: nothing was compared with nothing. What smooth Coulomb friction lacks of the jump it lacks near rest alone.
+        // Half the samples of one joint at least: nothing was compared with nothing. What smooth Coulomb friction lacks of the
+        // jump it lacks near rest alone.
         let least = match term.effect.code() {
             "smooth_coulomb_friction" => 10,
             _ => motion.samples() / 2,

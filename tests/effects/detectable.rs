@@ -70,7 +70,8 @@ impl Bench {
         diagnose(&self.robot, &[stretch(&log, "planned")], &[], &DiagnosisOptions::default()).report
     }
 
-    /// Share of logs with the effect at this size in which a pair is separated: the effect is found, and the rival neither found nor named beside it.
+    /// Share of logs with the effect at this size in which a pair is separated: the effect is found, and the rival neither found
+    /// nor named beside it.
     fn apart(&self, visible: &Visible, pair: &Inseparable, size: f64, seeds: std::ops::Range<u64>) -> f64 {
         let hidden = [hidden(visible, size, self.robot.joint_count())];
         let names = |joints: &[usize]| -> Vec<String> { joints.iter().map(|&j| self.robot.joints()[j].name.clone()).collect() };
@@ -209,7 +210,8 @@ fn hidden(visible: &Visible, size: f64, joints: usize) -> HiddenEffect {
     }
 }
 
-/// The whole table: `DYNIDENT_DETECTABLE=seeds[,code[,factor]] cargo test --release --test effects -- --ignored --nocapture detectable::table`.
+/// The whole table:
+/// `DYNIDENT_DETECTABLE=seeds[,code[,factor]] cargo test --release --test effects -- --ignored --nocapture detectable::table`.
 #[test]
 #[ignore = "minutes to hours: the whole table of sizes against logs"]
 fn table() {
@@ -310,8 +312,8 @@ fn pairs() {
 /// Logs of the short test.
 const SEEDS: u64 = 60;
 
-/// Ninety in a hundred. Of sixty logs 47 to 58 are within three and two standard deviations; were the size 1.3 times too large, all of them would show the effect, and were
-/// it as much too small, half of them.
+/// Ninety in a hundred. Of sixty logs 47 to 58 are within three and two standard deviations; were the size 1.3 times too large,
+/// all of them would show the effect, and were it as much too small, half of them.
 #[test]
 fn val_effects_of_the_size_given_are_found_as_often_as_said() {
     let bench = Bench::new(four_axes(), 7);
@@ -355,8 +357,8 @@ fn prop_sizes_go_with_the_noise_and_fall_with_the_root_of_the_periods() {
     );
 }
 
-/// The first joint stands upright and the second one's axis keeps its direction to it: the base inertias of both hold their rotors'. The encoder of the last joint turns with
-/// its link. A spring is an offset with a slope.
+/// The first joint stands upright and the second one's axis keeps its direction to it: the base inertias of both hold their
+/// rotors'. The encoder of the last joint turns with its link. A spring is an offset with a slope.
 #[test]
 fn what_base_parameters_hold_is_absorbed_and_what_is_alike_is_a_pair() {
     let planned = Bench::new(four_axes(), 7).planned();

@@ -211,7 +211,8 @@ fn prop_friction_steps_coarse_torques_and_coloured_noise_are_no_bad_samples() {
     assert!(all.is_empty(), "{all:#?}");
 }
 
-/// Logs of a simulator without noise, written with few decimals: their positions are off alike in every period, and what that does to the torque is no effect.
+/// Logs of a simulator without noise, written with few decimals: their positions are off alike in every period, and what that
+/// does to the torque is no effect.
 #[test]
 fn rounded_columns_without_noise_have_no_finding() {
     let rounded = |columns: &mut Vec<Vec<f64>>, digits: i32| {

@@ -252,7 +252,8 @@ fn prop_an_effect_is_found_beside_a_fault() {
     }
 }
 
-/// Strong effects bend torques more than a wrong column would leave; none of them is one. A spring pulls like gravity turned round.
+/// Strong effects bend torques more than a wrong column would leave; none of them is one. A spring pulls like gravity turned
+/// round.
 #[test]
 fn prop_no_effect_is_taken_for_a_wrong_column() {
     let (robot, phi) = published();

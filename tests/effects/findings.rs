@@ -87,8 +87,8 @@ fn prop_additive_effects_are_found() {
     );
 }
 
-/// Standardised errors of what is not there, over three robots: a variance of one within the four deviations that chance gives some forty values, and of what is there
-/// nothing is reported.
+/// Standardised errors of what is not there, over three robots: a variance of one within the four deviations that chance gives
+/// some forty values, and of what is there nothing is reported.
 #[test]
 fn prop_what_was_not_found_is_told_with_honest_deviations() {
     let (mut squares, mut count) = (0.0, 0.0);
@@ -192,7 +192,8 @@ fn prop_what_nobody_knows_is_unexplained() {
     assert_eq!(on, ["q2", "q4"]);
 }
 
-/// A large offset, which a spring with its rest at infinity fits by nothing better: what each of the two leaves is an estimate, and must not decide.
+/// A large offset, which a spring with its rest at infinity fits by nothing better: what each of the two leaves is an estimate,
+/// and must not decide.
 #[test]
 fn regress_a_large_offset_is_not_called_a_spring() {
     let (robot, phi) = published();
@@ -209,8 +210,8 @@ fn regress_a_large_offset_is_not_called_a_spring() {
     }
 }
 
-/// A hum that comes back in every period, whatever the positions and speeds are: no effect and no function of them accounts for it, and yet something is
-/// missing.
+/// A hum that comes back in every period, whatever the positions and speeds are: no effect and no function of them accounts for
+/// it, and yet something is missing.
 #[test]
 fn prop_what_goes_with_no_position_is_told_as_unexplained() {
     let robot = seven_axes();
@@ -227,8 +228,9 @@ fn prop_what_goes_with_no_position_is_told_as_unexplained() {
     assert!((remainder.rms[0] - 0.4 / 2f64.sqrt()).abs() < 0.03, "{remainder:?}");
 }
 
-/// A spring on the first joint that a tilt of the base imitates in part. A tilt is on all joints, where what it leaves on one is diluted: it came first, was
-/// not confirmed by all samples, and "nothing is missing" was reported beside a lack of fit of 1.4 to 7.
+/// A spring on the first joint that a tilt of the base imitates in part. A tilt is on all joints, where what it leaves on one is
+/// diluted: it came first, was not confirmed by all samples, and "nothing is missing" was reported beside a lack of fit of 1.4 to
+/// 7.
 #[test]
 fn regress_a_spring_is_not_lost_to_a_tilt_that_is_not_there() {
     let (robot, phi) = published();

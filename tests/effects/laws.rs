@@ -59,8 +59,8 @@ fn described(f: &Finding) -> String {
     )
 }
 
-/// Viscous friction that falls with the temperature of the gear: the law in the channel, with its constants, down to the noise on another log. Without the channel the same log has a
-/// drift, and no more.
+/// Viscous friction that falls with the temperature of the gear: the law in the channel, with its constants, down to the noise on
+/// another log. Without the channel the same log has a drift, and no more.
 #[test]
 fn val_friction_that_follows_a_temperature_is_a_law_in_it() {
     let Some(data) = folder("val_friction_that_follows_a_temperature_is_a_law_in_it") else {

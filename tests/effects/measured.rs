@@ -25,8 +25,8 @@ fn stretch(robot: &Robot, file: &Path) -> Stretch {
     Stretch::new(&prepared, &log)
 }
 
-/// Janot, Gautier & Brunot 2019: offset −3.16 N. On moves at constant speed friction that differs between the directions explains a little
-/// more; it has to be among the rivals.
+/// Janot, Gautier & Brunot 2019: offset −3.16 N. On moves at constant speed friction that differs between the directions explains
+/// a little more; it has to be among the rivals.
 #[test]
 fn val_emps_has_the_published_offset() {
     let Some(data) = folder("val_emps_has_the_published_offset") else {

@@ -14,7 +14,8 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Every arm in two of the fourteen directions, another two each and none of them upright, and one that is no starting point of the search.
+/// Every arm in two of the fourteen directions, another two each and none of them upright, and one that is no starting point of
+/// the search.
 #[test]
 fn prop_gravity_is_found_wherever_it_points() {
     let directions = directions();
@@ -38,7 +39,8 @@ fn prop_gravity_is_found_wherever_it_points() {
     }
 }
 
-/// Upright arms with effects that bend gravity torques: a strong spring, a zero of an encoder that is off by degrees, a base that is out of level.
+/// Upright arms with effects that bend gravity torques: a strong spring, a zero of an encoder that is off by degrees, a base that
+/// is out of level.
 #[test]
 fn prop_no_mounting_is_accused_for_something_else() {
     for (i, robot) in robots().iter().enumerate() {
@@ -84,8 +86,8 @@ fn prop_noise_does_not_mount_an_arm() {
     }
 }
 
-/// A planar arm shows nothing of gravity along its axes, and in a log without inertia the signs of masses are those of the misfit: such a record was once advised to
-/// hang upside down.
+/// A planar arm shows nothing of gravity along its axes, and in a log without inertia the signs of masses are those of the
+/// misfit: such a record was once advised to hang upside down.
 #[test]
 fn prop_an_arm_that_shows_little_of_gravity_is_not_accused() {
     let robot = Shipped.named("planar_two_link").expect("comes with the program").robot;
@@ -104,7 +106,8 @@ fn prop_an_arm_that_shows_little_of_gravity_is_not_accused() {
     }
 }
 
-/// Torque that no body makes, as a function of the positions: a sum of waves along random combinations of them, of this root mean square on every joint.
+/// Torque that no body makes, as a function of the positions: a sum of waves along random combinations of them, of this root mean
+/// square on every joint.
 fn misfit(motion: &Motion, sizes: &[f64], rng: &mut ChaCha8Rng) -> Vec<Vec<f64>> {
     let (n, samples) = (motion.joints(), motion.samples());
     let of = |size: &f64| {
@@ -123,7 +126,8 @@ fn misfit(motion: &Motion, sizes: &[f64], rng: &mut ChaCha8Rng) -> Vec<Vec<f64>>
     sizes.iter().map(of).collect()
 }
 
-/// Torque along a motion, with the share of its inertial part that is asked for: none of it in the record of an arm that crept through the same postures.
+/// Torque along a motion, with the share of its inertial part that is asked for: none of it in the record of an arm that crept
+/// through the same postures.
 fn torque_of(robot: &Robot, phi: &[f64], motion: &Motion, inertia: f64) -> Vec<Vec<f64>> {
     let (n, layout) = (robot.joint_count(), Layout::standard(robot));
     let at = |s: usize| {

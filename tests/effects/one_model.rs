@@ -1,4 +1,5 @@
-//! The model that is handed out is the model that was found: base parameters beside the effects, calibrated, and one set of errors.
+//! The model that is handed out is the model that was found: base parameters beside the effects, calibrated, and one set of
+//! errors.
 
 use crate::bench::*;
 use dynident::diagnosis::{Change, Diagnosis, DiagnosisOptions, Estimates, HeldOutVerdict, Verdict, diagnose};
@@ -62,8 +63,8 @@ fn standardised(outcome: &Diagnosis, phi: &[f64]) -> (f64, usize) {
     known.fold((0.0, 0), |(sum, n), c| (sum + score(c).powi(2), n + 1))
 }
 
-/// Deviations say how far base parameters are off, whatever effect is in the model beside them; friction within four of them (three is one in 400, and there
-/// are a hundred).
+/// Deviations say how far base parameters are off, whatever effect is in the model beside them; friction within four of them
+/// (three is one in 400, and there are a hundred).
 fn assert_calibrated(sizes: &[f64], seeds: std::ops::Range<u64>) {
     let robot = seven_axes();
     let (mut sum, mut count) = (0.0, 0);
@@ -141,8 +142,9 @@ fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Every effect of the table at three sizes, on random joints with random shapes: `DYNIDENT_SEEDS=10 cargo test --release --test effects -- --ignored
-/// --nocapture all_effects`. Where an effect is too small to be found, its share is part of the error; the last columns say how often it was named.
+/// Every effect of the table at three sizes, on random joints with random shapes:
+/// `DYNIDENT_SEEDS=10 cargo test --release --test effects -- --ignored --nocapture all_effects`. Where an effect is too small to
+/// be found, its share is part of the error; the last columns say how often it was named.
 #[test]
 #[ignore = "40 s for every seed"]
 fn prop_base_parameters_beside_all_effects_of_all_sizes_are_calibrated() {
@@ -240,8 +242,8 @@ fn prop_one_estimate_stands_in_every_part_of_an_outcome() {
     );
 }
 
-/// A ripple that base parameters cannot hide, in the identification log one way and in the validation log the other: it makes held-out data worse, is reported,
-/// and is left out of the model.
+/// A ripple that base parameters cannot hide, in the identification log one way and in the validation log the other: it makes
+/// held-out data worse, is reported, and is left out of the model.
 #[test]
 fn prop_an_effect_that_held_out_data_contradict_is_not_in_the_model() {
     let robot = seven_axes();

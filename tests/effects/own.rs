@@ -386,7 +386,8 @@ fn prop_a_model_with_own_effects_reads_back_and_predicts_the_same() {
     assert_eq!(report.verdict, Verdict::NothingMissing, "{:?}", report.findings);
 }
 
-/// A name that is used for a joint's spring in a formula, at the edge of what is hidden: gravity and `k sin(q2 − q0)` on a joint that turns about a level axis.
+/// A name that is used for a joint's spring in a formula, at the edge of what is hidden: gravity and `k sin(q2 − q0)` on a joint
+/// that turns about a level axis.
 #[test]
 fn prop_what_base_parameters_hide_is_not_found() {
     let robot = seven_axes();

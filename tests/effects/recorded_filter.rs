@@ -76,7 +76,8 @@ fn prop_deviations_of_filtered_logs_without_periods_are_calibrated() {
 
 #[test]
 fn prop_a_narrow_filter_before_recording_is_no_effect() {
-    // Noise behind so narrow a filter is slow, and above a twentieth of a joint's torque it looks like torques that do not repeat: the period is stated.
+    // Noise behind so narrow a filter is slow, and above a twentieth of a joint's torque it looks like torques that do not
+    // repeat: the period is stated.
     let period = Period::Known {
         period_s: 10.0,
         order: None,
@@ -106,7 +107,8 @@ fn causally_filtered(log: &RecordedLog, order: usize, cutoff_hz: f64) -> Recorde
     }
 }
 
-/// A spring behind filters of several orders, cut-offs and rates is found, with its value and nothing beside it, and the filter is reported.
+/// A spring behind filters of several orders, cut-offs and rates is found, with its value and nothing beside it, and the filter
+/// is reported.
 #[test]
 fn prop_a_spring_behind_a_filter_is_found_alone() {
     let robot = four_axes();

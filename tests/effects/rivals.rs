@@ -1,4 +1,5 @@
-//! A residual that could be one of two things, and the experiment that decides it: identified, designed for, simulated, identified again.
+//! A residual that could be one of two things, and the experiment that decides it: identified, designed for, simulated,
+//! identified again.
 
 use crate::bench::*;
 use dynident::diagnosis::{Change, Diagnosis, DiagnosisOptions, diagnose};
@@ -100,8 +101,8 @@ fn design(document: &Value) -> (FourierSeries, DesignDocument) {
 
 /// Finding, rivals, design, second log: the truth alone is left.
 ///
-/// `found_first` is what the first log, in which the joint moves by a tenth to a half only (`shares`, of it and of its validation log), takes for the truth, and
-/// `rival` what it does not exclude.
+/// `found_first` is what the first log, in which the joint moves by a tenth to a half only (`shares`, of it and of its validation
+/// log), takes for the truth, and `rival` what it does not exclude.
 fn decide(
     hidden: HiddenEffect,
     truth: (&str, &str),
@@ -129,7 +130,8 @@ fn decide(
     let evidence = &reported.expected_evidence;
     let recorded = evidence.recorded.as_ref().expect("the model knows its data");
     println!("{truth:?}: the data said {:.1}; expected {evidence:?}", open.evidence);
-    // Of the data themselves: twice a logarithm of odds that is E on average scatters by 2 sqrt(E), and what parameters cost differs by up to ln N = 8.
+    // Of the data themselves: twice a logarithm of odds that is E on average scatters by 2 sqrt(E), and what parameters cost
+    // differs by up to ln N = 8.
     let scatter = 3.0 * 2.0 * recorded.least.max(1.0).sqrt();
     assert!(
         (open.evidence - recorded.least).abs() < scatter + 8.0,
@@ -184,8 +186,9 @@ fn prop_a_designed_motion_decides_between_frictions() {
     assert_eq!(decide(hidden, pair[1], [0.1, 0.1], 2, pair), None);
 }
 
-/// A validation log in which the joint moves as far as it can decides at once: the wrong law makes it worse, is reported with the rival that the first log leaves
-/// open, and is not in the model, so that there is nothing to design for, and the answer to a request for a design says why.
+/// A validation log in which the joint moves as far as it can decides at once: the wrong law makes it worse, is reported with the
+/// rival that the first log leaves open, and is not in the model, so that there is nothing to design for, and the answer to a
+/// request for a design says why.
 #[test]
 fn prop_a_wide_validation_log_rejects_a_wrong_law() {
     let robot = limited(&four_axes());
@@ -226,8 +229,8 @@ fn rivals_of(hidden: HiddenEffect, share: f64, seed: u64) -> (String, Vec<String
     (finding.effect.clone(), there.map(|r| r.effect.clone()).collect())
 }
 
-/// A spring fits what an offset does, with a parameter more. That is no reason to exclude it as long as the data allow a spring that could be
-/// there; where they leave only those with a rest turns away, it is.
+/// A spring fits what an offset does, with a parameter more. That is no reason to exclude it as long as the data allow a spring
+/// that could be there; where they leave only those with a rest turns away, it is.
 #[test]
 fn prop_a_spring_is_excluded_by_data_and_not_by_its_parameters() {
     let offset = || effect("torque_offset", 3, 1.2, &four_axes());

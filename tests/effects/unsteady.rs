@@ -1,4 +1,5 @@
-//! Torque that changes while the log runs, whatever the robot does: nothing in the list of effects does that, and it is a remainder.
+//! Torque that changes while the log runs, whatever the robot does: nothing in the list of effects does that, and it is a
+//! remainder.
 
 use crate::bench::*;
 use dynident::diagnosis::{Remainder, Verdict};
@@ -14,8 +15,8 @@ fn is_of_third_joint(remainder: Option<&Remainder>, variable: &str, rms: f64) {
     assert!((rest.rms[0] - rms).abs() < 0.1 * rms, "{} for {rms}", rest.rms[0]);
 }
 
-/// A sensor's zero that drifts while it warms up: 1.5 N·m that die out within the log. Its mean is an offset; what goes with time is a remainder, and
-/// neither friction that drifts nor a touch.
+/// A sensor's zero that drifts while it warms up: 1.5 N·m that die out within the log. Its mean is an offset; what goes with time
+/// is a remainder, and neither friction that drifts nor a touch.
 #[test]
 fn prop_a_slow_drift_depends_on_time() {
     let drift = HiddenEffect::TorqueDrift {
@@ -42,7 +43,8 @@ fn prop_a_slow_drift_depends_on_time() {
     assert!((left - 0.2f64.hypot(0.3765)).abs() < 0.02, "{left}");
 }
 
-/// Another level in every period, in no order: six touches as long as a period each would say the same, and nobody touches a robot like that.
+/// Another level in every period, in no order: six touches as long as a period each would say the same, and nobody touches a
+/// robot like that.
 #[test]
 fn prop_levels_in_no_order_depend_on_the_period() {
     let levels = [0.5, -0.5, 0.4, -0.4, 0.6, -0.6];

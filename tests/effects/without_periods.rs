@@ -115,7 +115,8 @@ fn prop_a_delay_is_found_on_logs_without_periods() {
     }
 }
 
-/// The offset of one joint is beyond doubt and those of the others are not one by one: they are estimated too, are no findings, and no body takes them up.
+/// The offset of one joint is beyond doubt and those of the others are not one by one: they are estimated too, are no findings,
+/// and no body takes them up.
 #[test]
 fn prop_small_offsets_come_with_a_large_one() {
     let robot = seven_axes();

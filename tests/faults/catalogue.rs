@@ -28,7 +28,8 @@ fn version(k: usize) -> Value {
     hose(&format!("k*{}*q", k + 1))
 }
 
-/// Changes an effect again and again while the server is killed: the one that is kept is never older than the last that was acknowledged, nor one that nobody sent.
+/// Changes an effect again and again while the server is killed: the one that is kept is never older than the last that was
+/// acknowledged, nor one that nobody sent.
 fn survives(place: &Place) {
     let mut acknowledged = 0;
     let mut sent = 0;

@@ -1,5 +1,5 @@
-//! Jobs that abort, hoard memory or never end: each costs itself and nothing else. The faults are asked for by the names of logs, which the
-//! children of a server with `DYNIDENT_TEST_FAULTS` in its environment listen to.
+//! Jobs that abort, hoard memory or never end: each costs itself and nothing else. The faults are asked for by the names of logs,
+//! which the children of a server with `DYNIDENT_TEST_FAULTS` in its environment listen to.
 
 use crate::postgres::Postgres;
 use crate::process::{Folder, Place, Process, wait_until};

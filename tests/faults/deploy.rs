@@ -1,4 +1,5 @@
-//! What `examples/deploy` hands out: the proxy in front of a server, and the units. Skipped where nginx or systemd are not installed.
+//! What `examples/deploy` hands out: the proxy in front of a server, and the units. Skipped where nginx or systemd are not
+//! installed.
 
 use crate::process::{Folder, Process, wait_until};
 use serde_json::{Value, json};

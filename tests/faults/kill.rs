@@ -34,8 +34,8 @@ fn slow() -> Value {
     slow
 }
 
-/// Asks for jobs until each has been acknowledged, one or two in every life of the server, kills it at every age between 30 and 330 ms, and counts what
-/// is left. A search that is begun in every one of those lives has not failed either.
+/// Asks for jobs until each has been acknowledged, one or two in every life of the server, kills it at every age between 30 and
+/// 330 ms, and counts what is left. A search that is begun in every one of those lives has not failed either.
 fn survives(place: &Place, jobs: usize) {
     let mut acknowledged: BTreeMap<usize, String> = BTreeMap::new();
     let mut kills = 0;
@@ -138,7 +138,8 @@ fn goes_on(place: &Place) {
         progress(&server)["elapsed_s"].as_f64() > Some(7.0)
     });
     let reported = progress(&server);
-    // What was found is written down every other second, and the time spent at least every ten: all that was reported is safe after those.
+    // What was found is written down every other second, and the time spent at least every ten: all that was reported is safe
+    // after those.
     wait_until("it is written down", || progress(&server)["elapsed_s"].as_f64() > Some(13.0));
     server.kill();
     let again = Instant::now();

@@ -355,8 +355,8 @@ fn a_stopped_server_puts_its_work_back() {
     waiting.child.wait().unwrap();
     let server = Process::serve(&folder.place(), &[]);
     wait_until("it is cancelled", || server.state(&id) == "cancelled");
-    // What the first had found is not lost. What is handed out keeps clear of the limits by 1e-8 of them: its value differs from that of
-    // the search by a few times as much.
+    // What the first had found is not lost. What is handed out keeps clear of the limits by 1e-8 of them: its value differs from
+    // that of the search by a few times as much.
     let result = server.get(&format!("/excitation/{id}")).1;
     assert!(
         result["condition_number"].as_f64().unwrap() <= found * (1.0 + 1e-6),

@@ -1,4 +1,5 @@
-//! Mutated bodies against a running server: every one is answered, none with an error of the server's own, and no job ends with one.
+//! Mutated bodies against a running server: every one is answered, none with an error of the server's own, and no job ends with
+//! one.
 
 use super::bases;
 use super::case::Recipe;

@@ -83,8 +83,8 @@ impl Node {
         }
     }
 
-    /// Changes one place. Half of all changes put another number in the place of one: what is asked stays a question, and is not refused at the
-    /// door.
+    /// Changes one place. Half of all changes put another number in the place of one: what is asked stays a question, and is not
+    /// refused at the door.
     pub fn mutate(&mut self, dice: &mut Dice) {
         if dice.chance(0.5) {
             return self.change_number(dice);

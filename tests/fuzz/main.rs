@@ -1,10 +1,11 @@
-//! Mutated documents and logs: whatever is in a file, the program answers it; it does not panic, abort, run for ever or eat the machine.
+//! Mutated documents and logs: whatever is in a file, the program answers it; it does not panic, abort, run for ever or eat the
+//! machine.
 //!
-//! An input is a base document or log (`bases`) with a list of changes, each made by a number (`case`): JSON and XML as trees, logs as
-//! columns, then bytes. The same seed is the same input. Inputs are tried in a child process (`child`, `target`), so that aborts, stack
-//! overflows and endless loops are seen and counted by the parent (`runner`), with processor time and peak memory of every input. A failed
-//! input is shrunk to the changes it needs, and its files are kept (`campaign`). What has failed once is in `tests/data/corpus`, one folder
-//! for each input under the name of its target.
+//! An input is a base document or log (`bases`) with a list of changes, each made by a number (`case`): JSON and XML as trees,
+//! logs as columns, then bytes. The same seed is the same input. Inputs are tried in a child process (`child`, `target`), so that
+//! aborts, stack overflows and endless loops are seen and counted by the parent (`runner`), with processor time and peak memory
+//! of every input. A failed input is shrunk to the changes it needs, and its files are kept (`campaign`). What has failed once is
+//! in `tests/data/corpus`, one folder for each input under the name of its target.
 //!
 //! - `cargo test --test fuzz` replays the corpus and tries a fixed number of inputs with fixed seeds;
 //! - `cargo test --release --test fuzz -- campaign --help`: as many as wanted, from any seed;

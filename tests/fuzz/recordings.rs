@@ -1,4 +1,5 @@
-//! Recordings that are no text: files of every format with bits turned, sizes replaced, parts cut out, repeated and taken from another file.
+//! Recordings that are no text: files of every format with bits turned, sizes replaced, parts cut out, repeated and taken from
+//! another file.
 
 use super::bases::{LOG, REQUEST};
 use super::dice::Dice;

@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Processor time of one input (s), and what every byte of it may cost in addition. A whole identification of these sizes takes a tenth of
-/// a second; the limit is far above that, so that only work without end, or of the square of its input, reaches it.
+/// Processor time of one input (s), and what every byte of it may cost in addition. A whole identification of these sizes takes a
+/// tenth of a second; the limit is far above that, so that only work without end, or of the square of its input, reaches it.
 const CPU_S: f64 = 10.0;
 const CPU_S_PER_BYTE: f64 = 20e-6;
 /// Wall time in the same unit: a process that waits for ever uses no processor.
@@ -98,7 +98,8 @@ impl Runner {
         let work = self.work.clone();
         let process = self.process.get_or_insert_with(|| Process::start(&work));
         let verdict = process.run(order, &work);
-        // A process that keeps much of what a large input took would be charged to the next one: as in the service, another takes its place.
+        // A process that keeps much of what a large input took would be charged to the next one: as in the service, another takes
+        // its place.
         if verdict.as_ref().map_or(true, |v| v.held > GROWN) {
             self.process = None;
         }

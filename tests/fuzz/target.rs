@@ -88,7 +88,8 @@ impl Folders {
     }
 }
 
-/// Runs one input through; an error is what users must never see: one of the program's own, or a result that it cannot read again.
+/// Runs one input through; an error is what users must never see: one of the program's own, or a result that it cannot read
+/// again.
 pub fn run(target: Target, folders: &Folders) -> Result<Taken, String> {
     match target {
         Target::Inspect => taken(look(folders)),

@@ -9,7 +9,8 @@ use std::path::Path;
 /// More digits in a row than a double has, its exponent written out: a number that nobody formatted.
 const MOST_DIGITS: usize = 40;
 
-/// The first `NaN`, infinity or endless number in the results or in the words of a refusal, unless the input has it as well; or a picture that is no XML.
+/// The first `NaN`, infinity or endless number in the results or in the words of a refusal, unless the input has it as well; or a
+/// picture that is no XML.
 pub fn unprintable(folders: &Folders, refused: &str) -> Option<String> {
     let mut input: Option<String> = None;
     let words = ("error".to_string(), refused.as_bytes().to_vec());

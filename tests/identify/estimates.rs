@@ -110,6 +110,7 @@ fn prop_gross_errors_do_the_robust_estimate_no_harm() {
         (found.values - robot.truth()).norm()
     };
     let (robust, ordinary) = (error(Estimator::Robust), error(Estimator::Ordinary));
-    // One row in fifty is 130 σ off: least squares is wrong by 2.7 σ on average there, Huber by 1.345 σ / 50, which is lost in the noise.
+    // One row in fifty is 130 σ off: least squares is wrong by 2.7 σ on average there, Huber by 1.345 σ / 50, which is lost in
+    // the noise.
     assert!(robust < 0.3 * ordinary, "{robust} {ordinary}");
 }

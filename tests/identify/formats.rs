@@ -1,5 +1,5 @@
-//! Logs in the formats that people have: files that NumPy, SciPy, pandas, pyarrow, `rosbags` and `mcap` wrote (`tests/data/ref_log_formats.py`),
-//! columns of well-known programs, and dialects of text.
+//! Logs in the formats that people have: files that NumPy, SciPy, pandas, pyarrow, `rosbags` and `mcap` wrote
+//! (`tests/data/ref_log_formats.py`), columns of well-known programs, and dialects of text.
 
 use dynident::formats::logs::{
     Columns, FindingKind, JointColumns, LogColumn, LogError, LogReport, Source, TimeUnit, Transformation, log_overview, read_log,
@@ -192,7 +192,8 @@ fn val_arrays_without_names_are_mapped_by_their_numbers() {
     assert!(error.contains("`/arm/data[3]`"), "{error}");
 }
 
-/// A message of one's own with messages in an array within it; names of the motors change their length, so that numbers move about in the message.
+/// A message of one's own with messages in an array within it; names of the motors change their length, so that numbers move
+/// about in the message.
 #[test]
 fn val_messages_of_any_kind_are_read_by_their_definition() {
     let columns = Columns {
@@ -520,7 +521,8 @@ fn val_the_panda_bag_has_the_numbers_of_its_csv() {
         let of = |log: &Log| [log.q.clone(), log.qd.clone().unwrap(), log.tau.clone()].concat();
         for (bag, csv) in of(&bag).iter().zip(of(&csv)) {
             let worst = bag.iter().zip(&csv).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            // Nine digits in the CSV, of stamps up to 24 s and of values, and steps between stamps in between: both are laid onto a grid in time.
+            // Nine digits in the CSV, of stamps up to 24 s and of values, and steps between stamps in between: both are laid onto
+            // a grid in time.
             let step = csv.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
             let largest = csv.iter().fold(0.0f64, |m, v| m.max(v.abs()));
             let bound = 2.0 * 0.5e-7 * 30.0 * step + 0.5e-8 * largest;

@@ -1,4 +1,5 @@
-//! The paper's chain at the paper's size, against NumPy, SciPy and Pinocchio (`tests/data/ref_paper_chain.py`, tests/data/README.md).
+//! The paper's chain at the paper's size, against NumPy, SciPy and Pinocchio (`tests/data/ref_paper_chain.py`,
+//! tests/data/README.md).
 
 use crate::simulated::Virtual;
 use dynident::preparation::{Log, PreprocessOptions, prepare};
@@ -63,8 +64,9 @@ fn val_the_papers_chain_at_its_size_equals_scipy_and_pinocchio() {
     let stretch = Stretch::new(&prepared, &log);
     let found = estimate(&robot.robot, std::slice::from_ref(&stretch), Estimator::Ordinary).estimate;
     assert_eq!(found.solution.rank as u64, reference["rank"].as_u64().unwrap());
-    // Accelerations are second differences over a millisecond: the filters' rounding of 1e-16 becomes 1e-10 there, and the normal equations
-    // multiply that by the condition number, 238, and what they round by its square, 6e4. Values are of the order of one.
+    // Accelerations are second differences over a millisecond: the filters' rounding of 1e-16 becomes 1e-10 there, and the normal
+    // equations multiply that by the condition number, 238, and what they round by its square, 6e4. Values are of the order of
+    // one.
     let close = |mine: f64, theirs: f64, scale: f64, what: &str| {
         assert!((mine - theirs).abs() < 1e-7 * scale, "{what}: {mine} {theirs}");
     };

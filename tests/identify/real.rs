@@ -44,9 +44,10 @@ fn rms_percent(found: &Identified) -> Vec<f64> {
         .collect()
 }
 
-/// Estimates are numbers or said to be open, bodies are bodies. `most_percent` locks what the fit leaves of every joint's torque today, rounded up:
-/// no outside figure exists for these logs; joints that carry the arm are explained to a few per cent, those that carry little are mostly friction
-/// that the declared model lacks (what the tracing finds there is tested in `tests/effects/measured.rs`).
+/// Estimates are numbers or said to be open, bodies are bodies. `most_percent` locks what the fit leaves of every joint's torque
+/// today, rounded up: no outside figure exists for these logs; joints that carry the arm are explained to a few per cent, those
+/// that carry little are mostly friction that the declared model lacks (what the tracing finds there is tested in
+/// `tests/effects/measured.rs`).
 fn check_sensible(found: &Identified, most_percent: &[f64]) {
     for p in &found.document.base_parameters {
         let given = p.value.is_some_and(f64::is_finite) && p.std_dev.is_some_and(f64::is_finite);
@@ -181,7 +182,7 @@ fn val_lwr4_trained_on_its_poor_excitation_is_flagged() {
     let request = json!({"robot": urdf(&folder, "kuka_lwr4.urdf")});
     let found = run(request, &folder, &["measurements_1.csv.gz", "measurements_2.csv.gz"]);
     assert_eq!(found.document.quality.verdict, "poor_excitation");
-    // Joint 7 carries 0.26 N m, nearly all of it friction that the declared model lacks: weighted by what is left there, its rows count for so little that its
-    // own torque is predicted worse than by zero (116 %).
+    // Joint 7 carries 0.26 N m, nearly all of it friction that the declared model lacks: weighted by what is left there, its rows
+    // count for so little that its own torque is predicted worse than by zero (116 %).
     check_sensible(&found, &[100.0, 100.0, 100.0, 100.0, 100.0, 100.0, 120.0]);
 }

@@ -1,6 +1,8 @@
-//! Measured logs, split into a part to identify from and a part that nothing is fitted to: what the effects found do to the error there.
+//! Measured logs, split into a part to identify from and a part that nothing is fitted to: what the effects found do to the error
+//! there.
 //!
-//! The logs are not part of this repository: `DYNIDENT_REAL_DATA` names the folder that holds them, and without it these tests say that they were skipped.
+//! The logs are not part of this repository: `DYNIDENT_REAL_DATA` names the folder that holds them, and without it these tests
+//! say that they were skipped.
 
 use crate::real::{folder, panda, urdf};
 use dynident::app::{CancelFlag, Identified, LogFile, identify};

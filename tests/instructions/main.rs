@@ -1,8 +1,9 @@
-//! What the kernels cost in instructions, held against locked counts: a slower kernel is noticed on a machine that is busy with other work too, where times
-//! say nothing. Valgrind counts; it shows programs the same instruction set (AVX2 and FMA, no wider one) on every x86-64 machine of the last ten years.
+//! What the kernels cost in instructions, held against locked counts: a slower kernel is noticed on a machine that is busy with
+//! other work too, where times say nothing. Valgrind counts; it shows programs the same instruction set (AVX2 and FMA, no wider
+//! one) on every x86-64 machine of the last ten years.
 //!
-//! The count of a kernel is the difference between runs of more and of fewer units, so that start and input cancel. `cargo test --release --test instructions --
-//! --nocapture` prints all counts.
+//! The count of a kernel is the difference between runs of more and of fewer units, so that start and input cancel.
+//! `cargo test --release --test instructions -- --nocapture` prints all counts.
 
 extern crate dynident_io as dynident;
 
@@ -13,8 +14,9 @@ use kernels::KERNELS;
 use libtest_mimic::{Arguments, Failed, Trial};
 use std::process::{Command, ExitCode};
 
-/// How far a count may exceed the locked one. Runs of one build agree to 0.1 % (hash maps have seeds). Builds of the same sources do not: an incremental one and one from
-/// clean cut the crates into other units and inline differently, and so does the next compiler. A kernel that has lost its vectors or takes a step twice exceeds this.
+/// How far a count may exceed the locked one. Runs of one build agree to 0.1 % (hash maps have seeds). Builds of the same sources
+/// do not: an incremental one and one from clean cut the crates into other units and inline differently, and so does the next
+/// compiler. A kernel that has lost its vectors or takes a step twice exceeds this.
 const MARGIN: f64 = 0.2;
 
 fn main() -> ExitCode {

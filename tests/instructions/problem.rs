@@ -1,4 +1,5 @@
-//! The seven joints of the iiwa 14 on one motion, and a search on the paper's problem: what counts of instructions and the comparison with other libraries run on.
+//! The seven joints of the iiwa 14 on one motion, and a search on the paper's problem: what counts of instructions and the
+//! comparison with other libraries run on.
 
 use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::Motion;

@@ -3,6 +3,7 @@
 mod cycles;
 mod validation;
 mod version;
+mod width;
 mod words;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -537,7 +537,8 @@ fn an_ordinary_problem_is_within_all_limits() {
     Problem::new(spec).unwrap();
 }
 
-/// MuJoCo's own torques of a model with every kind of orientation, default classes, references, anchors, frames and two joints on one body.
+/// MuJoCo's own torques of a model with every kind of orientation, default classes, references, anchors, frames and two joints on
+/// one body.
 #[test]
 fn val_torques_of_an_mjcf_file_are_those_of_mujoco() {
     let read = read(&data("ref_mjcf.xml"), &[]).unwrap_or_else(|e| panic!("{e}"));
@@ -643,7 +644,8 @@ fn dh_tables_of_all_conventions_are_the_same_robot() {
     assert!(of(&mistaken).notes[0].contains("looks like standard DH"));
 }
 
-/// Forty files as people have them against Pinocchio's reading of the same arms written exactly: joints, number of base parameters, torques.
+/// Forty files as people have them against Pinocchio's reading of the same arms written exactly: joints, number of base
+/// parameters, torques.
 #[test]
 fn val_forty_urdf_variants_have_the_base_parameters_and_torques_of_pinocchio() {
     let reference: Value = serde_json::from_slice(&data("ref_urdf_variants.json")).unwrap();

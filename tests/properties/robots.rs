@@ -135,7 +135,8 @@ fn massless(part: &str) -> String {
     }
 }
 
-/// The joint axis may point anywhere: the pose of the last link is that of the file's own chain, Rodrigues' rotation about the axis.
+/// The joint axis may point anywhere: the pose of the last link is that of the file's own chain, Rodrigues' rotation about the
+/// axis.
 #[test]
 fn prop_axes_in_any_direction_give_the_files_own_poses() {
     let robot = from_text(SPLIT).robot;

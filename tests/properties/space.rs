@@ -72,7 +72,8 @@ fn prop_a_cell_is_kept_off_where_the_free_optimum_collides() {
     let before = nearest(&robot, &free.series);
     assert!(before < 0.0, "nothing to show: the free optimum keeps {before} m");
     let after = nearest(&robot, &kept.series);
-    // Segments are looked at at 41 points each: between two of them a distance to a plane or a convex body is at most this much less.
+    // Segments are looked at at 41 points each: between two of them a distance to a plane or a convex body is at most this much
+    // less.
     let coarse = 1e-3;
     assert!(after >= CLEARANCE - coarse, "{after}");
     let least = kept.clearances.iter().map(|c| c.least).fold(f64::INFINITY, f64::min);

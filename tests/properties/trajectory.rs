@@ -14,7 +14,8 @@ fn assert_derivatives(trajectory: &dyn Trajectory) {
             }
             let [_, qd, qdd] = trajectory.state(joint, t);
             let (before, after) = (trajectory.state(joint, t - h), trajectory.state(joint, t + h));
-            // Central differences: h²/6 of the next but one derivative (frequencies up to some 10 rad/s, amplitudes of order one).
+            // Central differences: h²/6 of the next but one derivative (frequencies up to some 10 rad/s, amplitudes of order
+            // one).
             assert!((qd - (after[0] - before[0]) / (2.0 * h)).abs() < 1e-4, "qd at {t}");
             assert!((qdd - (after[1] - before[1]) / (2.0 * h)).abs() < 1e-3, "qdd at {t}");
         }

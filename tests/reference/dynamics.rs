@@ -95,8 +95,9 @@ fn val_base_parameter_expressions_are_the_papers_equation_6() {
     assert_eq!(expression("MX7"), "MX7");
 }
 
-/// Base parameters of the Stäubli RX-90 as published: Khalil & Dombre 2004, chapter 9, and the output of SYMORO+ for that arm (rotor
-/// inertias left out, which the declared model does not have). D3 and RL4 are given values of our own, so that every product shows.
+/// Base parameters of the Stäubli RX-90 as published: Khalil & Dombre 2004, chapter 9, and the output of SYMORO+ for that arm
+/// (rotor inertias left out, which the declared model does not have). D3 and RL4 are given values of our own, so that every
+/// product shows.
 #[test]
 fn val_base_parameters_of_the_rx90_are_the_published_ones() {
     use dynident::model::{Friction, Joint, JointKind, Mdh, Robot};

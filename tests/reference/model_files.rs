@@ -115,7 +115,8 @@ fn of_formulas(robot: &Robot) -> Vec<Term> {
     vec![term(first, &[0.7, 0.05], &[0.9, 0.6]), term(second, &[-0.4, 0.06], &[1.3])]
 }
 
-/// An effect that depends on what is measured beside the motion, its inertia too, and one that has another value where that is not measured.
+/// An effect that depends on what is measured beside the motion, its inertia too, and one that has another value where that is
+/// not measured.
 fn of_channels(robot: &Robot) -> Vec<Term> {
     let channel = |name: &str, unit: &str, reference: f64| ChannelVariable {
         name: name.into(),
@@ -488,7 +489,8 @@ fn val_pinocchio_mujoco_gcc_and_python_agree_with_our_torques() {
     drop(std::fs::remove_dir_all(place.parent().unwrap()));
 }
 
-/// Declared or found, an own effect is no part of files of simulators, which say so with its torque; C, Python and the table have it.
+/// Declared or found, an own effect is no part of files of simulators, which say so with its torque; C, Python and the table have
+/// it.
 #[test]
 fn files_say_which_own_effects_they_leave_out() {
     let (_, mut case) = cases().swap_remove(0);
@@ -568,7 +570,8 @@ fn course(rng: &mut ChaCha8Rng, joints: usize) -> Motion {
     })
 }
 
-/// Each effect with memory alone, in pairs, elasticity and delay in both orders, all of them together, and all others beside them.
+/// Each effect with memory alone, in pairs, elasticity and delay in both orders, all of them together, and all others beside
+/// them.
 fn memory_cases() -> Vec<(String, Case)> {
     let all = of_memory();
     let (hysteresis, elasticity, delay) = (&all[..2], &all[2..4], &all[4..]);
@@ -612,10 +615,11 @@ impl Case {
     }
 }
 
-/// Over a whole motion the files agree with our own prediction to rounding; step by step they do so too where no joint is elastic. What elasticity adds
-/// agrees to a tenth of it: the load's derivatives are those at the end of a cubic over 2r = 0.06 s instead of those in the middle of 0.12 s. At the end the
-/// second derivative lacks 0.43 (wr)^2 of itself, in the middle 0.07 (2wr)^2 the other way; loads have harmonics up to 2 Hz, twice those of the motion: 0.09. The
-/// ends are left out: at first the state knows nothing of the past, and at both the other derivatives lack half of their window.
+/// Over a whole motion the files agree with our own prediction to rounding; step by step they do so too where no joint is
+/// elastic. What elasticity adds agrees to a tenth of it: the load's derivatives are those at the end of a cubic over 2r = 0.06 s
+/// instead of those in the middle of 0.12 s. At the end the second derivative lacks 0.43 (wr)^2 of itself, in the middle 0.07
+/// (2wr)^2 the other way; loads have harmonics up to 2 Hz, twice those of the motion: 0.09. The ends are left out: at first the
+/// state knows nothing of the past, and at both the other derivatives lack half of their window.
 fn assert_memory(name: &str, case: &Case, found: &Value) {
     let has = |code: &str| case.terms.iter().any(|t| t.effect.code() == code);
     let elastic = has("joint_elasticity");
@@ -967,7 +971,8 @@ fn is_geometry(term: &Term) -> bool {
     ["base_tilt", "encoder_offset"].contains(&term.effect.code())
 }
 
-/// An arm on a wall: a file that mounts it so takes its bodies, one that stands it upright takes them with a note, one that hangs it is refused.
+/// An arm on a wall: a file that mounts it so takes its bodies, one that stands it upright takes them with a note, one that hangs
+/// it is refused.
 #[test]
 fn a_base_may_stand_elsewhere_where_gravity_pulls_the_same_way() {
     let chain = r#"<link name="base"/><link name="l1"/><link name="l2"/>

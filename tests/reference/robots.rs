@@ -72,8 +72,9 @@ fn val_the_tx40_has_the_lengths_and_the_zero_of_the_makers_drawing() {
     }
 }
 
-/// Inertial base parameters, beside viscous and Coulomb friction of every joint: 43 for anthropomorphic arms with seven joints (Jubien et al. 2014
-/// LWR; Gaz et al. 2019 Panda; Stürz et al. 2017 iiwa), 36 for arms like Puma and TX40 with their shoulder and spherical wrist (Khalil & Dombre 2004).
+/// Inertial base parameters, beside viscous and Coulomb friction of every joint: 43 for anthropomorphic arms with seven joints
+/// (Jubien et al. 2014 LWR; Gaz et al. 2019 Panda; Stürz et al. 2017 iiwa), 36 for arms like Puma and TX40 with their shoulder
+/// and spherical wrist (Khalil & Dombre 2004).
 #[test]
 fn val_shipped_robots_have_the_published_number_of_base_parameters() {
     for (name, inertial) in [

@@ -1,4 +1,5 @@
-//! A PostgreSQL server for the tests of this process: made afresh in a temporary folder, gone when the process ends, however it ends.
+//! A PostgreSQL server for the tests of this process: made afresh in a temporary folder, gone when the process ends, however it
+//! ends.
 #![allow(dead_code)]
 
 use std::io::Write;
@@ -10,8 +11,8 @@ use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Starts and stops the server on a word from standard input, and takes everything away at its end: when the tests are gone, even
-/// killed, their end of the pipe is closed. PostgreSQL refuses to run as root. Besides this machine, it knows the network namespaces of the tests
-/// (198.18.0.0/15 is for tests of networks, and nobody's).
+/// killed, their end of the pipe is closed. PostgreSQL refuses to run as root. Besides this machine, it knows the network
+/// namespaces of the tests (198.18.0.0/15 is for tests of networks, and nobody's).
 const KEEPER: &str = r#"
 folder=$(mktemp -d "$3/dynident-postgres.XXXXXX"); bin=$1; port=$2; as=""
 if [ "$(id -u)" = 0 ]; then chown postgres "$folder"; as="setpriv --reuid=postgres --regid=postgres --init-groups"; fi

@@ -73,8 +73,8 @@ impl Identified {
         self.model.as_ref().ok_or_else(none)
     }
 
-    /// Measured and predicted torques over time, as many points of every joint as the request asks for. They are no part of [`identify`]: what was
-    /// identified can be stored before anything is made for pictures.
+    /// Measured and predicted torques over time, as many points of every joint as the request asks for. They are no part of
+    /// [`identify`]: what was identified can be stored before anything is made for pictures.
     ///
     /// # Errors
     /// `drawing_failed`: the result is as good without them.
@@ -93,7 +93,8 @@ impl Identified {
 /// Reads the logs, estimates, validates. The document has no predictions yet: see [`Identified::predictions`].
 ///
 /// # Errors
-/// `invalid_log` with what is wrong with which file; `no_result` where `cancel` was set meanwhile; nothing else that the request could have caused.
+/// `invalid_log` with what is wrong with which file; `no_result` where `cancel` was set meanwhile; nothing else that the request
+/// could have caused.
 pub fn identify(
     request: &IdentifyRequest,
     logs: &[LogFile],
@@ -229,7 +230,8 @@ impl Declared {
     }
 }
 
-/// Searches for effects, unless the options say not to; estimates in any case. `declared` is the robot as declared, where the data have gravity elsewhere.
+/// Searches for effects, unless the options say not to; estimates in any case. `declared` is the robot as declared, where the
+/// data have gravity elsewhere.
 fn diagnosed(
     robot: &Robot,
     declared: Option<&Robot>,

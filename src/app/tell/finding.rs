@@ -8,7 +8,8 @@ use crate::formats::{listed, significant, unit};
 
 /// Joints that a sentence names; an effect of the whole robot changes more of them.
 const MOST_JOINTS: usize = 3;
-/// Chance of a lack of fit this large from noise, below which structure is said to remain: what single joints are tested at elsewhere.
+/// Chance of a lack of fit this large from noise, below which structure is said to remain: what single joints are tested at
+/// elsewhere.
 const STRUCTURED: f64 = 1e-3;
 
 impl Teller<'_> {

@@ -1,5 +1,5 @@
-//! Findings in sentences with figures, and the variables to draw them against: the one place where an answer says in words what was found.
-//! Pages, reports and the command line show them as they are.
+//! Findings in sentences with figures, and the variables to draw them against: the one place where an answer says in words what
+//! was found. Pages, reports and the command line show them as they are.
 
 mod finding;
 #[cfg(test)]
@@ -44,7 +44,8 @@ fn variable_of(finding: &Finding) -> &str {
     }
 }
 
-/// Whether held-out data speak against an effect; what was not held against them is none of the model's, but explains the log all the same.
+/// Whether held-out data speak against an effect; what was not held against them is none of the model's, but explains the log all
+/// the same.
 fn is_rejected(finding: &Finding) -> bool {
     !finding.in_model && finding.held_out.change != Change::NotTested
 }

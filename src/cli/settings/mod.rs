@@ -48,7 +48,8 @@ pub struct Settings {
     /// Long searches that run at the same time; each uses all cores. 0 leaves them to workers.
     #[arg(long, env = "DYNIDENT_CONCURRENT_JOBS", value_name = "N")]
     pub concurrent_jobs: Option<usize>,
-    /// Identifications and validations that run at the same time beside them, and one search that is not long. 0 leaves them to workers.
+    /// Identifications and validations that run at the same time beside them, and one search that is not long. 0 leaves them to
+    /// workers.
     #[arg(long, env = "DYNIDENT_SHORT_JOBS", value_name = "N")]
     pub short_jobs: Option<usize>,
     /// Work in processes of their own, so that what goes wrong in one costs nothing else.
@@ -108,8 +109,8 @@ pub struct Settings {
     /// Requests of one token or address at once.
     #[arg(long, env = "DYNIDENT_REQUEST_BURST", value_name = "N")]
     pub request_burst: Option<u32>,
-    /// Name under which a server without tokens is reached, such as that of a proxy, with its port where that is not the usual one; several separated by
-    /// commas, or the flag several times. Addresses in numbers and `localhost` need not be named.
+    /// Name under which a server without tokens is reached, such as that of a proxy, with its port where that is not the usual
+    /// one; several separated by commas, or the flag several times. Addresses in numbers and `localhost` need not be named.
     #[arg(
         long = "allowed-host",
         env = "DYNIDENT_ALLOWED_HOSTS",

@@ -28,7 +28,8 @@ pub struct Arguments {
     chain: files::ChainArguments,
     #[command(flatten)]
     effects: EffectArguments,
-    /// Request: a JSON file with `trajectory`, and as wanted `parameters`, `periods`, `sample_rate_hz`, `noise`, `effects`, `faults`, `seed`.
+    /// Request: a JSON file with `trajectory`, and as wanted `parameters`, `periods`, `sample_rate_hz`, `noise`, `effects`,
+    /// `faults`, `seed`.
     #[arg(long, value_name = "FILE")]
     request: PathBuf,
     /// Where the log goes (CSV); standard output if left out.

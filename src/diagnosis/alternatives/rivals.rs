@@ -28,11 +28,12 @@ pub(crate) fn rivals(
         .collect()
 }
 
-/// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left; none are reported where misfit is left all the same, since
-/// these effects may be taken back.
+/// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left; none are reported where
+/// misfit is left all the same, since these effects may be taken back.
 ///
-/// An effect that was named early may have stood in for one that was not there yet: beside the later ones another may explain its part better, and
-/// takes its place; then the search goes on. Every exchange raises the evidence by `not_excluded`, so that none comes back.
+/// An effect that was named early may have stood in for one that was not there yet: beside the later ones another may explain its
+/// part better, and takes its place; then the search goes on. Every exchange raises the evidence by `not_excluded`, so that none
+/// comes back.
 pub(crate) fn settled(
     data: &Data,
     mut selected: Selected,
@@ -100,9 +101,9 @@ struct Better {
 
 /// Twice the log of the evidence ratio in favour of the finding.
 ///
-/// A rival that contains the finding fits no worse, and has only its further parameters against it: simplicity is a reason to name the finding, but none to
-/// exclude the rival. The data do that where they leave none of its parameters but those at which it is the finding; until then their part of the
-/// evidence alone counts.
+/// A rival that contains the finding fits no worse, and has only its further parameters against it: simplicity is a reason to
+/// name the finding, but none to exclude the rival. The data do that where they leave none of its parameters but those at which
+/// it is the finding; until then their part of the evidence alone counts.
 fn said_against(finding: &Scored, rival: &Scored, fitted: &System) -> f64 {
     let (own_gain, own) = finding.held_against(std::iter::once(rival));
     let (other_gain, other) = rival.held_against(std::iter::once(finding));
@@ -146,7 +147,8 @@ fn contest(
     let meets = |c: &&Candidate| !c.is_same_effect(&own) && reach(c, joints).iter().any(|j| reached.contains(j));
     let others: Vec<Candidate> = candidates.iter().filter(meets).cloned().collect();
     let others = scan(data, &without, &others);
-    // The linearised gain errs by a fraction, and before a fit nobody knows what it leaves: what gains nearly as much is fitted properly.
+    // The linearised gain errs by a fraction, and before a fit nobody knows what it leaves: what gains nearly as much is fitted
+    // properly.
     let could_settle = |s: &Scored| {
         let joints = reach(&s.candidate, joints);
         let rows: usize = joints.iter().map(|&j| without.rows(j)).sum();

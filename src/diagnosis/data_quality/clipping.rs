@@ -25,10 +25,11 @@ pub(crate) fn extremes(column: &[f64], left: &[bool]) -> [f64; 2] {
     [low, high]
 }
 
-/// Ends of the range at which samples pile up: ten at least, and more than three times as many as on the next level. The top of a sinusoid
-/// in coarse steps has 1/(√2 − 1) = 2.4 times as many as the step below it.
+/// Ends of the range at which samples pile up: ten at least, and more than three times as many as on the next level. The top of a
+/// sinusoid in coarse steps has 1/(√2 − 1) = 2.4 times as many as the step below it.
 ///
-/// `q` are the positions of the joint. A torque that jumps to its end where the joint turns round is friction, which stays the same until the next turn.
+/// `q` are the positions of the joint. A torque that jumps to its end where the joint turns round is friction, which stays the
+/// same until the next turn.
 pub(crate) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> {
     let mut sorted: Vec<f64> = column.iter().zip(left).filter(|(_, l)| **l).map(|(v, _)| *v).collect();
     sorted.sort_by(f64::total_cmp);
@@ -42,8 +43,8 @@ pub(crate) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> 
     };
     let (mut levels, mut count) = (Vec::new(), 0);
     let mut rows = vec![false; column.len()];
-    // Noise smooths steps; where rounding is all there is, the top of a wave is one step. Third differences of rounded values are whole steps: the median of two
-    // steps, which a fast wave has, reads as noise of 0.66 of one.
+    // Noise smooths steps; where rounding is all there is, the top of a wave is one step. Third differences of rounded values are
+    // whole steps: the median of two steps, which a fast wave has, reads as noise of 0.66 of one.
     let coarse = step_of(column, left).filter(|step| noise <= *step);
     let natural = |level: &f64| turns_at(column, q, *level) || coarse.is_some_and(|step| beyond(column, *level) <= step);
     let (top, bottom) = (top.filter(|(l, _)| !natural(l)), bottom.filter(|(l, _)| !natural(l)));
@@ -53,8 +54,8 @@ pub(crate) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> 
     {
         levels.push(level);
         count += piled;
-        // Within two standard deviations of the level, noise is cut off on one side. By the local mean: a choice by the sample's own noise would
-        // move the mean of the rest.
+        // Within two standard deviations of the level, noise is cut off on one side. By the local mean: a choice by the sample's
+        // own noise would move the mean of the rest.
         for s in 0..column.len() {
             rows[s] |= column[s] == level || side * (level - mean(s)) < 2.0 * noise;
         }
@@ -62,9 +63,11 @@ pub(crate) fn clipped(column: &[f64], q: &[f64], left: &[bool]) -> Option<Clip> 
     (count > 0).then_some(Clip { levels, count, rows })
 }
 
-/// How far a column would go beyond `level`, as a mean over the samples there, if every run at the level were the top of a parabola through the samples around it.
+/// How far a column would go beyond `level`, as a mean over the samples there, if every run at the level were the top of a
+/// parabola through the samples around it.
 ///
-/// A parabola that is cut off by E over a run of L samples lies `(13/3) E` below the level in the mean over the L samples before it, and after it.
+/// A parabola that is cut off by E over a run of L samples lies `(13/3) E` below the level in the mean over the L samples before
+/// it, and after it.
 fn beyond(column: &[f64], level: f64) -> f64 {
     let (mut sum, mut all, mut s) = (0.0, 0, 0);
     while s < column.len() {
@@ -88,8 +91,9 @@ fn beyond(column: &[f64], level: f64) -> f64 {
     sum / all.max(1) as f64
 }
 
-/// Whether most of the samples at a level are in runs that last from one turn of the joint to the next, or in which it does not move. Where a torque is cut
-/// off, a run may begin at a turn as well: there the acceleration is at its largest. But then it ends before the next one.
+/// Whether most of the samples at a level are in runs that last from one turn of the joint to the next, or in which it does not
+/// move. Where a torque is cut off, a run may begin at a turn as well: there the acceleration is at its largest. But then it ends
+/// before the next one.
 fn turns_at(column: &[f64], q: &[f64], level: f64) -> bool {
     let direction = |s: usize| {
         let step = if s + 1 < q.len() { q[s + 1] - q[s] } else { 0.0 };
@@ -141,7 +145,8 @@ fn piled_up(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
     (count >= 10 && count > 3 * on_next).then_some((level, count))
 }
 
-/// White noise on a smooth signal, from the median of its third differences: √20 times the noise, 0.6745 of a normal deviate's spread.
+/// White noise on a smooth signal, from the median of its third differences: √20 times the noise, 0.6745 of a normal deviate's
+/// spread.
 fn noise_of(column: &[f64]) -> f64 {
     let mut third: Vec<f64> = column
         .windows(4)

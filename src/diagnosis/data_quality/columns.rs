@@ -12,8 +12,9 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::dynamics::Motion;
 use crate::model::{Robot, decimals};
 
-/// Torque columns, their signs and order, their unit and whether gravity is in them, and the unit and order of the positions, weighed by the rigid model along
-/// the motion. Joints whose torque takes no part are neither accused nor witnesses, and nothing is accused where the model explains no more than a constant.
+/// Torque columns, their signs and order, their unit and whether gravity is in them, and the unit and order of the positions,
+/// weighed by the rigid model along the motion. Joints whose torque takes no part are neither accused nor witnesses, and nothing
+/// is accused where the model explains no more than a constant.
 ///
 /// `torque`: n × N. Of long motions every so many samples are taken.
 pub fn column_faults(robot: &Robot, motion: &Motion, torque: &[Vec<f64>]) -> Vec<DataFault> {
@@ -66,8 +67,8 @@ pub fn column_faults_until(robot: &Robot, motion: &Motion, torque: &[Vec<f64>], 
     found
 }
 
-/// The columns meant otherwise, or torques without gravity, where that leaves clearly less than the columns as they are, which leave `plain`, and than any
-/// order and signs of the torque columns, which leave `least`.
+/// The columns meant otherwise, or torques without gravity, where that leaves clearly less than the columns as they are, which
+/// leave `plain`, and than any order and signs of the torque columns, which leave `least`.
 fn other_reading(sampled: &Sampled, plain: f64, least: f64) -> Option<DataFault> {
     let robot = sampled.robot;
     let floating = weightless(robot);
@@ -121,8 +122,8 @@ fn turned_torques(robot: &Robot, signs: &[f64]) -> Option<DataFault> {
     (!flipped.is_empty()).then(|| DataFault::new(FaultKind::TorqueSign, flipped, detail, Remedy::Turn))
 }
 
-/// The signs without those of single joints that a level and a spring explain clearly better than a column turned round, which leaves `rest`: a strong
-/// spring pulls like gravity turned round.
+/// The signs without those of single joints that a level and a spring explain clearly better than a column turned round, which
+/// leaves `rest`: a strong spring pulls like gravity turned round.
 fn not_sprung(sampled: &Sampled, order: &[usize], mut signs: Vec<f64>, rest: f64) -> Vec<f64> {
     let turned: Vec<usize> = (0..signs.len()).filter(|&j| signs[j] < 0.0).collect();
     // All of them turned is no question of one joint.

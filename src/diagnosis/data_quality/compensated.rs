@@ -22,7 +22,8 @@ pub(crate) fn rest_without_gravity(sampled: &Sampled, floating: &Robot) -> Optio
     projection.explains(&order, &signs).then(|| projection.rest(&order, &signs))
 }
 
-/// Whether the torques hold next to nothing of the gravity that the links' priors have, in whichever direction it points, beside a model without gravity.
+/// Whether the torques hold next to nothing of the gravity that the links' priors have, in whichever direction it points, beside
+/// a model without gravity.
 pub(crate) fn lacks_gravity_of_priors(sampled: &Sampled, floating: &Robot) -> bool {
     let size = sampled.robot.gravity().norm();
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];

@@ -7,8 +7,9 @@ use crate::dynamics::{Chain, Coulomb, inverse_dynamics_batch};
 use crate::model::decimals;
 use crate::parameters::Layout;
 
-/// Where at least two joints and half of all that go with their priors differ from them by factors beyond `current_factor`, and the rigid model, which couples the
-/// joints' torques, leaves clearly less than `plain` with those factors taken out: a heavier arm would fit as it is.
+/// Where at least two joints and half of all that go with their priors differ from them by factors beyond `current_factor`, and
+/// the rigid model, which couples the joints' torques, leaves clearly less than `plain` with those factors taken out: a heavier
+/// arm would fit as it is.
 pub(crate) fn other_units(sampled: &Sampled, plain: f64) -> Option<DataFault> {
     let robot = sampled.robot;
     let n = robot.joint_count();
@@ -43,7 +44,8 @@ pub(crate) fn other_units(sampled: &Sampled, plain: f64) -> Option<DataFault> {
     Some(DataFault::new(FaultKind::UnitUnknown, joints, detail, Remedy::Nothing))
 }
 
-/// Per joint, how many times the priors' torque its column is; `None` for a joint that does not go with it, and altogether without priors.
+/// Per joint, how many times the priors' torque its column is; `None` for a joint that does not go with it, and altogether
+/// without priors.
 fn factors(sampled: &Sampled) -> Option<Vec<Option<f64>>> {
     let robot = sampled.robot;
     let layout = Layout::standard(robot);

@@ -1,7 +1,8 @@
 //! Signs of sums over fitted parameters, and whether they are beyond chance.
 //!
-//! A friction that drives or a kinetic energy below zero accuses a torque column only where its sign is known. Rows next to each other go together, so the
-//! scatter of what stretches of time add to the sum says how well it is known (a linearised jackknife over blocks), whatever the residual consists of.
+//! A friction that drives or a kinetic energy below zero accuses a torque column only where its sign is known. Rows next to each
+//! other go together, so the scatter of what stretches of time add to the sum says how well it is known (a linearised jackknife
+//! over blocks), whatever the residual consists of.
 
 use super::order::Projection;
 use crate::diagnosis::settings::SETTINGS;

@@ -17,7 +17,8 @@ fn runs(rows: usize, same: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     all
 }
 
-/// Runs that are far longer than those of a log whose rows are merely polled twice: `least` rows, and five times what 99 of 100 runs are.
+/// Runs that are far longer than those of a log whose rows are merely polled twice: `least` rows, and five times what 99 of 100
+/// runs are.
 fn long_runs(all: Vec<Range<usize>>, least: usize, rows: usize) -> Vec<Range<usize>> {
     let mut lengths: Vec<usize> = all.iter().map(Range::len).collect();
     lengths.sort_unstable();
@@ -46,8 +47,8 @@ pub(crate) fn frozen_runs(log: &RawLog) -> Vec<Range<usize>> {
     runs.into_iter().filter(goes_on).collect()
 }
 
-/// A torque that does not change while its joint travels, a fifth of its usual step per row, and then jumps to where it should have been: a coarse converter
-/// goes on by a count.
+/// A torque that does not change while its joint travels, a fifth of its usual step per row, and then jumps to where it should
+/// have been: a coarse converter goes on by a count.
 pub(crate) fn stuck_torque(log: &RawLog, joint: usize) -> Vec<Range<usize>> {
     let (q, tau) = (&log.q[joint], &log.tau[joint]);
     let usual = usual_step(q);

@@ -4,7 +4,8 @@ use super::raw_log::RawLog;
 use crate::diagnosis::settings::SETTINGS;
 use std::ops::Range;
 
-/// The 90th percentile of the steps from row to row: nearly what a column does at its fastest, and below what a twentieth of spoiled rows makes.
+/// The 90th percentile of the steps from row to row: nearly what a column does at its fastest, and below what a twentieth of
+/// spoiled rows makes.
 pub(crate) fn usual_step(column: &[f64]) -> f64 {
     let mut steps: Vec<f64> = column
         .windows(2)
@@ -18,7 +19,8 @@ pub(crate) fn usual_step(column: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
-/// The smallest step of a column that is one: the count of an encoder or a converter, or next to nothing in a column of full numbers; 0 where nothing changes.
+/// The smallest step of a column that is one: the count of an encoder or a converter, or next to nothing in a column of full
+/// numbers; 0 where nothing changes.
 pub(crate) fn least_step(column: &[f64]) -> f64 {
     let steps = column
         .windows(2)
@@ -28,8 +30,9 @@ pub(crate) fn least_step(column: &[f64]) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// Rows that jump away from both neighbours by far more than neighbours differ, or are not finite; in positions, which never jump, also runs
-/// of rows between a jump away and a jump back. A torque may do so where its joint turns round: sharp friction is felt in a single row there.
+/// Rows that jump away from both neighbours by far more than neighbours differ, or are not finite; in positions, which never
+/// jump, also runs of rows between a jump away and a jump back. A torque may do so where its joint turns round: sharp friction is
+/// felt in a single row there.
 pub(crate) fn garbage_rows(log: &RawLog) -> Vec<bool> {
     let rows = log.q[0].len();
     let mut bad = vec![false; rows];
@@ -94,10 +97,11 @@ impl<'a> Friction<'a> {
         (self.range[0]..=self.range[1]).contains(&torque) && self.may_stand(row)
     }
 
-    /// Whether the speed of the joint can be zero within a row of this one: it turns round there, touches rest and goes on, or stands.
+    /// Whether the speed of the joint can be zero within a row of this one: it turns round there, touches rest and goes on, or
+    /// stands.
     ///
-    /// The speed is the derivative of the cubic that fits five positions best; it is zero where it changes its sign or is less than rounding and noise of the
-    /// positions make of it.
+    /// The speed is the derivative of the cubic that fits five positions best; it is zero where it changes its sign or is less
+    /// than rounding and noise of the positions make of it.
     fn may_stand(&self, row: usize) -> bool {
         let reach = 2 * self.stride;
         if self.q.len() <= 2 * reach {
@@ -121,7 +125,8 @@ impl<'a> Friction<'a> {
     }
 }
 
-/// Weights of five evenly spaced positions in the derivative, `x` spaces from the middle one, of the cubic that fits them best (Savitzky & Golay 1964).
+/// Weights of five evenly spaced positions in the derivative, `x` spaces from the middle one, of the cubic that fits them best
+/// (Savitzky & Golay 1964).
 fn speed_weights(x: f64) -> [f64; 5] {
     let first = [1.0, -8.0, 0.0, 8.0, -1.0].map(|w| w / 12.0);
     let second = [2.0, -1.0, -2.0, -1.0, 2.0].map(|w| w / 7.0);
@@ -129,7 +134,8 @@ fn speed_weights(x: f64) -> [f64; 5] {
     std::array::from_fn(|k| first[k] + x * second[k] + 0.5 * x * x * third[k])
 }
 
-/// Standard deviation of white noise on a position, from its fourth differences, which hardly know the motion: the squares of their weights sum to 70.
+/// Standard deviation of white noise on a position, from its fourth differences, which hardly know the motion: the squares of
+/// their weights sum to 70.
 fn position_noise(q: &[f64]) -> f64 {
     let of = |w: &[f64]| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs();
     let mut differences: Vec<f64> = q.windows(5).map(of).filter(|d| d.is_finite()).collect();
@@ -158,7 +164,8 @@ fn packets(column: &[f64], limit: f64) -> Vec<Range<usize>> {
 mod tests {
     use super::*;
 
-    /// One row of a torque stands out by a hundred steps: garbage, unless the joint turns round there and friction could be that large.
+    /// One row of a torque stands out by a hundred steps: garbage, unless the joint turns round there and friction could be that
+    /// large.
     #[test]
     fn prop_a_peak_is_no_garbage_where_the_joint_turns_round() {
         let time: Vec<f64> = (0..1000).map(|s| 0.005 * s as f64).collect();

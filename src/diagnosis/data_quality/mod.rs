@@ -1,8 +1,8 @@
 //! Data faults: what is checked before any effect is blamed.
 //!
-//! Faults of single samples (garbage, frozen, clipped, repeated times) are looked for in the columns themselves. Faults of whole columns
-//! (sign, order, unit) are hypotheses about the data that the rigid model can weigh: the sum of squares that least squares leaves, for
-//! every sign and every exchange of torque columns, is a quadratic form in the columns projected once.
+//! Faults of single samples (garbage, frozen, clipped, repeated times) are looked for in the columns themselves. Faults of whole
+//! columns (sign, order, unit) are hypotheses about the data that the rigid model can weigh: the sum of squares that least
+//! squares leaves, for every sign and every exchange of torque columns, is a quadratic form in the columns projected once.
 
 mod clipping;
 mod columns;

@@ -92,7 +92,8 @@ impl Projection {
         rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
         let rigid = set.len();
         let p = rigid + extra.len();
-        // Rows weigh by the inverse of what their torque is made of, so that strong joints do not drown weak ones; those that take no part, nothing.
+        // Rows weigh by the inverse of what their torque is made of, so that strong joints do not drown weak ones; those that
+        // take no part, nothing.
         let of = |(t, active): (&Vec<f64>, &bool)| match (root_mean_square(t), active) {
             (size, true) if size > 0.0 => 1.0 / size,
             _ => 0.0,
@@ -200,8 +201,8 @@ impl Projection {
         (0..self.joints).map(|a| a * self.joints + order[a]).collect()
     }
 
-    /// Sum of squares left with these columns and signs. Rounding can make that of an exact fit negative, and comparing ratios of negative numbers would
-    /// exchange two columns back and forth for ever.
+    /// Sum of squares left with these columns and signs. Rounding can make that of an exact fit negative, and comparing ratios of
+    /// negative numbers would exchange two columns back and forth for ever.
     pub fn rest(&self, order: &[usize], signs: &[f64]) -> f64 {
         let at = self.places(order);
         let left = (0..self.joints).map(|a| {
@@ -212,8 +213,8 @@ impl Projection {
         left.sum::<f64>().max(0.0)
     }
 
-    /// The order and signs that leave clearly less than the columns as they are: one exchange after the other, each with its best signs, until
-    /// none helps.
+    /// The order and signs that leave clearly less than the columns as they are: one exchange after the other, each with its best
+    /// signs, until none helps.
     pub fn best(&self) -> (Vec<usize>, Vec<f64>) {
         let identity: Vec<usize> = (0..self.joints).collect();
         let plain = self.rest(&identity, &vec![1.0; self.joints]);
@@ -239,8 +240,8 @@ impl Projection {
         }
     }
 
-    /// The best signs for an order, and what they leave times `sign_gain` for every joint turned. All joints turned are as good as none, so that the
-    /// sign of the last is free.
+    /// The best signs for an order, and what they leave times `sign_gain` for every joint turned. All joints turned are as good
+    /// as none, so that the sign of the last is free.
     fn signed(&self, order: &[usize]) -> (f64, Vec<f64>) {
         let n = self.joints;
         let weigh = |signs: Vec<f64>| {

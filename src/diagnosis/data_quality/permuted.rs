@@ -1,6 +1,7 @@
 //! Joints whose position and torque columns are exchanged alike: `joint_states` of ROS are in alphabetical order.
 //!
-//! An arm with two joints exchanged is another arm, which the rigid model fits worse; where it fits nearly as well, the links' prior parameters tell the two apart.
+//! An arm with two joints exchanged is another arm, which the rigid model fits worse; where it fits nearly as well, the links'
+//! prior parameters tell the two apart.
 
 use super::fault::{DataFault, FaultKind, Remedy};
 use super::order::{Projection, Sampled, root_mean_square};
@@ -16,7 +17,8 @@ pub(crate) fn swapped(n: usize, a: usize, b: usize) -> Vec<usize> {
     order
 }
 
-/// Where each joint's columns stand when columns are in the alphabetical order of the names; `None` where that is the order of the arm.
+/// Where each joint's columns stand when columns are in the alphabetical order of the names; `None` where that is the order of
+/// the arm.
 pub(crate) fn alphabetical(robot: &Robot) -> Option<Vec<usize>> {
     let names: Vec<&str> = robot.joints().iter().map(|j| j.name.as_str()).collect();
     let mut sorted = names.clone();
@@ -42,7 +44,8 @@ pub(crate) fn reordered(robot: &Robot, order: &[usize], evidence: &str) -> DataF
     DataFault::new(FaultKind::JointOrder, moved, detail, Remedy::Nothing)
 }
 
-/// The order of position and torque columns in which the links' priors agree with the torques, where they do not as the columns are.
+/// The order of position and torque columns in which the links' priors agree with the torques, where they do not as the columns
+/// are.
 pub(crate) fn order_of_priors(sampled: &Sampled) -> Option<DataFault> {
     let robot = sampled.robot;
     let n = robot.joint_count();
@@ -87,7 +90,8 @@ fn permuted(motion: &Motion, order: &[usize]) -> Motion {
     Motion::from_fn(motion.joints(), motion.samples(), |j, s| motion.get(order[j], s))
 }
 
-/// Part of the torques' squares that the prior parameters leave, mean over the joints, for columns in this order; `None` without priors.
+/// Part of the torques' squares that the prior parameters leave, mean over the joints, for columns in this order; `None` without
+/// priors.
 fn left_by_priors(sampled: &Sampled, order: &[usize]) -> Option<f64> {
     let robot = sampled.robot;
     let layout = Layout::standard(robot);

@@ -98,9 +98,10 @@ impl Reading {
     }
 }
 
-/// Whether a joint may have been written in degrees: as radians its positions leave its limits, or, where it has none, travel more than half a turn.
-/// What stays inside as radians is a motion of a degree or two as degrees, which nobody records; and a strong spring on a joint whose weight is shrunk
-/// so far that gravity is a straight line fits better than the truth without the spring.
+/// Whether a joint may have been written in degrees: as radians its positions leave its limits, or, where it has none, travel
+/// more than half a turn. What stays inside as radians is a motion of a degree or two as degrees, which nobody records; and a
+/// strong spring on a joint whose weight is shrunk so far that gravity is a straight line fits better than the truth without the
+/// spring.
 fn may_be_degrees(robot: &Robot, motion: &Motion, joint: usize) -> bool {
     let of = &robot.joints()[joint];
     let q = motion.positions(joint);
@@ -114,8 +115,8 @@ fn may_be_degrees(robot: &Robot, motion: &Motion, joint: usize) -> bool {
     of.is_revolute() && outside
 }
 
-/// The reading of the columns that leaves least, each with its own regressor: two positions exchanged, with their torques or without, one or all in degrees,
-/// or all columns in another `order`. Only readings that explain more than a constant count.
+/// The reading of the columns that leaves least, each with its own regressor: two positions exchanged, with their torques or
+/// without, one or all in degrees, or all columns in another `order`. Only readings that explain more than a constant count.
 pub(crate) fn read_otherwise(sampled: &Sampled, order: Option<Vec<usize>>) -> Option<(f64, Reading)> {
     let n = sampled.robot.joint_count();
     let turning: Vec<usize> = (0..n)

@@ -143,7 +143,8 @@ fn time_faults(time: &[f64]) -> Option<String> {
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > 0.0).collect();
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-    // Half a sample more than two steps: one row at least is missing. A repeated stamp makes the next step two long, which is no gap.
+    // Half a sample more than two steps: one row at least is missing. A repeated stamp makes the next step two long, which is no
+    // gap.
     let missing = steps.iter().filter(|d| **d > 2.5 * usual).count();
     let said: Vec<String> = [
         (not_finite, "not numbers"),

@@ -1,4 +1,5 @@
-//! Which sign of a fit is physical: friction takes energy out of a motion, kinetic energy is positive, and priors know their sign.
+//! Which sign of a fit is physical: friction takes energy out of a motion, kinetic energy is positive, and priors know their
+//! sign.
 
 use super::evidence::Evidence;
 use super::order::{Projection, Sampled, root_mean_square};
@@ -28,7 +29,8 @@ impl<'a> Physics<'a> {
         }
     }
 
-    /// Sign of the power that the friction of joint j takes out, where there is enough of it and its sign is beyond chance; else 0.
+    /// Sign of the power that the friction of joint j takes out, where there is enough of it and its sign is beyond chance; else
+    /// 0.
     fn dissipates(&self, evidence: &Evidence, j: usize) -> f64 {
         let layout = Layout::standard(self.sampled.robot);
         let speeds = self.sampled.motion.velocities(j);
@@ -50,10 +52,11 @@ impl<'a> Physics<'a> {
         }
     }
 
-    /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such a joint is turned
-    /// where friction says so against the other joints' and the fit hardly gets worse. What would call the joint's own sign wrong is not believed against
-    /// friction, however well it fits. Where the turned column leaves clearly less, the misfit of the column as recorded hides the sign of its friction, and
-    /// the turned fit decides: what the model lacks passes for friction only where both fit alike, so that friction need not be large then.
+    /// A joint whose parameters are mostly its own fits nearly as well with its torque turned; but its friction then drives. Such
+    /// a joint is turned where friction says so against the other joints' and the fit hardly gets worse. What would call the
+    /// joint's own sign wrong is not believed against friction, however well it fits. Where the turned column leaves clearly
+    /// less, the misfit of the column as recorded hides the sign of its friction, and the turned fit decides: what the model
+    /// lacks passes for friction only where both fit alike, so that friction need not be large then.
     pub fn dissipating(&self, order: &[usize], signs: &[f64]) -> Vec<f64> {
         let mut signs = signs.to_vec();
         let joints = signs.len();
@@ -91,8 +94,8 @@ impl<'a> Physics<'a> {
         signs
     }
 
-    /// Least squares fits all signs turned at once just as well: friction that would drive, inertia below zero, or a prior that says the
-    /// opposite decide, where they are beyond chance.
+    /// Least squares fits all signs turned at once just as well: friction that would drive, inertia below zero, or a prior that
+    /// says the opposite decide, where they are beyond chance.
     pub fn global_sign(&self, order: &[usize], signs: &[f64]) -> Vec<f64> {
         let vote = self.physical_sign(&Evidence::of(self.projection, order, signs));
         signs.iter().map(|s| s * vote).collect()

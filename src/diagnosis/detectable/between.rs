@@ -12,8 +12,8 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// Parameters of a drift: viscous, Coulomb, time constant.
 const PARAMETERS: usize = 3;
 
-/// Change over the log of viscous and of Coulomb friction of every joint, fading with the middle one of the time constants that are tried; of the trajectory that shows
-/// it best. Nothing with fewer periods than a diagnosis looks between.
+/// Change over the log of viscous and of Coulomb friction of every joint, fading with the middle one of the time constants that
+/// are tried; of the trajectory that shows it best. Nothing with fewer periods than a diagnosis looks between.
 pub(super) fn drifts(plan: &Plan, planned: &Planned) -> Vec<Visible> {
     let joints = 0..planned.data.noise.len();
     if plan.periods < SETTINGS.detectable.fewest_periods {
@@ -61,7 +61,8 @@ pub(super) fn touches(plan: &Plan, planned: &Planned) -> Vec<Visible> {
     (0..planned.data.noise.len()).map(|j| touch(plan, planned, j)).collect()
 }
 
-/// It has to be beyond chance, and above the noise of single measurements, both against the median over the periods, which leans towards the touched one by its share.
+/// It has to be beyond chance, and above the noise of single measurements, both against the median over the periods, which leans
+/// towards the touched one by its share.
 fn touch(plan: &Plan, planned: &Planned, joint: usize) -> Visible {
     let effect = by_code("external_contact").expect("is in the list");
     let robot = &planned.system.model.robot;

@@ -22,7 +22,8 @@ pub(super) struct Gain {
     pub at_an_end: bool,
 }
 
-/// Per candidate, per signal; `None` where the base parameters hide the candidate, or where it gains too little to be found first.
+/// Per candidate, per signal; `None` where the base parameters hide the candidate, or where it gains too little to be found
+/// first.
 pub(super) type Gains = Vec<Vec<Option<Gain>>>;
 
 pub(super) fn gains(planned: &Planned, signals: &[Signal]) -> Gains {
@@ -72,7 +73,8 @@ fn of_candidate(planned: &Planned, at: usize, signals: &[Signal], hidden: &DMatr
 /// The shapes that the search tries, and those that the signals of this candidate have.
 fn grid(candidate: &Candidate, at: usize, signals: &[Signal]) -> Vec<Vec<f64>> {
     let mut grid = candidate.grid();
-    // Waves are looked for one by one: a fine comb of them imitates nothing that a coarse one does not, and the effect itself is met by its own shape.
+    // Waves are looked for one by one: a fine comb of them imitates nothing that a coarse one does not, and the effect itself is
+    // met by its own shape.
     let stride = grid.len().div_ceil(SETTINGS.detectable.most_shapes).max(1);
     grid = grid.into_iter().step_by(stride).collect();
     let own = signals.iter().filter(|s| s.candidate == at).map(|s| s.shape.clone()).next();

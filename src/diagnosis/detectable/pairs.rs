@@ -77,8 +77,8 @@ fn accounts<'a>(planned: &'a Planned, gains: &'a Gains, signal: usize, size: f64
     list
 }
 
-/// The two are rivals where the contest of a diagnosis does not exclude the other one: as expected at this size, it gains a share of what the effect gains, and the
-/// evidence against it is less than excludes.
+/// The two are rivals where the contest of a diagnosis does not exclude the other one: as expected at this size, it gains a share
+/// of what the effect gains, and the evidence against it is less than excludes.
 fn between(own: &Account, rival: &Account, visible: &Visible, size: f64) -> Option<Inseparable> {
     let share = rival.gain.gain / own.gain.gain;
     if share < SETTINGS.selection.linear_gain {
@@ -112,8 +112,8 @@ fn contains(own: &Account, rival: &Account, size: f64) -> bool {
         && effect.is_within_reach(&values, covariance)
 }
 
-/// Size with which the evidence excludes the rival with the power asked for. What the effect gains more is normal with the mean `apart s²` and twice the root of that
-/// for its standard deviation: from `x² − 2 z x = excluded + ahead`, x the root.
+/// Size with which the evidence excludes the rival with the power asked for. What the effect gains more is normal with the mean
+/// `apart s²` and twice the root of that for its standard deviation: from `x² − 2 z x = excluded + ahead`, x the root.
 fn told_apart(gain: f64, apart: f64, ahead: f64, size: f64) -> Option<f64> {
     // Rounding of a difference of squares: below it the two are the same.
     if apart < crate::regression::SETTINGS.hidden_share * gain {

@@ -6,7 +6,8 @@ use crate::trajectory::FourierSeries;
 /// A recording that is planned.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan<'a> {
-    /// The declared model at the values known beforehand, and the effects known already. With all values zero, effects on torques are not assessed.
+    /// The declared model at the values known beforehand, and the effects known already. With all values zero, effects on torques
+    /// are not assessed.
     pub model: &'a AugmentedModel,
     /// Trajectories, all of them recorded.
     pub series: &'a [&'a FourierSeries],

@@ -6,7 +6,8 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{AugmentedModel, Data, NoiseModel, NoiseSource, Stretch, System, spans};
 use crate::trajectory::Trajectory;
 
-/// One period of every trajectory. A sample stands for several of the log where that has more than a diagnosis works with, or than are needed here.
+/// One period of every trajectory. A sample stands for several of the log where that has more than a diagnosis works with, or
+/// than are needed here.
 pub(super) fn stretches(plan: &Plan) -> Vec<Stretch> {
     let most = (SETTINGS.detectable.most_rows / (plan.series.len() * plan.torque_noise.len()).max(1)) as f64;
     let of = |series: &&crate::trajectory::FourierSeries| {

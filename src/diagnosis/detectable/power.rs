@@ -2,8 +2,8 @@
 
 use crate::regression::chi_square_tail;
 
-/// Chance that a noncentral χ² of `freedom` degrees of freedom and noncentrality `lambda` exceeds `threshold`: the Poisson mixture of central ones (Johnson, Kotz &
-/// Balakrishnan 1995, chapter 29).
+/// Chance that a noncentral χ² of `freedom` degrees of freedom and noncentrality `lambda` exceeds `threshold`: the Poisson
+/// mixture of central ones (Johnson, Kotz & Balakrishnan 1995, chapter 29).
 pub(super) fn power(threshold: f64, freedom: usize, lambda: f64) -> f64 {
     let half = 0.5 * lambda;
     // Ten standard deviations of a Poisson number to either side hold all of it.
@@ -21,7 +21,8 @@ pub(super) fn power(threshold: f64, freedom: usize, lambda: f64) -> f64 {
 
 /// The noncentrality with which the test has this power.
 pub(super) fn noncentrality(threshold: f64, freedom: usize, wanted: f64) -> f64 {
-    // The power grows with the noncentrality; at (√threshold + 6)² a normal deviate of six standard deviations is missing to fail.
+    // The power grows with the noncentrality; at (√threshold + 6)² a normal deviate of six standard deviations is missing to
+    // fail.
     let root = bisected(0.0, threshold.max(0.0).sqrt() + 6.0, |x| {
         power(threshold, freedom, x * x) >= wanted
     });

@@ -18,7 +18,8 @@ pub enum Hidden {
     Absorbed,
     /// It changes no torque on this motion.
     NoTorque,
-    /// It would have to be larger than it is on robots, where the diagnosis takes it for an imitation; the size at which its columns would be seen.
+    /// It would have to be larger than it is on robots, where the diagnosis takes it for an imitation; the size at which its
+    /// columns would be seen.
     BeyondRange(f64),
     /// Its torque depends on those of the robot, of which no values are known.
     NeedsValues,

@@ -1,7 +1,9 @@
 //! Laws in a further measured quantity, such as a temperature.
 //!
-//! They are tried where what the periods deviate from each other by follows the quantity ([`replicates`](crate::diagnosis::replicates)): an offset or friction that changes with it in
-//! proportion, or exponentially, as the viscosity of a lubricant does. Each is an effect with a formula of its own, and competes with all others on the periods in groups.
+//! They are tried where what the periods deviate from each other by follows the quantity
+//! ([`replicates`](crate::diagnosis::replicates)): an offset or friction that changes with it in proportion, or exponentially, as
+//! the viscosity of a lubricant does. Each is an effect with a formula of its own, and competes with all others on the periods in
+//! groups.
 
 use crate::diagnosis::replicates::Following;
 use crate::dynamics::Channel;
@@ -53,7 +55,8 @@ const KINDS: [Kind; 5] = [
     },
 ];
 
-/// Constants of an exponential, in units of the range of the channel: below the first it is a step, beyond the last a straight line.
+/// Constants of an exponential, in units of the range of the channel: below the first it is a step, beyond the last a straight
+/// line.
 const CONSTANTS: [f64; 2] = [0.1, 5.0];
 
 /// The laws that are tried for these joints and channels.

@@ -78,7 +78,8 @@ fn by_evidence(scored: &mut [Scored]) {
     scored.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
 }
 
-/// The order in which contenders are tried: of those that the best does not exclude listed effects first, then the simplest formulas, then by evidence.
+/// The order in which contenders are tried: of those that the best does not exclude listed effects first, then the simplest
+/// formulas, then by evidence.
 pub(super) fn preferred(contenders: &[Contender]) -> Vec<usize> {
     let best = contenders.first().map_or(0.0, |c| c.evidence);
     let tied = |i: &usize| contenders[*i].evidence > best - SETTINGS.alternatives.not_excluded;

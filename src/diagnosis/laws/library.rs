@@ -16,7 +16,8 @@ pub(super) struct Hypothesis {
 /// Classes that share the prior: those of laws, and the listed effects.
 const CLASSES: f64 = 5.0;
 
-/// Laws that act on one of `rows` and on no joint without rows. Every class has the same prior, laws and listed effects one half each.
+/// Laws that act on one of `rows` and on no joint without rows. Every class has the same prior, laws and listed effects one half
+/// each.
 pub(super) fn library(robot: &Robot, data: &Data, spans: &[Span], rows: &[usize]) -> Vec<Hypothesis> {
     let seen = |j: &usize| data.stretches.iter().any(|s| s.has_rows(*j));
     let mut list: Vec<(Form, Candidate)> = Vec::new();

@@ -36,8 +36,8 @@ fn is_one_energy(data: &Data, system: &System, at: usize) -> bool {
     freed.gain / left < SETTINGS.laws.energy_gain * freed.rank.max(1) as f64
 }
 
-/// Whether the friction of the joints that it speaks of, with it, takes power out everywhere along the motion, as far as its coefficients are known. One joint's part
-/// alone may be positive: a seal between two joints drags one along with the other.
+/// Whether the friction of the joints that it speaks of, with it, takes power out everywhere along the motion, as far as its
+/// coefficients are known. One joint's part alone may be positive: a seal between two joints drags one along with the other.
 fn brakes(data: &Data, system: &System, at: usize) -> bool {
     let law = &system.model.terms[at];
     let mut joints = law.joints.clone();

@@ -8,8 +8,8 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::effects::law::is_law;
 use crate::regression::{AugmentedModel, Data, System, Term, spans};
 
-/// The selection with laws for what `examined` leaves, or in the place of listed effects that imitate one, and whatever listed effects can be seen beside them; `None` where
-/// no law earns its place.
+/// The selection with laws for what `examined` leaves, or in the place of listed effects that imitate one, and whatever listed
+/// effects can be seen beside them; `None` where no law earns its place.
 pub(crate) fn written(data: &Data, examined: &Selected, known: &[Candidate], threshold: &Threshold) -> Option<Selected> {
     if !examined.system.noise_is_measured {
         return None;
@@ -27,9 +27,10 @@ fn added(data: &Data, examined: &Selected, known: &[Candidate], threshold: &Thre
     search.clean(&examined.system, search.found(start))
 }
 
-/// Laws in the place of the effects that were accepted. A weak law over two joints looks like a crosstalk, a spring and an offset, each of which explains a part of it, and
-/// what they leave together is too little for a search that goes on from there. So laws and listed effects begin once more, side by side, and the account with laws
-/// stays where it is the better one by more than what would make the other its rival.
+/// Laws in the place of the effects that were accepted. A weak law over two joints looks like a crosstalk, a spring and an
+/// offset, each of which explains a part of it, and what they leave together is too little for a search that continues from
+/// there. So laws and listed effects begin once more, side by side, and the account with laws stays where it is the better one by
+/// more than what would make the other its rival.
 fn instead_of_listed(data: &Data, now: &Selected, known: &[Candidate], threshold: &Threshold) -> Option<Selected> {
     let terms = &now.system.model.terms[now.fixed..];
     if terms.iter().all(|t| is_law(&t.effect)) {
@@ -48,8 +49,9 @@ fn instead_of_listed(data: &Data, now: &Selected, known: &[Candidate], threshold
     (score(&other) - score(now) > SETTINGS.laws.exchange).then_some(other)
 }
 
-/// χ² of a joint above its mean that noise alone has once in forty logs, at two standard deviations: a law of one column that is large enough to be named is far
-/// smaller than what the sum over all rows shows beyond doubt, and every law has tests of its own.
+/// χ² of a joint above its mean that noise alone has once in forty logs, at two standard deviations: a law of one column that is
+/// large enough to be named is far smaller than what the sum over all rows shows beyond doubt, and every law has tests of its
+/// own.
 fn noise_of(system: &System, joint: usize) -> f64 {
     SETTINGS.laws.suspicious * (2.0 * system.rows(joint) as f64).sqrt()
 }
@@ -149,8 +151,8 @@ impl<'a> Search<'a> {
         (now, changed)
     }
 
-    /// Numbers of effects that are taken out together: all laws that act on one joint or are of the same joints, where there are several, then each alone. A seal over two
-    /// joints comes as two laws, each with the speed of the other.
+    /// Numbers of effects that are taken out together: all laws that act on one joint or are of the same joints, where there are
+    /// several, then each alone. A seal over two joints comes as two laws, each with the speed of the other.
     fn groups(&self, now: &Selected) -> Vec<Vec<usize>> {
         let terms = &now.system.model.terms[now.fixed..];
         let laws: Vec<usize> = (0..terms.len()).filter(|&i| is_law(&terms[i].effect)).collect();

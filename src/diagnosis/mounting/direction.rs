@@ -51,8 +51,8 @@ impl Fitted {
         self
     }
 
-    /// Compass search: steps of the sphere in eight directions, halved when none helps, from half the way between two starting points down to a
-    /// thousandth of a degree.
+    /// Compass search: steps of the sphere in eight directions, halved when none helps, from half the way between two starting
+    /// points down to a thousandth of a degree.
     fn within(mut self, form: &Form, allowed: impl Fn(&Vector3<f64>) -> bool) -> Self {
         let mut step = 0.25;
         while step > 2e-5 {

@@ -1,9 +1,10 @@
 //! Whether a direction that leaves less is one that the data have, or only the better of two that they contradict.
 //!
-//! What the model lacks is no noise: it goes with the motion, and one direction of gravity hides more of it than another. A direction is therefore held against a
-//! model that knows more than any direction: the torques of gravity along x, y and z and those of inertia have first moments each of their own. It contains all
-//! directions. The true one leaves hardly more than it; where both leave much more, the data are not those of this arm under either.
-//! And the gain has to show all along the logs: block by block, each predicted from the others (see [`held_out`](super::super::held_out)).
+//! What the model lacks is no noise: it goes with the motion, and one direction of gravity hides more of it than another. A
+//! direction is therefore held against a model that knows more than any direction: the torques of gravity along x, y and z and
+//! those of inertia have first moments each of their own. It contains all directions. The true one leaves hardly more than it;
+//! where both leave much more, the data are not those of this arm under either. And the gain has to show all along the logs:
+//! block by block, each predicted from the others (see [`held_out`](super::super::held_out)).
 
 use super::direction::Fitted;
 use super::form::{Form, factorised, powers};
@@ -14,7 +15,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 /// A gain of one direction over another.
 pub(crate) struct Gain {
-    /// Chance of it where misfit alone decides: two parameters gain so much more than k others do, of F with 2 and k degrees of freedom.
+    /// Chance of it where misfit alone decides: two parameters gain so much more than k others do, of F with 2 and k degrees of
+    /// freedom.
     pub by_misfit: f64,
     /// Chance of it on held-out blocks, to one side.
     pub in_blocks: f64,

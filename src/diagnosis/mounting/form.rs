@@ -1,7 +1,7 @@
 //! Sums of squares that least squares leaves, for any direction of gravity and any signs and order of the torque columns.
 //!
-//! `Y(g) = Y₀ + Σ gᵢ Yᵢ`, so that normal matrix and right sides are polynomials in g whose coefficients are made once. A level, a spring, a rotor inertia and
-//! friction of every joint stand beside the rigid body, lest one of them passes for a direction.
+//! `Y(g) = Y₀ + Σ gᵢ Yᵢ`, so that normal matrix and right sides are polynomials in g whose coefficients are made once. A level, a
+//! spring, a rotor inertia and friction of every joint stand beside the rigid body, lest one of them passes for a direction.
 
 use crate::cancel::CancelFlag;
 use crate::diagnosis::settings::SETTINGS;

@@ -22,8 +22,8 @@ pub struct Gravity {
     pub is_all_seen: bool,
 }
 
-/// The tracing with gravity where all samples have it, starting from where `robot` has it. Effects that were found may have turned it by a little: then
-/// that is a part of the direction, and not a base out of level.
+/// The tracing with gravity where all samples have it, starting from where `robot` has it. Effects that were found may have
+/// turned it by a little: then that is a part of the direction, and not a base out of level.
 pub fn diagnose_mounted(
     robot: &Robot,
     measured: &[Stretch],

@@ -21,7 +21,8 @@ pub struct Mounting {
     pub ratio: f64,
 }
 
-/// Where gravity points by the data, if that is not (nearly) where the robot's description has it. Motion and torque (n × N) of every log.
+/// Where gravity points by the data, if that is not (nearly) where the robot's description has it. Motion and torque (n × N) of
+/// every log.
 ///
 /// `None` too for a robot declared without gravity, and where the data do not decide.
 pub fn mounting(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])]) -> Option<Mounting> {
@@ -73,7 +74,8 @@ pub fn mounting_until(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &C
         return None;
     }
     let ratio = level.rest.min(form.best_columns(declared)) / best.rest.max(f64::MIN_POSITIVE);
-    // Where the declared direction fits alike it stands, whatever the masses say: with little inertia in a log their signs are those of its misfit.
+    // Where the declared direction fits alike it stands, whatever the masses say: with little inertia in a log their signs are
+    // those of its misfit.
     if ratio <= SETTINGS.mounting.clearly_better {
         return None;
     }

@@ -34,8 +34,8 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// −1 … 1: the cosine between the gravity torques of the fitted and of the expected bodies under this direction, turned round where the fit has friction
-    /// that drives and inertia below zero (all torques have the opposite sign then).
+    /// −1 … 1: the cosine between the gravity torques of the fitted and of the expected bodies under this direction, turned round
+    /// where the fit has friction that drives and inertia below zero (all torques have the opposite sign then).
     pub fn vote(&self, form: &Form, direction: Vector3<f64>, signs: &[f64]) -> f64 {
         let values = form.values(direction, signs);
         let mut phi = vec![0.0; self.layout.len()];

@@ -16,8 +16,8 @@ pub(crate) fn best_with_functions(
     candidates: &[Candidate],
 ) -> Option<WithFunctions> {
     let count = selected.accepted.len();
-    // One effect that leaves nothing has no imitations to be suspected of; several small ones may have shared out what is one thing. Where
-    // nothing is left above the noise of any joint, effects alone are enough.
+    // One effect that leaves nothing has no imitations to be suspected of; several small ones may have shared out what is one
+    // thing. Where nothing is left above the noise of any joint, effects alone are enough.
     let full = if count <= SETTINGS.nonparametric.effects_beside {
         beside(data, selected, fixed, count, candidates)
     } else {
@@ -35,8 +35,9 @@ pub(crate) fn best_with_functions(
     )
 }
 
-/// Whether functions beside the first `k` effects can be the cheaper account at all. Where the effects leave nothing above the noise, no function leaves
-/// less that is worth its price; then there must be a function to every two joints on which the first `k` leave something, of one product at least.
+/// Whether functions beside the first `k` effects can be the cheaper account at all. Where the effects leave nothing above the
+/// noise, no function leaves less that is worth its price; then there must be a function to every two joints on which the first
+/// `k` leave something, of one product at least.
 fn could_pay(data: &Data, selected: &Selected, fixed: usize, k: usize, candidates: &[Candidate]) -> bool {
     if !left_over(data, &selected.system).is_empty() {
         return true;
@@ -72,15 +73,16 @@ fn beside(data: &Data, selected: &Selected, fixed: usize, k: usize, candidates: 
     Some((score_of(data, &system, candidates, fixed), k, system))
 }
 
-/// Whether a search for effects is worth going on with. What no effect explains is imitated by many, one after the other, and each makes the next more
-/// costly to find; at the end smooth functions take their place all the same.
+/// Whether a search for effects is worth going on with. What no effect explains is imitated by many, one after the other, and
+/// each makes the next more costly to find; at the end smooth functions take their place all the same.
 #[derive(Default)]
 pub(crate) struct Rivalling(Option<f64>);
 
 impl Rivalling {
-    /// Whether smooth functions, with what they leave, are cheaper than the effects found and as many more as explain what is left, if each of these
-    /// costs least and gains as much as the best of `scored`, what could come next: then no effects turn the balance. Functions are tried once, when there
-    /// are more effects than are kept beside functions: alone, and with as many.
+    /// Whether smooth functions, with what they leave, are cheaper than the effects found and as many more as explain what is
+    /// left, if each of these costs least and gains as much as the best of `scored`, what could come next: then no effects turn
+    /// the balance. Functions are tried once, when there are more effects than are kept beside functions: alone, and with as
+    /// many.
     pub fn functions_are_cheaper(
         &mut self,
         data: &Data,

@@ -33,8 +33,8 @@ pub(crate) fn excess(system: &System, joint: usize) -> f64 {
     system.joint_chi_square(joint) - system.rows(joint) as f64 + system.spent(joint)
 }
 
-/// Joints on which more is left than measured noise explains, the most first: χ² is five standard deviations above its mean, because the noise's own
-/// correlation is an estimate, and what is left is large enough to act on.
+/// Joints on which more is left than measured noise explains, the most first: χ² is five standard deviations above its mean,
+/// because the noise's own correlation is an estimate, and what is left is large enough to act on.
 pub(crate) fn left_over(data: &Data, system: &System) -> Vec<usize> {
     let repetitions = data.stretches.iter().map(Stretch::repetitions).max().unwrap_or(1) as f64;
     let least = |j: usize| {
@@ -68,7 +68,8 @@ fn best_function(data: &Data, system: &System) -> Option<Smooth> {
     (best.evidence > SETTINGS.nonparametric.preference && beyond_chance && share).then_some(best)
 }
 
-/// Rows and variables tried: every position, speed and the load; pairs of positions; a position or the load with the joint's own speed.
+/// Rows and variables tried: every position, speed and the load; pairs of positions; a position or the load with the joint's own
+/// speed.
 pub(crate) fn function_jobs(n: usize, rows: &[usize]) -> Vec<Vec<usize>> {
     let mut jobs = Vec::new();
     for &row in rows {

@@ -1,4 +1,5 @@
-//! What no effect explains: smooth functions of one or two variables stand in for the unknown cause, and compete with the effects found.
+//! What no effect explains: smooth functions of one or two variables stand in for the unknown cause, and compete with the effects
+//! found.
 
 mod bic;
 mod matching_pursuit;

@@ -1,8 +1,8 @@
 //! What no effect explains, and what it depends on.
 //!
-//! Smooth functions of one or two variables stand in for the unknown cause. They compete with the effects found: where the effects leave
-//! structure that such a function catches, and the function with fewer effects accounts for the data better than the effects alone, the
-//! effects were imitations, and are taken back.
+//! Smooth functions of one or two variables stand in for the unknown cause. They compete with the effects found: where the
+//! effects leave structure that such a function catches, and the function with fewer effects accounts for the data better than
+//! the effects alone, the effects were imitations, and are taken back.
 
 use super::bic::{best_with_functions, score_of};
 use super::matching_pursuit::{left_over, score};
@@ -113,8 +113,8 @@ fn describe(data: &Data, with: &System, from: usize) -> Remainder {
     }
 }
 
-/// What is left where neither effects nor smooth functions were found for it: nobody may read that nothing is missing there. Without measured noise nobody
-/// knows whether anything is left.
+/// What is left where neither effects nor smooth functions were found for it: nobody may read that nothing is missing there.
+/// Without measured noise nobody knows whether anything is left.
 pub(crate) fn unaccounted(data: &Data, system: &System) -> Option<Remainder> {
     let large = |&j: &usize| rms_above_noise(data, system, j) > SETTINGS.nonparametric.unaccounted * data.noise[j].std_dev;
     let rows: Vec<usize> = match system.noise_is_measured {

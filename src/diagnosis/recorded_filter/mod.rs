@@ -1,8 +1,9 @@
 //! Logs that were filtered before they were recorded.
 //!
-//! Controllers smooth the torques that they publish. The steps of Coulomb friction are then no steps in the log, and a model that has them leaves their edges, which
-//! look like smooth Coulomb or Stribeck friction. The noise tells: it is as white as sensors make it, and has been through the same filter. Where its power falls as behind a
-//! low-pass, and the declared model is clearly the better account once its columns go through that filter, all columns do.
+//! Controllers smooth the torques that they publish. The steps of Coulomb friction are then no steps in the log, and a model that
+//! has them leaves their edges, which look like smooth Coulomb or Stribeck friction. The noise tells: it is as white as sensors
+//! make it, and has been through the same filter. Where its power falls as behind a low-pass, and the declared model is clearly
+//! the better account once its columns go through that filter, all columns do.
 
 mod noise_density;
 
@@ -29,7 +30,8 @@ pub(crate) fn recorded_filter(start: &AugmentedModel, stretches: &[Stretch], can
     (before - after > SETTINGS.recorded_filter.gain).then_some(filter)
 }
 
-/// Rows so far apart that the noise is nearly white, those of the filter that leaves fewest, on which all filters are held against the declared model.
+/// Rows so far apart that the noise is nearly white, those of the filter that leaves fewest, on which all filters are held
+/// against the declared model.
 struct Rows<'a> {
     start: &'a AugmentedModel,
     coarse: Vec<Stretch>,
@@ -83,7 +85,8 @@ impl<'a> Rows<'a> {
         Some(self.chi_square(&self.of(&smooth)))
     }
 
-    /// The filter with the cut-off by which the model fits best, and what it leaves: the noise alone has the cut-off to a few per cent.
+    /// The filter with the cut-off by which the model fits best, and what it leaves: the noise alone has the cut-off to a few per
+    /// cent.
     fn refined(&self, filter: RecordedFilter) -> Option<(f64, RecordedFilter)> {
         let settings = SETTINGS.recorded_filter;
         let at = |x: f64| RecordedFilter {

@@ -69,7 +69,8 @@ impl NoiseDensity {
         self.deviance(&self.misfits(&|f| self.mean(f)))
     }
 
-    /// Per joint, the mean over the bands of `2 (x − ln x − 1)` for the ratio x of the power to a shape g, at the level that makes the mean of x one.
+    /// Per joint, the mean over the bands of `2 (x − ln x − 1)` for the ratio x of the power to a shape g, at the level that
+    /// makes the mean of x one.
     fn misfits(&self, shape: &dyn Fn(f64) -> f64) -> Vec<f64> {
         let g: Vec<f64> = self.frequencies.iter().map(|f| shape(*f)).collect();
         let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / g.len() as f64;
@@ -126,14 +127,16 @@ impl NoiseDensity {
     }
 }
 
-/// Power with a little of its largest added, as to the shapes that it is held against: what is a thousandth of the noise and less comes from anywhere. `None` without power.
+/// Power with a little of its largest added, as to the shapes that it is held against: what is a thousandth of the noise and less
+/// comes from anywhere. `None` without power.
 fn raised(mut power: Vec<f64>) -> Option<Vec<f64>> {
     let largest = power.iter().copied().fold(0.0, f64::max);
     power.iter_mut().for_each(|p| *p += SETTINGS.recorded_filter.unseen * largest);
     (largest > 0.0 && largest.is_finite()).then_some(power)
 }
 
-/// Hann's window: a period is a piece of noise that does not repeat, and the power behind a steep filter would be what leaks there from before it.
+/// Hann's window: a period is a piece of noise that does not repeat, and the power behind a steep filter would be what leaks
+/// there from before it.
 fn tapered(mut x: Vec<f64>) -> Vec<f64> {
     let n = x.len() as f64;
     let window = |s: usize| 0.5 - 0.5 * (TAU * (s as f64 + 0.5) / n).cos();

@@ -1,6 +1,8 @@
-//! Friction or torque of one joint that follows a measured quantity, such as a temperature, from what the periods deviate from their mean.
+//! Friction or torque of one joint that follows a measured quantity, such as a temperature, from what the periods deviate from
+//! their mean.
 //!
-//! Such a quantity has the last word over the time of the log: a joint that warms up drifts with its temperature, and the temperature is what the next log will have.
+//! Such a quantity has the last word over the time of the log: a joint that warms up drifts with its temperature, and the
+//! temperature is what the next log will have.
 
 use super::period_finding::{Seams, start_rows};
 use crate::diagnosis::selection::chance;
@@ -31,7 +33,8 @@ const SETS: [&[usize]; 5] = [&[0], &[1], &[2], &[1, 2], &[0, 1, 2]];
 /// Powers of the channel, about its mean: a parabola is near enough to whatever curve the search will name.
 const POWERS: [i32; 2] = [1, 2];
 
-/// The joint and the channel that explain most of what the periods deviate from each other by; none where the log has no channel that changes from period to period.
+/// The joint and the channel that explain most of what the periods deviate from each other by; none where the log has no channel
+/// that changes from period to period.
 pub(crate) fn best_following(stretch: &Stretch, noise: &[NoiseModel], seams: &Seams) -> Option<Following> {
     if stretch.channel_periods.len() != stretch.periods.len() || stretch.channel_periods.is_empty() {
         return None;
@@ -45,7 +48,8 @@ pub(crate) fn best_following(stretch: &Stretch, noise: &[NoiseModel], seams: &Se
     Some(best)
 }
 
-/// The courses of a channel over the log, by power: `(x - x̄)ᵏ` in units of its standard deviation; P × M each. None of one that stands still.
+/// The courses of a channel over the log, by power: `(x - x̄)ᵏ` in units of its standard deviation; P × M each. None of one that
+/// stands still.
 fn courses(stretch: &Stretch, channel: usize) -> Option<Vec<Vec<Vec<f64>>>> {
     let values = |p: usize| &stretch.channel_periods[p][channel].values;
     let (periods, rows) = (stretch.periods.len(), stretch.rows());

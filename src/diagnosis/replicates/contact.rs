@@ -14,7 +14,8 @@ use std::ops::Range;
 /// Deviations of all periods of a joint from a reference.
 type Deviations = fn(&Stretch, usize) -> Vec<Vec<f64>>;
 
-/// Running sums over all periods one after the other, per joint: of whitened deviations times the whitened unit level, and of the square of that.
+/// Running sums over all periods one after the other, per joint: of whitened deviations times the whitened unit level, and of the
+/// square of that.
 struct Sums {
     deviations: Vec<Vec<f64>>,
     levels: Vec<Vec<f64>>,
@@ -76,11 +77,12 @@ impl Sums {
 
 /// The interval of time in which the deviations of all joints from the other periods are least like noise.
 ///
-/// It has to stand out from the mean of the others and from the median of all. Filtered noise is smooth, and the median of it is not: its kinks look like touches. An
-/// odd period is half of the mean of the two others of three, and looks like a touch of each.
+/// It has to stand out from the mean of the others and from the median of all. Filtered noise is smooth, and the median of it is
+/// not: its kinks look like touches. An odd period is half of the mean of the two others of three, and looks like a touch of
+/// each.
 ///
-/// It is found on rows that move, since the torque that friction locks in at rest differs from one period to the next; where it begins or ends at rest is seen on
-/// the rows at rest.
+/// It is found on rows that move, since the torque that friction locks in at rest differs from one period to the next; where it
+/// begins or ends at rest is seen on the rows at rest.
 pub(crate) fn best_contact(robot: &Robot, stretch: &Stretch, noise: &[NoiseModel], seams: &Seams) -> Option<Explained> {
     let (count, rows, n) = (stretch.periods.len(), stretch.rows(), stretch.joints());
     let length = count * rows;
@@ -152,7 +154,8 @@ pub(crate) fn shortest(stretch: &Stretch) -> usize {
     (SETTINGS.replicates.shortest_contact / stretch.interval).round().max(4.0) as usize
 }
 
-/// Moves the edges of an interval to where the statistic is largest, in steps that halve; a few samples alone are a spike, not a touch.
+/// Moves the edges of an interval to where the statistic is largest, in steps that halve; a few samples alone are a spike, not a
+/// touch.
 fn sharpened(
     (mut gain, mut from, mut to): (f64, usize, usize),
     length: usize,

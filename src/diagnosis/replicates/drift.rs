@@ -74,8 +74,8 @@ struct Drift {
     covariance: DMatrix<f64>,
 }
 
-/// Golden section on the logarithm of the time constant, a factor of three to either side: thirty steps leave 1e-6 of it, a hundredth of the standard
-/// deviation of the strongest drift.
+/// Golden section on the logarithm of the time constant, a factor of three to either side: thirty steps leave 1e-6 of it, a
+/// hundredth of the standard deviation of the strongest drift.
 fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], seams: &Seams, joint: usize, coarse: f64) -> Drift {
     let ratio = SETTINGS.replicates.course_ratio;
     let around = [coarse / ratio, coarse * ratio].map(f64::ln);
@@ -91,7 +91,8 @@ fn refined_drift(stretch: &Stretch, noise: &[NoiseModel], seams: &Seams, joint: 
     }
 }
 
-/// Least squares of the whitened deviations of all periods on friction times the course, whose mean over the periods is taken out.
+/// Least squares of the whitened deviations of all periods on friction times the course, whose mean over the periods is taken
+/// out.
 fn drift_fit(
     stretch: &Stretch,
     noise: &[NoiseModel],
@@ -145,8 +146,8 @@ fn spread_of_tried(stretch: &Stretch) -> f64 {
     (courses[courses.len() - 1] * ratio - courses[0] / ratio) * length / 12f64.sqrt()
 }
 
-/// Changes of friction from the start of the log to its end, with the time constant that they were fitted with (variable projection: the gain
-/// falls by one at one standard deviation of it, and the coefficients move with it).
+/// Changes of friction from the start of the log to its end, with the time constant that they were fitted with (variable
+/// projection: the gain falls by one at one standard deviation of it, and the coefficients move with it).
 fn drift_finding(
     robot: &Robot,
     stretch: &Stretch,

@@ -1,8 +1,9 @@
-//! Torque that is not the same all through a log, whatever the robot does: a level that drifts with time, or that differs from period to
-//! period. No effect of the list is of that kind, so it is never a finding; it is a remainder that depends on `time` or on `period`.
+//! Torque that is not the same all through a log, whatever the robot does: a level that drifts with time, or that differs from
+//! period to period. No effect of the list is of that kind, so it is never a finding; it is a remainder that depends on `time` or
+//! on `period`.
 //!
-//! Deviations of the periods from their mean need no model of the robot. A level of joint j is `g(t)` on its rows, with g one of a few smooth
-//! courses over the log, or a constant of its own in every period. Both are held against the noise from row to row.
+//! Deviations of the periods from their mean need no model of the robot. A level of joint j is `g(t)` on its rows, with g one of
+//! a few smooth courses over the log, or a constant of its own in every period. Both are held against the noise from row to row.
 
 /// What a level goes with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +27,8 @@ impl Along {
 pub(crate) struct Level {
     pub joint: usize,
     pub along: Along,
-    /// BIC difference: the decrease of the weighted sum of squares of the deviations, less what parameters and courses tried cost.
+    /// BIC difference: the decrease of the weighted sum of squares of the deviations, less what parameters and courses tried
+    /// cost.
     pub evidence: f64,
     /// Chance of the gain without it, times the number of hypotheses tried.
     pub p_value: f64,

@@ -5,8 +5,8 @@ use super::level::Level;
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{NoiseModel, Stretch, deviation};
 
-/// The stretch without a parabola in what every period deviates from the mean. Its noise is that from row to row: levels and drifts that are in the
-/// periods would pass for noise that is slow, and hide themselves in it.
+/// The stretch without a parabola in what every period deviates from the mean. Its noise is that from row to row: levels and
+/// drifts that are in the periods would pass for noise that is slow, and hide themselves in it.
 pub(crate) fn without_slow(stretch: &Stretch) -> Stretch {
     let rows = stretch.rows();
     let x = |s: usize| (2.0 * s as f64 + 1.0) / rows as f64 - 1.0;
@@ -104,8 +104,8 @@ mod tests {
             .collect()
     }
 
-    /// Reported p-values are no smaller than they are: of 200 logs, 100 of them with correlated noise, one in twenty falls below one in twenty. And
-    /// none has a level.
+    /// Reported p-values are no smaller than they are: of 200 logs, 100 of them with correlated noise, one in twenty falls below
+    /// one in twenty. And none has a level.
     #[test]
     fn prop_noise_has_no_level() {
         let mut below = 0;

@@ -1,4 +1,5 @@
-//! What differs between the periods of a log: friction that drifts, contacts, and torque that is not the same all through. The average hides all three.
+//! What differs between the periods of a log: friction that drifts, contacts, and torque that is not the same all through. The
+//! average hides all three.
 
 mod channel;
 mod contact;

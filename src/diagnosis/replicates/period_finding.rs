@@ -29,7 +29,8 @@ impl BetweenFinding {
         self.gain - self.parameters.len() as f64 * SETTINGS.replicates.parameter_price
     }
 
-    /// Whether the periods say what every parameter is: a column that is zero in the rows that count, or too few of them, can be fitted and tells nothing.
+    /// Whether the periods say what every parameter is: a column that is zero in the rows that count, or too few of them, can be
+    /// fitted and tells nothing.
     pub(crate) fn is_determined(&self) -> bool {
         let known = |p: &ReportedParameter| p.value.is_finite() && is_determined(p.std_dev);
         self.gain.is_finite() && self.parameters.iter().all(known)
@@ -72,8 +73,8 @@ pub(crate) fn start_rows(stretch: &Stretch) -> usize {
 
 pub(crate) type Explained = (BetweenFinding, Vec<Vec<Vec<f64>>>);
 
-/// Rows at which periods have been put together: where the first begins to count, and both ends of what was filled in. Noise does not go on over them, and a
-/// whitening filter would make much of the jump.
+/// Rows at which periods have been put together: where the first begins to count, and both ends of what was filled in. Noise does
+/// not go on over them, and a whitening filter would make much of the jump.
 #[derive(Debug, Clone)]
 pub(crate) struct Seams(Vec<usize>);
 
@@ -88,7 +89,8 @@ impl Seams {
         self.0.extend([rows.start % of_period, rows.end % of_period]);
     }
 
-    /// Rows whose whitened deviation stands on rows that were measured one after the other. A period does not go on at its own start.
+    /// Rows whose whitened deviation stands on rows that were measured one after the other. A period does not go on at its own
+    /// start.
     pub fn whitened_rows(&self, noise: &NoiseModel, mut keep: Vec<bool>) -> Vec<bool> {
         self.0.iter().for_each(|&row| keep[row] = false);
         noise.whitened_rows(&keep, false)
@@ -114,7 +116,8 @@ pub(crate) fn all_beside_median(stretch: &Stretch, joint: usize) -> Vec<Vec<f64>
     stretch.periods.iter().map(of).collect()
 }
 
-/// Mean of the other periods in a row, and of how many, from the mean of all. The start of the first one is none of them: it has been filled.
+/// Mean of the other periods in a row, and of how many, from the mean of all. The start of the first one is none of them: it has
+/// been filled.
 pub(crate) fn others(stretch: &Stretch, period: usize, joint: usize, row: usize) -> (f64, usize) {
     let of = |p: usize| stretch.periods[p][joint][row];
     let all = stretch.periods.len();

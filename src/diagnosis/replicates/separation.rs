@@ -1,9 +1,9 @@
 //! What changes from one period to the next: friction that drifts, and contacts. The average hides both.
 //!
-//! Deviations of every period from the average need no model of the robot. Drift on a joint is friction columns times the course of
-//! warming up; a contact is a level on all joints in an interval of time. Whichever explains more is taken out of the data, and the search
-//! goes on until neither is beyond chance. Where a level of one joint that goes with time or period, which no cause is known of, explains clearly more,
-//! it is taken out as well, and reported as a remainder.
+//! Deviations of every period from the average need no model of the robot. Drift on a joint is friction columns times the course
+//! of warming up; a contact is a level on all joints in an interval of time. Whichever explains more is taken out of the data,
+//! and the search goes on until neither is beyond chance. Where a level of one joint that goes with time or period, which no
+//! cause is known of, explains clearly more, it is taken out as well, and reported as a remainder.
 
 use super::channel::{Following, best_following};
 use super::contact::{best_contact, shortest};
@@ -112,7 +112,7 @@ fn separated(
             (None, Some((finding, periods))) => {
                 stretch.periods = periods;
                 named += 1;
-                // What goes on from the start is still the start: it is left out, and is nothing that somebody did to the arm.
+                // What continues from the start is still the start: it is left out, and is nothing that somebody did to the arm.
                 let start = start_rows(stretch) + shortest(stretch);
                 if let Some(filled) = &finding.filled {
                     seams.add(filled, stretch.rows());
@@ -169,8 +169,8 @@ fn leave_out_start(stretch: &mut Stretch) {
     stretch.torque = stretch.mean_over(&all);
 }
 
-/// Noise from the quieter half of the periods of every joint, so that one disturbed period raises neither its level nor its correlation, and levels that
-/// differ between the periods do not either.
+/// Noise from the quieter half of the periods of every joint, so that one disturbed period raises neither its level nor its
+/// correlation, and levels that differ between the periods do not either.
 fn robust_noise(stretch: &Stretch) -> Option<Vec<NoiseModel>> {
     let stretch = &without_slow(stretch);
     (0..stretch.joints())

@@ -1,9 +1,10 @@
 //! Logs that do not repeat: does what a joint keeps drift with the time of the log?
 //!
-//! Without replicates the noise is what the model leaves, and that is slow itself: a misfit of the motion wanders as the motion does. So slow cosines
-//! over the log are not held against white noise, but against the next faster cosines of the same residual, beside the model and beside functions of
-//! all positions: a drift is slower than what the motion can bring about. With the power of the slow ones and of their neighbours equal but for
-//! chance, their ratio is F-distributed, whatever the noise is at higher frequencies.
+//! Without replicates the noise is what the model leaves, and that is slow itself: a misfit of the motion wanders as the motion
+//! does. So slow cosines over the log are not held against white noise, but against the next faster cosines of the same residual,
+//! beside the model and beside functions of all positions: a drift is slower than what the motion can bring about. With the power
+//! of the slow ones and of their neighbours equal but for chance, their ratio is F-distributed, whatever the noise is at higher
+//! frequencies.
 
 use super::instability::Unsteady;
 use super::level::Along;
@@ -22,7 +23,8 @@ pub(crate) fn trends(data: &Data, system: &System, limit: f64) -> Vec<Unsteady> 
     }
     let joints = system.model.robot.joint_count();
     let tries = (data.stretches.len() * joints) as f64;
-    // Sums over a few cosines are normal only nearly, and less so far out: a tenth of the chance, as for effects without measured noise.
+    // Sums over a few cosines are normal only nearly, and less so far out: a tenth of the chance, as for effects without measured
+    // noise.
     let beyond_chance = |t: &Trend| t.p_value * tries < 0.1 * limit;
     let of_log = |log: usize| (0..joints).filter_map(move |j| Trend::of(data, system, log, j));
     let all = (0..data.stretches.len()).flat_map(of_log).filter(beyond_chance);

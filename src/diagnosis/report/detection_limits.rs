@@ -8,7 +8,8 @@ use crate::regression::{AugmentedModel, Data, System, single_estimate};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// Torque offset and rotor inertia of every joint that the model does not have, each by itself beside it. Nothing is reported for one that base parameters hide.
+/// Torque offset and rotor inertia of every joint that the model does not have, each by itself beside it. Nothing is reported for
+/// one that base parameters hide.
 pub(crate) fn undetected(data: &Data, system: &System, candidates: &[Candidate]) -> Vec<Undetected> {
     let robot = &system.model.robot;
     let doubts = data.doubts(system);

@@ -57,8 +57,8 @@ pub(crate) struct FindingInputs<'a> {
     pub survivals: Vec<Vec<Survival>>,
 }
 
-/// One finding per effect; before and after by fitting the model with the effects up to it, and of those that do not stay with all that stay and it. `measured`
-/// are the stretches that errors are of, and the held-out ones.
+/// One finding per effect; before and after by fitting the model with the effects up to it, and of those that do not stay with
+/// all that stay and it. `measured` are the stretches that errors are of, and the held-out ones.
 pub(crate) fn findings(inputs: &FindingInputs, measured: [&[Stretch]; 2]) -> Vec<Finding> {
     // Nuisance offsets come with the first offset that was found.
     let first = inputs.terms[..inputs.stay]

@@ -44,7 +44,8 @@ pub struct RmsPair {
     pub held_out: Vec<f64>,
 }
 
-/// Errors where a joint stands still for half a second and more: locked-in friction holds it there, and those rows take no part in fits and other errors.
+/// Errors where a joint stands still for half a second and more: locked-in friction holds it there, and those rows take no part
+/// in fits and other errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AtRest {
     /// Time at rest in the identification logs, per joint (s).
@@ -236,11 +237,11 @@ pub struct Finding {
 pub struct Remainder {
     /// Names of the joints that it is left on.
     pub joints: Vec<String>,
-    /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the motion: strongest first. Empty where
-    /// more than noise is left and no smooth function accounts for it.
+    /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the motion:
+    /// strongest first. Empty where more than noise is left and no smooth function accounts for it.
     pub depends_on: Vec<String>,
-    /// Share of what is left above the noise on those joints that smooth functions of these variables predict; of what changes slowly from period to
-    /// period where they are `time` and `period`, and of all that is left where the log has no periods.
+    /// Share of what is left above the noise on those joints that smooth functions of these variables predict; of what changes
+    /// slowly from period to period where they are `time` and `period`, and of all that is left where the log has no periods.
     pub predicted_share: f64,
     /// RMS of what is left above the noise, per joint of `joints` [N·m or N].
     pub rms: Vec<f64>,
@@ -257,8 +258,8 @@ pub struct Undetected {
     pub joint: String,
     /// Beside the final model and alone; not beyond chance, or it would be a finding.
     pub parameter: ReportedParameter,
-    /// Whether the final model has it all the same: a nuisance offset, estimated because an offset was found on another joint and all of them together predict
-    /// blocks left out better.
+    /// Whether the final model has it all the same: a nuisance offset, estimated because an offset was found on another joint and
+    /// all of them together predict blocks left out better.
     pub in_model: bool,
 }
 
@@ -274,8 +275,8 @@ pub struct NotTested {
 /// The `residual` part of an answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualReport {
-    /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has many more of them than it has turns,
-    /// here as in the errors. NaN for a joint without rows.
+    /// Standard deviation of one measurement, per joint [N·m or N]; of the mean over neighbouring samples where a period has many
+    /// more of them than it has turns, here as in the errors. NaN for a joint without rows.
     pub noise_floor: Vec<f64>,
     /// How the floor was found.
     pub noise_source: String,

@@ -51,7 +51,8 @@ pub(crate) fn judge(
     })
 }
 
-/// Whether the parameters of term `at` lie inside their ranges and have the signs that their meaning asks for, by three standard deviations.
+/// Whether the parameters of term `at` lie inside their ranges and have the signs that their meaning asks for, by three standard
+/// deviations.
 pub(crate) fn is_physical(system: &System, at: usize) -> bool {
     let term = &system.model.terms[at];
     let covariance = if system.noise_is_measured {
@@ -75,7 +76,8 @@ pub(crate) fn is_physical(system: &System, at: usize) -> bool {
     inside && plausible && has_physical_signs(&term.effect, term.form, &values, &covariance)
 }
 
-/// Whether what must be positive is not clearly negative, and some of it is positive. `values` are coefficients, then estimated shapes.
+/// Whether what must be positive is not clearly negative, and some of it is positive. `values` are coefficients, then estimated
+/// shapes.
 pub(crate) fn has_physical_signs(effect: &AnyEffect, form: usize, values: &[f64], covariance: &DMatrix<f64>) -> bool {
     let all: Vec<usize> = effect.positive(form).iter().copied().filter(|&i| i < values.len()).collect();
     let allowed = |&i: &usize| values[i] > -SETTINGS.selection.sign_deviations * covariance[(i, i)].max(0.0).sqrt();
@@ -125,9 +127,9 @@ pub(crate) fn is_simpler(one: &Candidate, other: &Candidate) -> bool {
     one.joints == other.joints && !one.joints.is_empty() && (common || plainer)
 }
 
-/// Whether something simpler is to be named in the place of what explains more: it explains nearly as much, and the difference
-/// is less than what the better one leaves unexplained. What the model still lacks could then turn the balance, and what is common is the
-/// likelier cause. Where the better one leaves nothing above the measured noise, it keeps its place.
+/// Whether something simpler is to be named in the place of what explains more: it explains nearly as much, and the difference is
+/// less than what the better one leaves unexplained. What the model still lacks could then turn the balance, and what is common
+/// is the likelier cause. Where the better one leaves nothing above the measured noise, it keeps its place.
 pub(crate) fn stands_in(simple: &Scored, best: &Scored, with_best: &System) -> bool {
     let joints = &best.candidate.joints;
     if !is_simpler(&simple.candidate, &best.candidate) {

@@ -58,8 +58,8 @@ pub(crate) fn own_candidate(own: &Arc<OwnEffect>, spans: &[Span]) -> Candidate {
     }
 }
 
-/// Shapes searched only where they lie on robots. A grid that has no point left there gets the middle of what is left, by ratio; nothing is left of one
-/// that cannot be seen there.
+/// Shapes searched only where they lie on robots. A grid that has no point left there gets the middle of what is left, by ratio;
+/// nothing is left of one that cannot be seen there.
 fn within(mut shapes: Vec<Shape>, ranges: &[[f64; 2]]) -> Vec<Shape> {
     for (shape, [low, high]) in shapes.iter_mut().zip(ranges) {
         (shape.low, shape.high) = (shape.low.max(*low), shape.high.min(*high));
@@ -130,8 +130,8 @@ impl Candidate {
     }
 }
 
-/// Columns of a candidate at a shape over all stretches, whitened; from the coarse forms of the stretches, whose torques are good enough to
-/// find what is worth fitting.
+/// Columns of a candidate at a shape over all stretches, whitened; from the coarse forms of the stretches, whose torques are good
+/// enough to find what is worth fitting.
 pub(crate) fn columns_of(data: &Data, system: &System, candidate: &Candidate, shapes: &[Vec<f64>]) -> Whitened {
     data.cancel.leave_if_set();
     let coarse: Vec<&Stretch> = data.stretches.iter().map(Stretch::coarse_form).collect();

@@ -1,7 +1,7 @@
 //! Does an effect predict data it was not fitted to? Blocks of time, and periods.
 //!
-//! What is missing repeats in every period, so a wrong effect that mimics it repeats as well: only parts of the motion that the fit has
-//! not seen can tell that. And noise that is not as assumed shows between periods.
+//! What is missing repeats in every period, so a wrong effect that mimics it repeats as well: only parts of the motion that the
+//! fit has not seen can tell that. And noise that is not as assumed shows between periods.
 
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, pseudo_root, reduce, transposed_product};
@@ -72,8 +72,8 @@ fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
     cost(p) - cost(p + k)
 }
 
-/// Change of the sum of squares on a fold from the parameters of the model at hand to those fitted without the fold: `x'Gx − 2x'b`. In the
-/// coordinates of `root`, in which all data together have the unit matrix for their information.
+/// Change of the sum of squares on a fold from the parameters of the model at hand to those fitted without the fold:
+/// `x'Gx − 2x'b`. In the coordinates of `root`, in which all data together have the unit matrix for their information.
 fn fold_cost(root: &DMatrix<f64>, right: &DVector<f64>, fold: &(DMatrix<f64>, DVector<f64>)) -> f64 {
     let size = root.nrows();
     // Rows that say nothing of any parameter.
@@ -133,8 +133,8 @@ fn half_right_side(data: &Data, system: &System, columns: &Whitened, half: usize
 mod tests {
     use super::*;
 
-    /// A parameter that one block alone determines, but for a breath: extrapolated into the block it would be off by thousands, in both models,
-    /// and their difference would drown what the effect explains.
+    /// A parameter that one block alone determines, but for a breath: extrapolated into the block it would be off by thousands,
+    /// in both models, and their difference would drown what the effect explains.
     #[test]
     fn prop_a_parameter_of_one_block_does_not_judge_an_effect() {
         let wave = |s: usize, f: f64| (f * s as f64).sin();

@@ -44,8 +44,8 @@ pub(crate) fn drop_superfluous(data: &Data, now: &mut Selected, candidates: &[Ca
     }
 }
 
-/// Chance of losing as much without term `at`, if there were no such effect. What is left was taken for noise before the last effect was found: only where
-/// noise is measured can a loss be weighed by it alone.
+/// Chance of losing as much without term `at`, if there were no such effect. What is left was taken for noise before the last
+/// effect was found: only where noise is measured can a loss be weighed by it alone.
 pub(crate) fn chance_of_loss(system: &System, at: usize, loss: f64, parameters: usize) -> f64 {
     let doubt = match system.noise_is_measured {
         true => 1.0,

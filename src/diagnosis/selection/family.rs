@@ -1,8 +1,9 @@
 //! Effects of one kind on several joints at once.
 //!
-//! Every motor has a rotor and every channel a zero: where one joint lacks its rotor inertia, the others mostly do as well. One at a time they are hard to
-//! find, because base parameters bend to hide the rest of them, and what acts on two joints (a coupling) explains more than any one of them. So all
-//! that can be seen of a kind are fitted at once, and those that the data do not ask for are taken out again.
+//! Every motor has a rotor and every channel a zero: where one joint lacks its rotor inertia, the others mostly do as well. One
+//! at a time they are hard to find, because base parameters bend to hide the rest of them, and what acts on two joints (a
+//! coupling) explains more than any one of them. So all that can be seen of a kind are fitted at once, and those that the data do
+//! not ask for are taken out again.
 
 use super::acceptance::judge;
 use super::candidate::Candidate;

@@ -1,8 +1,8 @@
 //! Stepwise selection of effects: screening of all candidates, forward steps, backward elimination.
 //!
-//! A candidate is scored by the gain it would bring after the model's own columns are projected out, less what its parameters and the choice cost
-//! (`score`); the best are fitted, and must be physical, significant by a Wald test, explain a share of what is left, and hold on data left out (`acceptance`,
-//! `cross_validation`).
+//! A candidate is scored by the gain it would bring after the model's own columns are projected out, less what its parameters and
+//! the choice cost (`score`); the best are fitted, and must be physical, significant by a Wald test, explain a share of what is
+//! left, and hold on data left out (`acceptance`, `cross_validation`).
 
 mod acceptance;
 mod candidate;

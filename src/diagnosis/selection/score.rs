@@ -26,10 +26,10 @@ pub(crate) struct Scored {
 }
 
 impl Scored {
-    /// Fair gain and evidence where what is left after a gain is taken as the least that any of `others` leaves, of those on the same joints and
-    /// those that are [decided](Self::is_decided_with) beside this one: one yardstick for all that are held against each other. What each
-    /// leaves is an estimate, and a large gain divided by two that differ by a thousandth is two gains that differ by more than any
-    /// parameter costs.
+    /// Fair gain and evidence where what is left after a gain is taken as the least that any of `others` leaves, of those on the
+    /// same joints and those that are [decided](Self::is_decided_with) beside this one: one yardstick for all that are held
+    /// against each other. What each leaves is an estimate, and a large gain divided by two that differ by a thousandth is two
+    /// gains that differ by more than any parameter costs.
     pub fn held_against<'a>(&self, others: impl Iterator<Item = &'a Scored>) -> (f64, f64) {
         let Some(own) = self.dispersion else {
             return (self.fair_gain, self.evidence);
@@ -40,9 +40,9 @@ impl Scored {
         (fair_gain, self.evidence - self.fair_gain + fair_gain)
     }
 
-    /// Whether one of the two is the better account whatever is taken for noise: on joints in common it gains more and costs no more. What
-    /// few joints keep is next to nothing when it is taken over all of them, which must not put an effect on all joints before one on a
-    /// single joint that gains more.
+    /// Whether one of the two is the better account whatever is taken for noise: on joints in common it gains more and costs no
+    /// more. What few joints keep is next to nothing when it is taken over all of them, which must not put an effect on all
+    /// joints before one on a single joint that gains more.
     fn is_decided_with(&self, other: &Scored) -> bool {
         let meets = self.joints.iter().any(|j| other.joints.contains(j));
         let price = |s: &Scored| s.fair_gain - s.evidence;
@@ -111,9 +111,9 @@ pub(crate) fn weigh(system: &System, joints: &[usize], gain: f64, cost: usize, t
     }
 }
 
-/// What a gain is measured against, on the joints reached: the mean square of the whitened residual once the gain is taken off, where the part
-/// that is not noise counts for as many rows as go together in it, because a misfit is smooth and its rows are no independent witnesses.
-/// `after` is the model with the candidate, where it has been fitted.
+/// What a gain is measured against, on the joints reached: the mean square of the whitened residual once the gain is taken off,
+/// where the part that is not noise counts for as many rows as go together in it, because a misfit is smooth and its rows are no
+/// independent witnesses. `after` is the model with the candidate, where it has been fitted.
 fn dispersion(system: &System, joints: &[usize], gain: f64, after: Option<&System>) -> f64 {
     let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
     let left = system.mean_square(joints) - gain / rows.max(1) as f64;
@@ -124,8 +124,8 @@ fn dispersion(system: &System, joints: &[usize], gain: f64, after: Option<&Syste
     }
 }
 
-/// Without measured noise: `n ln(χ₀²/χ²)`, twice the log of the likelihood ratio with unknown variance, n the rows that are worth something of
-/// their own; and n.
+/// Without measured noise: `n ln(χ₀²/χ²)`, twice the log of the likelihood ratio with unknown variance, n the rows that are worth
+/// something of their own; and n.
 fn likelihood_gain(system: &System, joints: &[usize], gain: f64, after: Option<&System>) -> (f64, f64) {
     let before: f64 = joints.iter().map(|&j| system.joint_chi_square(j)).sum();
     let rows: f64 = joints.iter().map(|&j| after.unwrap_or(system).effective_rows(j)).sum();
@@ -138,8 +138,9 @@ pub(crate) fn chance(fair_gain: f64, parameters: usize) -> f64 {
     chi_square_tail(fair_gain, parameters.max(1))
 }
 
-/// What the chance of a gain is multiplied with: number of effects, own ones among them, times the places, forms and shapes that this one was tried with. Every
-/// effect has the same share of false findings (weighted Bonferroni); a fine grid of one does not make the others harder to find.
+/// What the chance of a gain is multiplied with: number of effects, own ones among them, times the places, forms and shapes that
+/// this one was tried with. Every effect has the same share of false findings (weighted Bonferroni); a fine grid of one does not
+/// make the others harder to find.
 pub(crate) fn hypotheses(candidates: &[Candidate], code: &str) -> f64 {
     let own: usize = candidates
         .iter()

@@ -34,7 +34,8 @@ pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], t
     let data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();
     let mut rivalling = Rivalling::default();
-    // Effects that come can make others superfluous, which may come again: twice as many steps as effects end a search that turns in a circle.
+    // Effects that come can make others superfluous, which may come again: twice as many steps as effects end a search that turns
+    // in a circle.
     for _ in 0..2 * threshold.most_effects {
         if now.accepted.len() >= threshold.most_effects {
             break;
@@ -109,8 +110,8 @@ fn step(data: &Data, system: &System, candidates: &[Candidate], scored: &[Scored
     })
 }
 
-/// Candidates worth fitting: the linearised gain of a distortion, or of a column made of torques that are not right yet, is off by a fraction; the
-/// true one decides.
+/// Candidates worth fitting: the linearised gain of a distortion, or of a column made of torques that are not right yet, is off
+/// by a fraction; the true one decides.
 fn contenders(scored: &[Scored]) -> Vec<&Scored> {
     let open: Vec<&Scored> = scored.iter().filter(|s| s.evidence > 0.0).collect();
     let best = open.first().map_or(0.0, |s| s.evidence);

@@ -12,8 +12,8 @@ pub(crate) fn doubt(system: &System, at: usize) -> f64 {
     chance(statistic, parameters)
 }
 
-/// `θᵀ C⁻¹ θ` and the length of θ, what `term` adds: its coefficients, or all parameters of a distortion, which is not there when they are zero.
-/// `covariance` is that of all parameters of the term.
+/// `θᵀ C⁻¹ θ` and the length of θ, what `term` adds: its coefficients, or all parameters of a distortion, which is not there when
+/// they are zero. `covariance` is that of all parameters of the term.
 pub(crate) fn wald(term: &Term, covariance: &DMatrix<f64>) -> (f64, usize) {
     // Coefficients come first; distortions have none.
     let values = match term.effect.kind() {
@@ -26,8 +26,8 @@ pub(crate) fn wald(term: &Term, covariance: &DMatrix<f64>) -> (f64, usize) {
     determined(&theta, &block)
 }
 
-/// `θᵀ C⁺ θ` and the number of directions that the covariance says anything of. Where it is not positive definite the data leave a direction open, or rounding is
-/// all there is: that confirms nothing.
+/// `θᵀ C⁺ θ` and the number of directions that the covariance says anything of. Where it is not positive definite the data leave
+/// a direction open, or rounding is all there is: that confirms nothing.
 fn determined(theta: &DVector<f64>, covariance: &DMatrix<f64>) -> (f64, usize) {
     // Parameters have units of their own: the scale is that of their deviations.
     let scale = covariance.diagonal().map(|v| if v > 0.0 { v.sqrt().recip() } else { 0.0 });

@@ -3,7 +3,8 @@
 use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, TimeBlock, pseudo_root, time_blocks, transposed_product};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// The blocks of a fitted system, in coordinates z in which all of them together have the unit matrix for their information: `θ = H z`, `Hᵀ G H = 1`.
+/// The blocks of a fitted system, in coordinates z in which all of them together have the unit matrix for their information:
+/// `θ = H z`, `Hᵀ G H = 1`.
 pub(crate) struct Blocks {
     pub times: Vec<TimeBlock>,
     /// H.

@@ -11,8 +11,8 @@ pub(crate) struct Contender<'a> {
     pub columns: Whitened,
     /// Joints that the columns reach.
     pub joints: Vec<usize>,
-    /// What the fit to all blocks makes of the columns in the model's coordinates, `Hᵀ Jᵀ C`. In what follows columns are without that part, `C − J H a`: what the
-    /// model holds already is no matter of the contender, and may be nearly all of it.
+    /// What the fit to all blocks makes of the columns in the model's coordinates, `Hᵀ Jᵀ C`. In what follows columns are without
+    /// that part, `C − J H a`: what the model holds already is no matter of the contender, and may be nearly all of it.
     along: DMatrix<f64>,
     /// `CᵀC` of the whole columns.
     whole: DMatrix<f64>,

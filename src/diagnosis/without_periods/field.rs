@@ -83,8 +83,8 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// The best set of effects that every robot may have: offsets, rotor inertias, or both, those members that the data ask for. The smallest whose held-out
-    /// gain is within a standard deviation of the best.
+    /// The best set of effects that every robot may have: offsets, rotor inertias, or both, those members that the data ask for.
+    /// The smallest whose held-out gain is within a standard deviation of the best.
     pub fn families(&self) -> Option<Chosen<'a>> {
         let kind = |code: &str| {
             self.scored
@@ -110,7 +110,8 @@ impl<'a> Field<'a> {
         found.into_iter().nth(at)
     }
 
-    /// Offsets of all joints that have none yet, as terms; none where together they do not predict blocks left out better. A spring holds the offset of its joint.
+    /// Offsets of all joints that have none yet, as terms; none where together they do not predict blocks left out better. A
+    /// spring holds the offset of its joint.
     pub fn nuisance_offsets(&self) -> Vec<Term> {
         let held = |s: &Scored| {
             let holds = |t: &Term| t.joints == s.candidate.joints && t.effect.contains().contains(&OFFSET);
@@ -220,8 +221,8 @@ impl<'a> Field<'a> {
             || ranks > 0.0 && 0.5 * p_value < SETTINGS.without_periods.rank_chance
     }
 
-    /// Whether an effect of the whole arm gains beyond chance on no more than one joint: then it stands in for what that joint lacks. A late torque stream or
-    /// a tilted base shows on several.
+    /// Whether an effect of the whole arm gains beyond chance on no more than one joint: then it stands in for what that joint
+    /// lacks. A late torque stream or a tilted base shows on several.
     fn is_of_one_joint(&self, contender: &Contender, gains: &[Vec<f64>]) -> bool {
         let of_the_arm = contender.members.iter().all(|s| s.candidate.joints.is_empty());
         // Joints that stand still, or whose torque takes no part, cannot show it.
@@ -242,8 +243,8 @@ impl<'a> Field<'a> {
         gains.iter().zip(&self.blocks.squares).any(pays)
     }
 
-    /// Single effects that have earned their place and that no rival replaces when some of the blocks are left out: the best, and further ones on joints that
-    /// none before them reaches.
+    /// Single effects that have earned their place and that no rival replaces when some of the blocks are left out: the best, and
+    /// further ones on joints that none before them reaches.
     pub fn singles(&self) -> Vec<Chosen<'a>> {
         let near = self
             .scored
@@ -355,8 +356,8 @@ impl<'a> Field<'a> {
             .max_by(|&a, &b| contenders[a].own.held_out().total_cmp(&contenders[b].own.held_out()))
     }
 
-    /// Twice the log of the evidence ratio: `−n ln(1 − gain/left)`, n the independent values that the rows are worth, less what parameters, shapes tried and rarity
-    /// cost.
+    /// Twice the log of the evidence ratio: `−n ln(1 − gain/left)`, n the independent values that the rows are worth, less what
+    /// parameters, shapes tried and rarity cost.
     fn evidence(&self, contender: &Contender, gain: f64) -> f64 {
         let sum = |of: &[f64]| contender.joints.iter().map(|&j| of[j]).sum::<f64>();
         let rows = sum(&self.blocks.effective_rows).max(2.0);

@@ -1,8 +1,9 @@
 //! Nuisance offsets: torque offsets that are estimated without being findings.
 //!
-//! Where the torque sensor of one joint has an offset, those of the others have one too, small or large. Too small to be beyond doubt one by one, they
-//! still bend the gravity parameters that take them up, and with these the torque of other joints: on the measured log of an LBR Med 7, the error of
-//! joint A7 on held-out data rose by half without them. So once an offset is found, those of all other joints are estimated as well if together they predict blocks left out better.
+//! Where the torque sensor of one joint has an offset, those of the others have one too, small or large. Too small to be beyond
+//! doubt one by one, they still bend the gravity parameters that take them up, and with these the torque of other joints: on the
+//! measured log of an LBR Med 7, the error of joint A7 on held-out data rose by half without them. So once an offset is found,
+//! those of all other joints are estimated as well if together they predict blocks left out better.
 
 use super::field::{Field, OFFSET};
 use crate::diagnosis::selection::{Accepted, Candidate, Selected, Threshold, scan};

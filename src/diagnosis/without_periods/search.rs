@@ -5,7 +5,8 @@ use super::{nuisance, settle};
 use crate::diagnosis::selection::{Candidate, Selected, Threshold, drop_superfluous, is_physical, scan};
 use crate::regression::{Data, Term};
 
-/// Continues a stepwise selection, then once more without the effects that do not last: they may have stood where another belongs.
+/// Continues a stepwise selection, then once more without the effects that do not last: they may have stood where another
+/// belongs.
 pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], threshold: &Threshold) -> Selected {
     let mut data = data.with_noise(now.noise.clone());
     let mut open = candidates.to_vec();

@@ -6,7 +6,8 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::effects::Kind;
 use crate::regression::{AugmentedModel, Data, SETTINGS as REGRESSION_SETTINGS, System, Term, f_tail};
 
-/// Takes out what is not beyond doubt, the weakest first, and says what went. A spring whose stiffness is not gives its place to a torque offset.
+/// Takes out what is not beyond doubt, the weakest first, and says what went. A spring whose stiffness is not gives its place to
+/// a torque offset.
 pub(crate) fn settle(data: &Data, now: &mut Selected) -> Vec<Term> {
     let mut gone = Vec::new();
     loop {

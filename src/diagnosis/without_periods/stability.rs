@@ -28,7 +28,8 @@ impl Subsamples {
     }
 }
 
-/// Laws that only differ in their curve count as one: which of them is best changes with every block, and the torque they predict hardly does.
+/// Laws that only differ in their curve count as one: which of them is best changes with every block, and the torque they predict
+/// hardly does.
 fn class(code: &str) -> &str {
     match code {
         "stribeck_friction" | "nonlinear_viscous_friction" => "viscous",
@@ -37,8 +38,8 @@ fn class(code: &str) -> &str {
     }
 }
 
-/// Share of the subsamples in which `contender`, or another law of its class on the same joints, has the best evidence among `rivals`, which
-/// explain the same.
+/// Share of the subsamples in which `contender`, or another law of its class on the same joints, has the best evidence among
+/// `rivals`, which explain the same.
 pub(crate) fn share_of_choices(
     blocks: &Blocks,
     subsamples: &Subsamples,

@@ -6,7 +6,8 @@ use crate::effects::ParameterInfo;
 use crate::excitation::Problem;
 use serde::Serialize;
 
-/// What the planned recording would reveal: of every effect on every joint the smallest size that a diagnosis finds, from the information matrix.
+/// What the planned recording would reveal: of every effect on every joint the smallest size that a diagnosis finds, from the
+/// information matrix.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = Detectable))]
@@ -19,9 +20,11 @@ pub struct DetectableDocument {
     pub false_alarm: f64,
     /// Periods recorded: as asked for, and two at least, because one does not measure the noise.
     pub periods: f64,
-    /// Standard deviation of the torque noise of every joint, white at the sample rate [N·m or N]. Sizes grow in proportion to it.
+    /// Standard deviation of the torque noise of every joint, white at the sample rate [N·m or N]. Sizes grow in proportion to
+    /// it.
     pub torque_noise: Vec<f64>,
-    /// Where that comes from: `request`, `model` (the noise of its data), `effort_limits` (a thousandth of each) or `unit` (1 where a joint has no effort limit).
+    /// Where that comes from: `request`, `model` (the noise of its data), `effort_limits` (a thousandth of each) or `unit` (1
+    /// where a joint has no effort limit).
     #[cfg_attr(feature = "service", schema(example = "request"))]
     pub noise_source: &'static str,
     /// One entry per effect, place and parameter that has a size.
@@ -48,9 +51,10 @@ pub struct DetectableEffectDocument {
     pub unit: String,
     /// Smallest size that is found with the power given; null where none is.
     pub size: Option<f64>,
-    /// Why there is no size: `absorbed` (base parameters imitate the effect exactly), `no_torque` (this motion makes it change no torque), `beyond_range` (it would have
-    /// to be larger than such effects are on robots), `no_values` (it depends on the torques of the robot, which has no prior parameters), `against_model` (a change that
-    /// is seen against an existing model only), `between_periods` (looked for between the periods, from three on).
+    /// Why there is no size: `absorbed` (base parameters imitate the effect exactly), `no_torque` (this motion makes it change no
+    /// torque), `beyond_range` (it would have to be larger than such effects are on robots), `no_values` (it depends on the
+    /// torques of the robot, which has no prior parameters), `against_model` (a change that is seen against an existing model
+    /// only), `between_periods` (looked for between the periods, from three on).
     #[cfg_attr(feature = "service", schema(example = "absorbed"))]
     pub hidden: Option<&'static str>,
     /// Values that the other parameters are assumed to have: the middle of what a diagnosis tries.
@@ -70,7 +74,8 @@ pub struct AssumedParameterDocument {
     pub unit: String,
 }
 
-/// Two effects that cannot be distinguished at the size at which the first is found: a diagnosis names either, and the other as its rival.
+/// Two effects that cannot be distinguished at the size at which the first is found: a diagnosis names either, and the other as
+/// its rival.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = InseparableEffects))]

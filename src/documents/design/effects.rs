@@ -39,13 +39,13 @@ pub struct RivalsDocument {
     pub finding: EffectDocument,
     pub rival: EffectDocument,
     pub expected_evidence: ExpectedDocument,
-    /// `finding` or `rival` where that one is a special case of the other: if it is true the other fits as well, whatever the motion. Evidence is then
-    /// that against what the other could really be (a spring with its rest within a turn); 0 where it could be anything, and `least` looks at the other
-    /// case alone.
+    /// `finding` or `rival` where that one is a special case of the other: if it is true the other fits as well, whatever the
+    /// motion. Evidence is then that against what the other could really be (a spring with its rest within a turn); 0 where it
+    /// could be anything, and `least` looks at the other case alone.
     #[cfg_attr(feature = "service", schema(example = "finding"))]
     pub nested: Option<&'static str>,
-    /// Whether the evidence of all data together is at least 6, odds of 20 to 1, in either case; 9, three standard deviations, where the special case of
-    /// `nested` is true.
+    /// Whether the evidence of all data together is at least 6, odds of 20 to 1, in either case; 9, three standard deviations,
+    /// where the special case of `nested` is true.
     pub decides: bool,
 }
 

@@ -24,7 +24,8 @@ pub struct Coefficients {
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(as = FirstRun))]
 pub struct FirstRunDocument {
-    /// Factor on the amplitudes around where the motion starts; smaller than asked for where a limit along the path would not hold.
+    /// Factor on the amplitudes around where the motion starts; smaller than asked for where a limit along the path would not
+    /// hold.
     pub backoff: f64,
     /// Fourier coefficients, smaller by the factor `backoff`.
     pub coefficients: Coefficients,

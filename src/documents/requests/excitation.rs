@@ -34,8 +34,8 @@ pub struct ExcitationRequest {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = Constraints, required = false))]
     pub constraints: Option<Constraints>,
-    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies and detectable sizes; that of the data of
-    /// `model`, or 1 (for detectable sizes a thousandth of the effort limits), if left out.
+    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies and detectable sizes; that of
+    /// the data of `model`, or 1 (for detectable sizes a thousandth of the effort limits), if left out.
     pub torque_noise: Option<Vec<f64>>,
     /// Budget, starts and seed of the search.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,8 +45,8 @@ pub struct ExcitationRequest {
     pub model: Option<DesignModel>,
     /// Two explanations of one residual, for `rival_evidence`.
     pub rivals: Option<Rivals>,
-    /// What is known already: its information is added to that of the new trajectory in every criterion. Up to 100: an identification holds
-    /// what all of its logs say.
+    /// What is known already: its information is added to that of the new trajectory in every criterion. Up to 100: an
+    /// identification holds what all of its logs say.
     #[cfg_attr(feature = "service", schema(max_items = 100))]
     pub given: Option<Vec<Given>>,
     /// Periods of the new trajectory that will be recorded.
@@ -236,13 +236,13 @@ pub struct Search {
     /// Random starts made at least before a search without limits may end.
     #[cfg_attr(feature = "service", schema(default = 64))]
     pub starts: Option<u32>,
-    /// Time after which the best trajectory found is handed back (s), up to a day. All of it is used. If it is left out, the search ends
-    /// when it has converged, after 60 s at the latest.
+    /// Time after which the best trajectory found is handed back (s), up to a day. All of it is used. If it is left out, the
+    /// search ends when it has converged, after 60 s at the latest.
     pub time_limit_s: Option<f64>,
     /// Evaluations of the criterion after which no new round begins.
     pub max_evaluations: Option<u64>,
-    /// Local solves per round, so many at most run at the same time: raise it on a machine with more than sixteen cores. Part of what
-    /// makes a run repeatable.
+    /// Local solves per round, so many at most run at the same time: raise it on a machine with more than sixteen cores. Part of
+    /// what makes a run repeatable.
     #[cfg_attr(feature = "service", schema(default = 16))]
     pub jobs_per_round: Option<u32>,
 }

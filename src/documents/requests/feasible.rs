@@ -3,8 +3,9 @@
 use super::robot::{Axis, InertiaBounds};
 use serde::{Deserialize, Serialize};
 
-/// Physical parameters. `consistent` (or `convex`): least squares with a positive definite pseudo-inertia of every link. `paper`: the
-/// nonlinear problem (10a-d) from many starts, and its gap to a lower bound. `both`: the first is the model, the second is reported beside it.
+/// Physical parameters. `consistent` (or `convex`): least squares with a positive definite pseudo-inertia of every link. `paper`:
+/// the nonlinear problem (10a-d) from many starts, and its gap to a lower bound. `both`: the first is the model, the second is
+/// reported beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
@@ -13,8 +14,8 @@ pub struct Feasible {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = FeasibleMethod, required = false, default = "consistent"))]
     pub method: Option<FeasibleMethod>,
-    /// Weight of the pull towards the robot's prior parameters, in noise variances. Left out: at most 1, and no more than what moves the base parameters by 0.3 of
-    /// their standard deviations (root mean square).
+    /// Weight of the pull towards the robot's prior parameters, in noise variances. Left out: at most 1, and no more than what
+    /// moves the base parameters by 0.3 of their standard deviations (root mean square).
     pub prior_weight: Option<f64>,
     /// Least eigenvalue of the pseudo-inertia, in units of the prior link's.
     #[cfg_attr(feature = "service", schema(default = 1e-4))]
@@ -58,7 +59,8 @@ pub enum FeasibleMethod {
     None,
 }
 
-/// `principal`: of the principal moments, as simulators check it. `diagonal`: of the tensor's diagonal, as in the paper. `none`: not asked.
+/// `principal`: of the principal moments, as simulators check it. `diagonal`: of the tensor's diagonal, as in the paper. `none`:
+/// not asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]

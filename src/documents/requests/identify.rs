@@ -45,7 +45,8 @@ pub struct ValidateUpload {
     pub log: Vec<String>,
 }
 
-/// What to make of the logs. A log has columns: `time, q1 … qn, tau1 … taun` (optional `qd1 …`), those of a well-known program, or what `columns` says.
+/// What to make of the logs. A log has columns: `time, q1 … qn, tau1 … taun` (optional `qd1 …`), those of a well-known program,
+/// or what `columns` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[cfg_attr(feature = "service", schema(example = json!({"robot": "iiwa14", "period_s": 10, "estimator": "wls"})))]
@@ -221,8 +222,8 @@ pub struct Preprocess {
     pub dead_zone: Option<f64>,
 }
 
-/// `fourier_fit`: derivatives from the harmonics above the noise. `parallel_filter`: one filter for torque and every regressor column.
-/// `paper`: order 20 at 2 Hz for positions, order 12 at 1.6 Hz for torques, central differences.
+/// `fourier_fit`: derivatives from the harmonics above the noise. `parallel_filter`: one filter for torque and every regressor
+/// column. `paper`: order 20 at 2 Hz for positions, order 12 at 1.6 Hz for torques, central differences.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]

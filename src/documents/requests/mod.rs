@@ -1,6 +1,7 @@
 //! Requests as they are written: one type per object, which is its schema in the OpenAPI document and the list of its fields.
 //!
-//! Readers beside this folder go through a document field by field ([`Cursor`](super::Cursor)), so that all that is wrong with it is said at once.
+//! Readers beside this folder go through a document field by field ([`Cursor`](super::Cursor)), so that all that is wrong with it
+//! is said at once.
 
 mod excitation;
 mod feasible;

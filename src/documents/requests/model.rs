@@ -15,7 +15,8 @@ pub struct Model {
     pub robot: RobotOrName,
     /// Constant torque of every joint (N·m or N).
     pub offsets: Option<Vec<f64>>,
-    /// Base parameters by name with value and unit, as an identification reports them; left out if physical parameters are the model.
+    /// Base parameters by name with value and unit, as an identification reports them; left out if physical parameters are the
+    /// model.
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
     pub base_parameters: Option<Vec<BaseRow>>,
     /// What tracing has added; needed to tell what has changed since.
@@ -28,7 +29,8 @@ pub struct Model {
     #[cfg_attr(feature = "service", schema(value_type = Option<Vec<Object>>))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub formats: Option<Vec<Missing>>,
-    /// Cut-off of the filter that the rows went through that it was identified from (Hz); logs that it is held against go through none that is higher.
+    /// Cut-off of the filter that the rows went through that it was identified from (Hz); logs that it is held against go through
+    /// none that is higher.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band_hz: Option<f64>,
 }

@@ -13,8 +13,9 @@ pub struct OwnEffect {
     pub name: String,
     /// Name of the joint whose torque it adds to.
     pub joint: String,
-    /// The torque that it adds [N·m or N]: `q1`, `qd1`, `qdd1` are position, speed and acceleration of the first joint (`q_A1` by its name), `q`, `qd`, `qdd` those of `joint`; `+ - * / ^`,
-    /// parentheses, `sin cos tan tanh exp ln log sqrt abs sign`, `pi`. `-x^2` is `-(x^2)`; `log` is the natural logarithm. One parameter at least must be a factor.
+    /// The torque that it adds [N·m or N]: `q1`, `qd1`, `qdd1` are position, speed and acceleration of the first joint (`q_A1` by
+    /// its name), `q`, `qd`, `qdd` those of `joint`; `+ - * / ^`, parentheses, `sin cos tan tanh exp ln log sqrt abs sign`, `pi`.
+    /// `-x^2` is `-(x^2)`; `log` is the natural logarithm. One parameter at least must be a factor.
     pub expression: String,
     /// Every other name in the expression.
     pub parameters: Vec<OwnParameter>,
@@ -76,7 +77,8 @@ pub struct CatalogueEffect {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(value_type = String, required = false))]
     pub joint: Option<String>,
-    /// The torque that it adds [N·m or N], as in `OwnEffect`; `q`, `qd`, `qdd` are position, speed and acceleration of the joint that it acts on.
+    /// The torque that it adds [N·m or N], as in `OwnEffect`; `q`, `qd`, `qdd` are position, speed and acceleration of the joint
+    /// that it acts on.
     pub expression: String,
     /// Every other name in the expression.
     pub parameters: Vec<OwnParameter>,

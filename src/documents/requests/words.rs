@@ -10,7 +10,8 @@ impl From<Criterion> for excitation::Criterion {
             Criterion::ScaledConditionNumber => Self::ScaledConditionNumber,
             Criterion::DOptimality => Self::DOptimality,
             Criterion::AOptimality => Self::AOptimality,
-            // What an identification is for: torques predicted well wherever the arm may be. The name `recommended` stays when the recommendation changes.
+            // What an identification is for: torques predicted well wherever the arm may be. The name `recommended` stays when
+            // the recommendation changes.
             Criterion::IOptimality | Criterion::Recommended => Self::IOptimality,
             Criterion::RivalEvidence => Self::RivalEvidence,
         }

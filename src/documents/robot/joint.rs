@@ -46,8 +46,8 @@ impl Reading {
         }
     }
 
-    /// Tables of the two conventions look alike. The first frame of a modified table usually has the direction of the base, so that its alpha is 0;
-    /// in a standard table it is the last that is.
+    /// Tables of the two conventions look alike. The first frame of a modified table usually has the direction of the base, so
+    /// that its alpha is 0; in a standard table it is the last that is.
     pub fn look_at_table(&mut self, joints: usize) {
         let ([(convention, first), .., (_, last)], true) = (&self.table[..], self.table.len() == joints) else {
             return;

@@ -19,14 +19,15 @@ pub enum Class {
     Energy,
 }
 
-/// A form of a law. Places are `[j]` for functions of the joint's own state, `[j, m]` for a torque on j that depends on m as well, and `[i, k]`, i < k, for gradients on
-/// both.
+/// A form of a law. Places are `[j]` for functions of the joint's own state, `[j, m]` for a torque on j that depends on m as
+/// well, and `[i, k]`, i < k, for gradients on both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// `tau_j = c f(q_j)`.
     Position(OfPosition),
-    /// A spring between two pins, `tau_j = a sin u + b sin u / √(1 − ρ cos u)` with `u = q_j + φ`: stiffness k, free length l, radii r and s make
-    /// `a = k r s`, `b = −k l r s / √(r² + s²)`, `ρ = 2 r s / (r² + s²)`. They cannot all be separated without one known length.
+    /// A spring between two pins, `tau_j = a sin u + b sin u / √(1 − ρ cos u)` with `u = q_j + φ`: stiffness k, free length l,
+    /// radii r and s make `a = k r s`, `b = −k l r s / √(r² + s²)`, `ρ = 2 r s / (r² + s²)`. They cannot all be separated without
+    /// one known length.
     PinSpring,
     /// The gradient of `½ k (q_i + a q_k)²`, with `rest` of `½ k (q_i + a q_k − c)²`.
     Spring {
@@ -79,7 +80,8 @@ pub enum Form {
 
 /// Ratios of two joints that a spring or damper acts on the combination of.
 const RATIO: f64 = 5.0;
-/// Between four fifths of the geometric mean of the radii and none of it: `ρ` of a pin spring beyond which the two pins meet, and below which it is a sine.
+/// Between four fifths of the geometric mean of the radii and none of it: `ρ` of a pin spring beyond which the two pins meet, and
+/// below which it is a sine.
 const PIN: [f64; 2] = [0.05, 0.995];
 
 static ALL: LazyLock<Vec<Form>> = LazyLock::new(listed);
@@ -142,7 +144,8 @@ impl Form {
         self.class() == Class::Energy
     }
 
-    /// Whether it does no work over a closed path: its torque is the gradient of an energy, as far as the joints it acts on say so.
+    /// Whether it does no work over a closed path: its torque is the gradient of an energy, as far as the joints it acts on say
+    /// so.
     pub fn is_conservative(self) -> bool {
         match self {
             Self::Position(_) | Self::PinSpring | Self::Spring { .. } | Self::Bilinear | Self::Combination { .. } => true,
@@ -239,7 +242,8 @@ impl Form {
                 },
             ],
             Self::Spring { .. } | Self::Damper => {
-                // Near zero the second joint takes no part: what it adds to the combination is a twentieth of what the first does, or more.
+                // Near zero the second joint takes no part: what it adds to the combination is a twentieth of what the first
+                // does, or more.
                 let travel = |j: usize| spans[j].range.max(f64::MIN_POSITIVE);
                 let least = (0.05 * travel(joints[0]) / travel(joints[1])).min(0.2);
                 vec![Shape {
@@ -302,8 +306,8 @@ impl Form {
         }
     }
 
-    /// What is reported, in the order of the formula's constants: amplitude and phase of a wave in the place of the coefficients of sine and cosine, and the rest of
-    /// a spring in the place of its torque.
+    /// What is reported, in the order of the formula's constants: amplitude and phase of a wave in the place of the coefficients
+    /// of sine and cosine, and the rest of a spring in the place of its torque.
     pub(super) fn reported(self, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
         let wave = |f: OfPosition| match f.columns() {
             2 => vec![coefficients[0].hypot(coefficients[1]), coefficients[1].atan2(coefficients[0])],

@@ -80,7 +80,8 @@ fn mentions(text: &str, name: &str) -> bool {
     text.split(|c: char| !word(c)).any(|w| w == name)
 }
 
-/// `(joint, value)` to be added to the torques, with numbers for the constants (as [`Effect::reported`](crate::effects::Effect::reported) has them).
+/// `(joint, value)` to be added to the torques, with numbers for the constants (as
+/// [`Effect::reported`](crate::effects::Effect::reported) has them).
 pub fn statements(
     form: Form,
     joints: &[usize],

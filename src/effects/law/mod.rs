@@ -1,8 +1,9 @@
 //! Laws: compact formulas in the joints' positions and speeds, for what no listed effect explains.
 //!
-//! A closed family of forms ([`Form`]), found by the search of [`diagnosis`](crate::diagnosis) and never tried by name: conservative ones are the gradient of one
-//! energy and act on every joint in it; the others are products of a function of position and one of speed, or friction that depends on another joint's speed. A law
-//! is an effect like any other: [`Law`] gives its columns, the number of the form says which formula it is.
+//! A closed family of forms ([`Form`]), found by the search of [`diagnosis`](crate::diagnosis) and never tried by name:
+//! conservative ones are the gradient of one energy and act on every joint in it; the others are products of a function of
+//! position and one of speed, or friction that depends on another joint's speed. A law is an effect like any other: [`Law`] gives
+//! its columns, the number of the form says which formula it is.
 
 mod form;
 mod formula;

@@ -8,8 +8,9 @@ use crate::model::FieldProblem;
 const MOST_TRIED: usize = 8;
 
 impl Definition {
-    /// What is wrong with it whatever robot it serves: names, parameters, ranges, units, the formula. Its units are, if they fit for no combination of turning and
-    /// sliding joints. Whether a robot has its joints shows when it is used ([`OwnEffect::new`]).
+    /// What is wrong with it whatever robot it serves: names, parameters, ranges, units, the formula. Its units are, if they fit
+    /// for no combination of turning and sliding joints. Whether a robot has its joints shows when it is used
+    /// ([`OwnEffect::new`]).
     pub fn faults(&self) -> Vec<FieldProblem> {
         let arm = Arm::spoken_of(self);
         let effect = match OwnEffect::on(self.clone(), &arm) {

@@ -6,7 +6,8 @@ use super::tree::{Operation, Tree, plain_sign};
 /// Points at which a formula that did not simplify to zero is looked at.
 const POINTS: usize = 12;
 
-/// The largest set of `parameters` (symbols) that the formula is linear in together, and zero without; in their order. Of sets of one size the first.
+/// The largest set of `parameters` (symbols) that the formula is linear in together, and zero without; in their order. Of sets of
+/// one size the first.
 pub fn linear_set(tree: &Tree, parameters: &[usize], symbols: usize) -> Vec<usize> {
     let slopes: Vec<Tree> = parameters.iter().map(|&p| derivative(tree, p)).collect();
     let n = parameters.len();

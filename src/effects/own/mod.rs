@@ -1,7 +1,7 @@
 //! Effects that a user defines by a formula.
 //!
-//! `tau_j += f(q, qd, qdd; p)`, read by `parse`, held against its units by `units`. Parameters that f is linear in, all of them together, are coefficients
-//! with columns `∂f/∂p`; the others are shape parameters with the range that the definition gives.
+//! `tau_j += f(q, qd, qdd; p)`, read by `parse`, held against its units by `units`. Parameters that f is linear in, all of them
+//! together, are coefficients with columns `∂f/∂p`; the others are shape parameters with the range that the definition gives.
 
 mod any_robot;
 mod arm;

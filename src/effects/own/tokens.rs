@@ -7,7 +7,8 @@ pub const MOST_CHARACTERS: usize = 300;
 /// Parentheses within each other.
 pub const MOST_NESTED: usize = 32;
 
-/// A formula that the parser reads in one way: a sign at the beginning or after a parenthesis is a difference from zero, so that `-x^2` is `-(x^2)`.
+/// A formula that the parser reads in one way: a sign at the beginning or after a parenthesis is a difference from zero, so that
+/// `-x^2` is `-(x^2)`.
 ///
 /// # Errors
 /// What is wrong, and what to write instead.

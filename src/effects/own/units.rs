@@ -243,7 +243,8 @@ pub struct Checked<'a> {
     pub tree: &'a Tree,
     /// Dimension of every symbol.
     pub symbols: &'a [Dimension],
-    /// Whether a symbol is a further measured quantity: a number that is added to one is in its unit, as the 22 in `temperature - 22`.
+    /// Whether a symbol is a further measured quantity: a number that is added to one is in its unit, as the 22 in
+    /// `temperature - 22`.
     pub channel: &'a dyn Fn(usize) -> bool,
     /// What it is to have.
     pub effort: Dimension,

@@ -23,7 +23,8 @@ pub(in super::super) struct Beside {
     outputs: Vec<Vec<usize>>,
 }
 
-/// Steps of central differences in q, in units of [rad or m]; the fastest ripple known (400 cycles a turn) errs by 3e-6 of its slope there.
+/// Steps of central differences in q, in units of [rad or m]; the fastest ripple known (400 cycles a turn) errs by 3e-6 of its
+/// slope there.
 const POSITION_STEP: f64 = 1e-5;
 /// The step in velocity, as part of the width of the smooth sign: errs by 2e-7 of its slope.
 const VELOCITY_STEP: f64 = 1e-3;
@@ -153,8 +154,8 @@ impl Beside {
         }
     }
 
-    /// Adds the derivative through columns that look at other samples, by the coefficients of the series (rows of `to`), whose parts of the
-    /// motion are the columns of `basis`.
+    /// Adds the derivative through columns that look at other samples, by the coefficients of the series (rows of `to`), whose
+    /// parts of the motion are the columns of `basis`.
     pub fn add_course(&self, motion: &Motion, coulomb: Coulomb, basis: &[Vec<f64>; 3], to: &mut DMatrix<f64>) {
         for group in (0..self.source.0.groups()).filter(|g| !self.source.0.is_local(*g)) {
             for joint in self.source.0.joints(group) {

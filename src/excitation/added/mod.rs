@@ -1,8 +1,8 @@
 //! Columns that stand beside the regressor's: of effects the declared model lacks.
 //!
-//! What they are is the business of whoever hands them in ([`AddedColumns`]); here they join `Y_b` in the Gram matrix, and its derivative is
-//! taken back through them to the motion. Columns of one sample's state are differenced variable by variable, all samples at once;
-//! columns that look at other samples are differenced coefficient by coefficient of the series.
+//! What they are is the business of whoever hands them in ([`AddedColumns`]); here they join `Y_b` in the Gram matrix, and its
+//! derivative is taken back through them to the motion. Columns of one sample's state are differenced variable by variable, all
+//! samples at once; columns that look at other samples are differenced coefficient by coefficient of the series.
 
 mod beside;
 #[cfg(test)]

@@ -42,7 +42,8 @@ fn arm() -> Robot {
     Robot::new("test", Vector3::new(0.0, 2.0, -9.0), joints, friction).unwrap()
 }
 
-/// Every effect that has columns, in every form; on the middle one of its places, with the middle one of the shapes that a search tries.
+/// Every effect that has columns, in every form; on the middle one of its places, with the middle one of the shapes that a search
+/// tries.
 fn terms(robot: &Robot) -> Vec<Term> {
     let mut list = Vec::new();
     // Not every effect has a place on every arm: couplings are between neighbours of a kind.
@@ -212,8 +213,8 @@ fn prop_gradient_goes_through_the_columns_of_every_effect() {
                 weighted(&columns_along(&source, &motion_of(&moved)), &weights)
             };
             let difference = (at(STEP) - at(-STEP)) / (2.0 * STEP);
-            // Columns of distortions are differences themselves: rounding of the torque by the step of the effect and by STEP leaves four
-            // digits of the gradient; a joint or a variable left out is a part of order one.
+            // Columns of distortions are differences themselves: rounding of the torque by the step of the effect and by STEP
+            // leaves four digits of the gradient; a joint or a variable left out is a part of order one.
             assert!(
                 (difference - found[i]).abs() <= 1e-3 * most,
                 "{term:?} coefficient {i}: {difference} {}, the largest is {most}",

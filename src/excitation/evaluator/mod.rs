@@ -31,8 +31,8 @@ pub(super) struct Evaluator<'a> {
     problem: &'a Problem,
     variables: &'a Variables,
     columns: ColumnSet,
-    /// Weight of every joint's rows in M: one for the condition number of a trajectory alone; otherwise `1/σ²` times the measurements that a
-    /// sample stands for.
+    /// Weight of every joint's rows in M: one for the condition number of a trajectory alone; otherwise `1/σ²` times the
+    /// measurements that a sample stands for.
     row_weights: Vec<f64>,
     basis: Arc<Basis>,
     /// What is known beside the motion.
@@ -45,7 +45,8 @@ pub(super) struct Evaluator<'a> {
     gradient: MotionGradient,
 }
 
-/// Numbers that the rows of one block of samples hold, 4 MB: what a core keeps near itself, and what a thread of a search holds twice, whatever the number of samples.
+/// Numbers that the rows of one block of samples hold, 4 MB: what a core keeps near itself, and what a thread of a search holds
+/// twice, whatever the number of samples.
 const BLOCK_NUMBERS: usize = 500_000;
 
 /// Values of the harmonics at the samples, for q, qd and qdd: `stride × (2L + 1)` column-major, zero in the padding.
@@ -162,7 +163,8 @@ impl<'a> Evaluator<'a> {
                 .iter_mut()
                 .for_each(|q| *q += rest);
         }
-        // At rest by (14c), but for rounding, which would give Coulomb friction a direction; what is returned is rounded so that it has none.
+        // At rest by (14c), but for rounding, which would give Coulomb friction a direction; what is returned is rounded so that
+        // it has none.
         if self.problem.spec().start == Start::Zero {
             self.motion.qd.iter_mut().step_by(stride).for_each(|v| *v = 0.0);
         }

@@ -4,7 +4,8 @@ use super::Evaluator;
 use crate::dynamics::Coulomb;
 
 impl Evaluator<'_> {
-    /// Largest torque of every joint over what it is allowed, at the samples of `x` with the true sign; none without torque limits.
+    /// Largest torque of every joint over what it is allowed, at the samples of `x` with the true sign; none without torque
+    /// limits.
     fn torque_used(&mut self, x: &[f64]) -> Vec<f64> {
         self.set_motion(&self.variables.project(x).coefficients);
         let Some(limits) = self.problem.torque() else {
@@ -47,7 +48,8 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Adds the filled block's part of `penalty · mean over samples of Σ_j max(0, |τ_j|/allowed_j − 1)²`: its derivative by Y to the weights, its value to the criterion.
+    /// Adds the filled block's part of `penalty · mean over samples of Σ_j max(0, |τ_j|/allowed_j − 1)²`: its derivative by Y to
+    /// the weights, its value to the criterion.
     pub(super) fn add_torque_excess(&mut self, penalty: f64) -> f64 {
         let Some(limits) = self.problem.torque() else { return 0.0 };
         let (stride, samples) = (self.block.stride(), self.block.samples());

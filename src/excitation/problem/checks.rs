@@ -4,8 +4,8 @@ use super::{Criterion, Given, ProblemSpec};
 use crate::model::{FieldProblem, INPUT_LIMITS, ModelError, shortest};
 use crate::trajectory::{Trajectory, sample_count};
 
-/// Numbers that one evaluation goes through: beyond this it takes so long that a search learns nothing and cannot stop within a second. The iiwa 14
-/// has room for 10,300 samples, a period of 10 s at 1 kHz.
+/// Numbers that one evaluation goes through: beyond this it takes so long that a search learns nothing and cannot stop within a
+/// second. The iiwa 14 has room for 10,300 samples, a period of 10 s at 1 kHz.
 const LARGEST_EVALUATION: usize = 9_000_000;
 
 /// Of one sample: the rows of all joints and their weights, motion and its gradient, and the series with its derivatives.

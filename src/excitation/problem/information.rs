@@ -12,8 +12,8 @@ use nalgebra::DMatrix;
 impl Problem {
     /// What the search adds to the information of a motion; `None` where nothing is.
     ///
-    /// Between rivals it is what is known of all other parameters: else the best motion could be one that tells them apart only beside the data so
-    /// far, and whatever changed between the two recordings would pass for one of them.
+    /// Between rivals it is what is known of all other parameters: else the best motion could be one that tells them apart only
+    /// beside the data so far, and whatever changed between the two recordings would pass for one of them.
     pub(in super::super) fn known_before(&self) -> Option<DMatrix<f64>> {
         match self.spec.criterion {
             Criterion::RivalEvidence => self.given.is_some().then(|| self.given_of_others()),
@@ -107,8 +107,8 @@ impl Problem {
         total
     }
 
-    /// Triangular factors of `[Y_b, C]` of one period on the asked samples, and of the same with every row over the noise of its joint: what is a matter of
-    /// lengths and angles of columns is that of the factor, which has as many rows as columns.
+    /// Triangular factors of `[Y_b, C]` of one period on the asked samples, and of the same with every row over the noise of its
+    /// joint: what is a matter of lengths and angles of columns is that of the factor, which has as many rows as columns.
     pub(in super::super) fn factors(&self, series: &FourierSeries) -> [DMatrix<f64>; 2] {
         let mut factors = [(); 2].map(|()| DMatrix::zeros(self.columns(), self.columns()));
         self.for_period(series, |y, whitened| {
@@ -153,7 +153,8 @@ fn factor_of(upper: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {
     both.qr().r()
 }
 
-/// Of a positive semidefinite matrix scaled to a unit diagonal; directions below 1e-10 of the largest are those in which rivals are the same.
+/// Of a positive semidefinite matrix scaled to a unit diagonal; directions below 1e-10 of the largest are those in which rivals
+/// are the same.
 fn pseudo_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let scale = matrix.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
     let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)] * scale[r] * scale[c]);

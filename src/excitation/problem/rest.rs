@@ -71,8 +71,8 @@ impl Problem {
         })
     }
 
-    /// Where the coefficients of `joint` scale from: the start position, or the middle of the range when the start is free, or where limits along
-    /// the path do not allow that another posture that they do.
+    /// Where the coefficients of `joint` scale from: the start position, or the middle of the range when the start is free, or
+    /// where limits along the path do not allow that another posture that they do.
     pub fn rest_position(&self, joint: usize) -> f64 {
         if let Some(rest) = &self.elsewhere {
             return rest[joint];

@@ -8,8 +8,8 @@ use crate::model::Robot;
 use crate::trajectory::FourierSeries;
 use nalgebra::DMatrix;
 
-/// What makes one trajectory better than another; all are functions of the Gram matrix `M = Y_bᵀ Y_b`, the columns of effects beside those of
-/// `Y_b` where there are any, and are minimised.
+/// What makes one trajectory better than another; all are functions of the Gram matrix `M = Y_bᵀ Y_b`, the columns of effects
+/// beside those of `Y_b` where there are any, and are minimised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
     /// `cond(Y_b) = sqrt(λ_max / λ_min)`, the paper's (13).
@@ -22,7 +22,8 @@ pub enum Criterion {
     AOptimality,
     /// `sqrt(tr(M⁻¹ C)/n)`, C the mean of `Y_bᵀ Y_b` over random states inside the limits: the expected torque-prediction error.
     IOptimality,
-    /// One over the root of the expected BIC difference between two explanations of a residual ([`crate::excitation::Rivals`]), in the worse of the two cases.
+    /// One over the root of the expected BIC difference between two explanations of a residual ([`crate::excitation::Rivals`]),
+    /// in the worse of the two cases.
     RivalEvidence,
 }
 
@@ -110,8 +111,8 @@ pub struct ProblemSpec {
     pub start: Start,
     /// Position of every joint at the start [rad or m]; for `None` zero where the limits allow it, else the middle of the range.
     pub start_position: Option<Vec<f64>>,
-    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies and the optimality criteria; for
-    /// `None` one unit on every joint.
+    /// Standard deviation of the torque noise of every joint [N·m or N], for predicted accuracies and the optimality criteria;
+    /// for `None` one unit on every joint.
     pub torque_noise: Option<Vec<f64>>,
     /// Limits on the torques that the robot's prior parameters predict.
     pub torque: Option<TorqueLimits>,

@@ -1,20 +1,21 @@
 //! Two explanations of one residual, and how well a motion tells them apart.
 //!
-//! If effect A is what moves the arm, the log holds `C_A a` beside `Y_b π_b` and the other effects. A fit with its rival B in A's place takes over
-//! what the columns of `Y_b`, of the other effects and of B can imitate; the rest stays as a weighted sum of squares
+//! If effect A is what moves the arm, the log holds `C_A a` beside `Y_b π_b` and the other effects. A fit with its rival B in A's
+//! place takes over what the columns of `Y_b`, of the other effects and of B can imitate; the rest stays as a weighted sum of
+//! squares
 //!
 //! ```text
 //! E_A = min_z ‖W (C_A a − R z)‖²,   R = [Y_b, others, C_B],   W = 1/σ_j
 //! ```
 //!
-//! which is the expectation of twice the logarithm of the likelihood ratio between the two, up to the chance part that each further free
-//! parameter takes off any residual (one per parameter). A parameter that columns are not linear in stands in R with its derivative at its present value. The
-//! motion is as good as its worse direction: `min(E_A, E_B)`.
+//! which is the expectation of twice the logarithm of the likelihood ratio between the two, up to the chance part that each
+//! further free parameter takes off any residual (one per parameter). A parameter that columns are not linear in stands in R with
+//! its derivative at its present value. The motion is as good as its worse direction: `min(E_A, E_B)`.
 //!
-//! An effect that is a special case of the other (an offset, of a spring with any rest angle) leaves nothing over if it is true, whatever the motion: only
-//! parsimony then speaks against the other. Unless the other is a real thing within borders only (a spring with its rest within a turn): then what counts is
-//! what the best of those at the border does not explain, since any nearer to the special case is none. Where there are no borders that direction is left out
-//! of the minimum.
+//! An effect that is a special case of the other (an offset, of a spring with any rest angle) leaves nothing over if it is true,
+//! whatever the motion: only parsimony then speaks against the other. Unless the other is a real thing within borders only (a
+//! spring with its rest within a turn): then what counts is what the best of those at the border does not explain, since any
+//! nearer to the special case is none. Where there are no borders that direction is left out of the minimum.
 
 #[cfg(test)]
 mod tests;
@@ -29,7 +30,8 @@ pub struct Hypothesis {
     pub columns: Range<usize>,
     /// What stands on them if it is true: coefficients as found; zero on derivatives by shapes.
     pub values: Vec<f64>,
-    /// Directions of its coefficients at the border of what is a real thing, where beyond it is the other one; none where the other is no limit of it.
+    /// Directions of its coefficients at the border of what is a real thing, where beyond it is the other one; none where the
+    /// other is no limit of it.
     pub borders: Vec<Vec<f64>>,
 }
 
@@ -68,8 +70,8 @@ impl ExpectedEvidence {
         if least.is_finite() { least } else { 0.0 }
     }
 
-    /// Whether tracing will exclude the wrong one of the two, whichever it is: at `decisive`, or at three standard deviations where the true one is
-    /// a special case of the other.
+    /// Whether tracing will exclude the wrong one of the two, whichever it is: at `decisive`, or at three standard deviations
+    /// where the true one is a special case of the other.
     pub fn decides(&self, decisive: f64) -> bool {
         let enough = |(evidence, nested): (f64, bool)| evidence >= if nested { BEYOND_THE_BORDER } else { decisive };
         self.counts != [false; 2] && self.cases().all(enough)
@@ -83,8 +85,8 @@ impl ExpectedEvidence {
     }
 }
 
-/// What is left of an effect is nothing when it is less than this part of it: a ridge of 1e-12 and rounding of the Gram matrix are less, and what is
-/// to be seen at all is more.
+/// What is left of an effect is nothing when it is less than this part of it: a ridge of 1e-12 and rounding of the Gram matrix
+/// are less, and what is to be seen at all is more.
 const NESTED: f64 = 1e-8;
 
 /// Part of a scaled column's square that counts as rounding: exactly dependent columns need no share of the residual.
@@ -105,7 +107,8 @@ impl Rivals {
         }
     }
 
-    /// Whether a residual is possible if the finding (0) or the rival (1) is true; of two that are alike, whatever rounding leaves.
+    /// Whether a residual is possible if the finding (0) or the rival (1) is true; of two that are alike, whatever rounding
+    /// leaves.
     fn counts(&self, i: usize) -> bool {
         let other = [&self.rival, &self.finding][i];
         !self.nested[i] || self.nested == [true, true] || !other.borders.is_empty()

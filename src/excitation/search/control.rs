@@ -47,10 +47,10 @@ pub trait Control: Sync {
     fn halt(&self) -> Option<Halt>;
     /// Called after every local solve.
     fn progress(&self, progress: &Progress);
-    /// Called after every round with what a search that goes on from here would need.
+    /// Called after every round with what a search that continues from here would need.
     fn found(&self, _found: &Found) {}
-    /// Asked at the beginning and at the end of every epoch for what other searches of the same problem have found since it was last
-    /// asked. An answer that depends on how fast others are makes this search depend on it too.
+    /// Asked at the beginning and at the end of every epoch for what other searches of the same problem have found since it was
+    /// last asked. An answer that depends on how fast others are makes this search depend on it too.
     fn others(&self) -> Vec<Point> {
         Vec::new()
     }

@@ -1,11 +1,12 @@
 //! Global search: local solves from random starts, then around the best points found.
 //!
-//! The search goes in epochs ([`super::epoch`]). An epoch opens with random starts, keeps a small pool of the best niches and hops on
-//! from those until nothing has improved for a while; its best point is a champion. As soon as there are two, every second epoch starts
-//! from the champions instead. Searches of one problem that run beside each other hand each other their champions at the end of every
-//! epoch, and one that was broken off goes on from those it had. Work is done in rounds of a fixed number of jobs, each with random numbers made from (seed, round, job),
-//! and a round's results are merged in job order: the answer depends on the seed and the number of evaluations alone, not on the number
-//! of threads or on which finished first. Only time and cancellation end a round early.
+//! The search goes in epochs ([`super::epoch`]). An epoch opens with random starts, keeps a small pool of the best niches and
+//! hops on from those until nothing has improved for a while; its best point is a champion. As soon as there are two, every
+//! second epoch starts from the champions instead. Searches of one problem that run beside each other hand each other their
+//! champions at the end of every epoch, and one that was broken off continues from those it had. Work is done in rounds of a
+//! fixed number of jobs, each with random numbers made from (seed, round, job), and a round's results are merged in job order:
+//! the answer depends on the seed and the number of evaluations alone, not on the number of threads or on which finished first.
+//! Only time and cancellation end a round early.
 
 mod control;
 mod run;
@@ -28,13 +29,14 @@ use std::sync::Mutex;
 
 /// Minimises the criterion over all admissible trajectories.
 ///
-/// Ends when `control` says so, when evaluations run out, or, with neither limit in sight, when all starts are used and two epochs in
-/// a row have found nothing better. The result meets every constraint whatever ended the search.
+/// Ends when `control` says so, when evaluations run out, or, with neither limit in sight, when all starts are used and two
+/// epochs in a row have found nothing better. The result meets every constraint whatever ended the search.
 pub fn search(problem: &Problem, options: &SearchOptions, control: &dyn Control) -> Design {
     search_from(problem, options, None, control)
 }
 
-/// [`search`], going on from an earlier trajectory, which may come from another problem: it is brought within the limits of this one.
+/// [`search`], continued from an earlier trajectory, which may come from another problem: it is brought within the limits of
+/// this one.
 ///
 /// # Panics
 /// If `earlier` has another number of joints than the robot.
@@ -142,7 +144,8 @@ pub fn search_from(problem: &Problem, options: &SearchOptions, earlier: Option<&
     }
 }
 
-/// A random trajectory within every limit, the `index`-th of a seed: where the search begins, and something to compare designs with.
+/// A random trajectory within every limit, the `index`-th of a seed: where the search begins, and something to compare designs
+/// with.
 ///
 /// Limits along the path are met by drawing it in. `None` where the arm cannot even stand where the motion starts.
 pub fn random_design(problem: &Problem, seed: u64, index: usize) -> Option<FourierSeries> {

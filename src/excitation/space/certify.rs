@@ -1,8 +1,8 @@
 //! Proof that a trajectory keeps its distances at all times, between samples too.
 //!
-//! A distance changes at most as fast as the points of its bodies move. Joint k moves a point no faster than its largest velocity times
-//! the farthest that the point can be from its axis, so a distance has a Lipschitz constant; an interval of time whose middle is far enough is
-//! done, and others are halved until their length is worth less than [`FINEST`].
+//! A distance changes at most as fast as the points of its bodies move. Joint k moves a point no faster than its largest velocity
+//! times the farthest that the point can be from its axis, so a distance has a Lipschitz constant; an interval of time whose
+//! middle is far enough is done, and others are halved until their length is worth less than [`FINEST`].
 
 use super::distance::poses;
 use super::pairs::{Against, Pair, SpaceSet};

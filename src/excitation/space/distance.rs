@@ -25,7 +25,8 @@ pub(super) struct Distance {
     pub value: f64,
     /// From the second body to the first, unit length.
     pub normal: Vector3<f64>,
-    /// Nearest point of the first body, and of the second, in the base frame; on the segment or the surface, all move with the body.
+    /// Nearest point of the first body, and of the second, in the base frame; on the segment or the surface, all move with the
+    /// body.
     pub points: [Vector3<f64>; 2],
 }
 

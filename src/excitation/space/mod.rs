@@ -1,8 +1,8 @@
 //! Where the arm may be: off the floor, the table, the wall, and off itself.
 //!
 //! Links are capsules. Every pair of a link's capsule and an obstacle, or of two links' capsules, has a distance whose derivative
-//! by the joint positions is exact; the search keeps it above the clearance like a torque below its limit ([`super::path`]), and a
-//! finished trajectory is proven to keep it at all times ([`certify`]).
+//! by the joint positions is exact; the search keeps it above the clearance like a torque below its limit ([`super::path`]), and
+//! a finished trajectory is proven to keep it at all times ([`certify`]).
 
 mod certify;
 mod distance;
@@ -56,5 +56,6 @@ pub struct SelfCollision {
     pub ignored: Vec<(usize, usize)>,
 }
 
-/// Clearance where none is asked for (m): what paths of real arms deviate from commanded ones at full speed, and play in a model's shapes.
+/// Clearance where none is asked for (m): what paths of real arms deviate from commanded ones at full speed, and play in a
+/// model's shapes.
 pub const DEFAULT_CLEARANCE_M: f64 = 0.02;

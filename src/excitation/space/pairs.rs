@@ -61,7 +61,8 @@ impl SpaceSet {
         all.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Adds `penalty · mean over samples of Σ_pairs (max(0, clearance − distance)/LENGTH)²` and its derivative by q (joint-major, padded).
+    /// Adds `penalty · mean over samples of Σ_pairs (max(0, clearance − distance)/LENGTH)²` and its derivative by q (joint-major,
+    /// padded).
     pub fn add_excess(&self, robot: &Robot, motion: &Motion, penalty: f64, to_q: &mut [f64]) -> f64 {
         let (mut frames, mut total) = (Vec::new(), 0.0);
         let weight = penalty / motion.samples() as f64;
@@ -207,7 +208,8 @@ fn always_touch(robot: &Robot, pair: &Pair) -> bool {
     })
 }
 
-/// A pair that is apart in one posture of a hundred is missed with probability 0.99^200 = 13 %; such pairs are next to never apart anyway.
+/// A pair that is apart in one posture of a hundred is missed with probability 0.99^200 = 13 %; such pairs are next to never
+/// apart anyway.
 const RANDOM_POSTURES: usize = 200;
 
 fn anywhere(joint: &Joint, rng: &mut ChaCha8Rng) -> f64 {

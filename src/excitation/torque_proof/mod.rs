@@ -1,9 +1,9 @@
 //! Proof that torques stay within limits at all times, between samples too.
 //!
-//! Between two moments Δ apart a function differs from its chord by at most `sup|f''| Δ²/8`. The second derivative of every joint's torque is
-//! bounded by the recursion of Newton and Euler carried out on bounds: a quantity is a list of bounds on the norms of its first few
-//! derivatives in time, products follow Leibniz, and a vector fixed in a link has `ṙ = ω × r`. Intervals whose bound matters are halved until
-//! it does not.
+//! Between two moments Δ apart a function differs from its chord by at most `sup|f''| Δ²/8`. The second derivative of every
+//! joint's torque is bounded by the recursion of Newton and Euler carried out on bounds: a quantity is a list of bounds on the
+//! norms of its first few derivatives in time, products follow Leibniz, and a vector fixed in a link has `ṙ = ω × r`. Intervals
+//! whose bound matters are halved until it does not.
 
 mod bounds;
 
@@ -15,7 +15,8 @@ use crate::trajectory::{FourierSeries, Trajectory};
 
 /// Samples per harmonic that a proof begins with.
 const SAMPLES: usize = 1000;
-/// What a certified peak may lie above the largest sample, as part of what is allowed; a tenth of the 0.1 % that a proof may cost.
+/// What a certified peak may lie above the largest sample, as part of what is allowed; a tenth of the 0.1 % that a proof may
+/// cost.
 const FINE: f64 = 1e-4;
 /// Intervals are halved at most so often: a two-thousandth of a millisecond in a period of 10 s at order 5.
 const HALVINGS: usize = 12;

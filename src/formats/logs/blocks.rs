@@ -1,5 +1,5 @@
-//! A file, a block of whole lines at a time: while some threads turn one batch of blocks into columns, another takes up the columns of the
-//! batch before and reads (and unpacks) the next.
+//! A file, a block of whole lines at a time: while some threads turn one batch of blocks into columns, another takes up the
+//! columns of the batch before and reads (and unpacks) the next.
 
 use super::rows::{Part, RowShape};
 use crate::model::INPUT_LIMITS;
@@ -114,8 +114,8 @@ impl Batch {
     }
 }
 
-/// Fills `text` with whole lines, or what is left at the end of the file; false when nothing is. `carry` has the beginning of the line that
-/// the block before cut.
+/// Fills `text` with whole lines, or what is left at the end of the file; false when nothing is. `carry` has the beginning of the
+/// line that the block before cut.
 fn fill(text: &mut Vec<u8>, bytes: &mut impl Read, carry: &mut Vec<u8>) -> Result<bool, (Broken, u64)> {
     text.clear();
     text.append(carry);

@@ -1,7 +1,9 @@
-//! How a table of text is written: where its rows begin, what separates fields, which sign the decimals have, and where its names stand.
+//! How a table of text is written: where its rows begin, what separates fields, which sign the decimals have, and where its names
+//! stand.
 //!
-//! Rows are the judges: the separator and the decimal sign are those by which most fields of the first lines are numbers, in rows of one length.
-//! The names stand in the last line before them that has as many fields and is none of numbers; a line of units may stand between.
+//! Rows are the judges: the separator and the decimal sign are those by which most fields of the first lines are numbers, in rows
+//! of one length. The names stand in the last line before them that has as many fields and is none of numbers; a line of units
+//! may stand between.
 
 use super::fields::{Row, number_of};
 use super::names::{Named, factor, known_time, time_unit};
@@ -204,7 +206,8 @@ fn texts(fields: Vec<Vec<u8>>) -> Vec<String> {
     fields.iter().map(text).collect()
 }
 
-/// Names that fit rows of `fields` fields: as many, or one fewer or more where the odd one is that of numbered rows or of a separator at the end.
+/// Names that fit rows of `fields` fields: as many, or one fewer or more where the odd one is that of numbered rows or of a
+/// separator at the end.
 fn fitted(mut names: Vec<String>, fields: usize, row: &[u8], delimiter: u8) -> Option<Vec<String>> {
     if names.len() == fields + 1 && names.last().is_some_and(String::is_empty) {
         names.pop();

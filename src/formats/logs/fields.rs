@@ -22,8 +22,8 @@ impl Row {
         self.ends.push(line.len());
     }
 
-    /// A line with quotation marks goes the long way. Rows of numbers have no line ends within a field, so a mark without its partner
-    /// spoils its own line and no other.
+    /// A line with quotation marks goes the long way. Rows of numbers have no line ends within a field, so a mark without its
+    /// partner spoils its own line and no other.
     pub fn split_quoted(&mut self, line: &[u8], delimiter: u8) {
         self.is_quoted = true;
         let tight = without_blanks_before_quotes(line, delimiter);

@@ -1,7 +1,7 @@
 //! Texts whose fields are lists: `"[0.1, -0.2, 0.3]"` below `actual_q`, as pandas, NumPy and JSON write them.
 //!
-//! Lists are taken apart before anything else looks at the text: a list of three below `actual_q` becomes `actual_q[0]`, `actual_q[1]`, `actual_q[2]`.
-//! Lines stay lines.
+//! Lists are taken apart before anything else looks at the text: a list of three below `actual_q` becomes `actual_q[0]`,
+//! `actual_q[1]`, `actual_q[2]`. Lines stay lines.
 
 use super::dialect::is_comment;
 use std::io::{self, BufRead, Read};

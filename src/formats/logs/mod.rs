@@ -1,8 +1,9 @@
 //! Reading logs: tables of text in any dialect, NPZ, MATLAB, Parquet, MCAP and rosbag2, plain or packed by gzip or Zstandard.
 //!
-//! What a file is, its first bytes say (`kind`). Of a text, `dialect` finds separator, decimal sign and header; `names` knows the columns of well-known
-//! programs. [`read_log`] streams the rows into columns of doubles (`blocks`: several threads parse while another reads), `time_base` lays them onto a uniform grid in time, and whatever was
-//! found on the way (garbage, repeats, gaps, jitter) is reported in the [`LogReport`] with the line numbers and what was done.
+//! What a file is, its first bytes say (`kind`). Of a text, `dialect` finds separator, decimal sign and header; `names` knows the
+//! columns of well-known programs. [`read_log`] streams the rows into columns of doubles (`blocks`: several threads parse while
+//! another reads), `time_base` lays them onto a uniform grid in time, and whatever was found on the way (garbage, repeats, gaps,
+//! jitter) is reported in the [`LogReport`] with the line numbers and what was done.
 
 #[cfg(feature = "formats")]
 mod binary;

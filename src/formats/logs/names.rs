@@ -1,8 +1,8 @@
 //! Names of columns: units within them, and the names that well-known programs give to the quantities of joints.
 //!
 //! Names are compared by their last component, without separators and in lower case: `actual_q_0`, `field.position0`,
-//! `/joint_states/panda_joint1/position`, `axisQMsr_LBR_iiwa_1` and `q[3]` each name a quantity and a joint. Commanded, desired and target values are never
-//! taken: they say nothing of the robot.
+//! `/joint_states/panda_joint1/position`, `axisQMsr_LBR_iiwa_1` and `q[3]` each name a quantity and a joint. Commanded, desired
+//! and target values are never taken: they say nothing of the robot.
 
 use super::columns::{Quantity, TimeUnit};
 
@@ -16,7 +16,8 @@ pub(super) struct Named {
     pub unit: Option<String>,
     /// Columns of one stream have their rows in common; a table is one stream.
     pub stream: usize,
-    /// Whether the column is of something that is not known to be about joints: where others have a quantity, it is not looked for here.
+    /// Whether the column is of something that is not known to be about joints: where others have a quantity, it is not looked
+    /// for here.
     pub is_other: bool,
 }
 
@@ -264,8 +265,8 @@ fn squeezed(name: &str) -> String {
         .collect()
 }
 
-/// The column of every joint for `quantity`, by the names of known programs: all of them from one group of names, or nothing. Currents
-/// stand for torques where `currents` says that they are converted.
+/// The column of every joint for `quantity`, by the names of known programs: all of them from one group of names, or nothing.
+/// Currents stand for torques where `currents` says that they are converted.
 pub(super) fn known(names: &[Named], quantity: Quantity, joints: &[String], currents: bool) -> Option<Vec<usize>> {
     let words = match quantity {
         Quantity::Position => POSITIONS,

@@ -1,7 +1,8 @@
 //! Numbers that no arm measures.
 //!
-//! A column can hold any double. What is beyond every arm is either one row among many (a stray packet, a placeholder such as 1e300), which is dropped and reported, or the
-//! whole column is another quantity or in another unit, which is refused. Nothing that comes after has to live with squares and differences that overflow.
+//! A column can hold any double. What is beyond every arm is either one row among many (a stray packet, a placeholder such as
+//! 1e300), which is dropped and reported, or the whole column is another quantity or in another unit, which is refused. Nothing
+//! that comes after has to live with squares and differences that overflow.
 
 use super::LogError;
 use super::columns::Quantity;
@@ -23,8 +24,8 @@ impl Quantity {
 
 /// Drops the rows with values beyond those of arms, in SI, and reports them.
 ///
-/// A torque column that is none throughout stays: the joint is left out by name, and the others are not affected. Its values are brought to where sums of their squares are
-/// still numbers.
+/// A torque column that is none throughout stays: the joint is left out by name, and the others are not affected. Its values are
+/// brought to where sums of their squares are still numbers.
 ///
 /// # Errors
 /// [`LogError::Implausible`]: a column of positions or velocities of which more than one row in twenty is beyond.

@@ -36,8 +36,8 @@ pub fn read_log_file(path: &Path, columns: &Columns, joints: &[String]) -> Resul
     read_joined_log(path, &[], columns, joints)
 }
 
-/// Reads the log in the file at `path`, with the quantities that `columns` places in other files, row by row: `others` has the name and
-/// the path of every file there is.
+/// Reads the log in the file at `path`, with the quantities that `columns` places in other files, row by row: `others` has the
+/// name and the path of every file there is.
 ///
 /// # Errors
 /// As [`read_log`]; a file that cannot be opened or is not among `others`, or that has another number of rows.
@@ -118,7 +118,8 @@ pub(super) fn open(path: &Path) -> Result<Source<File>, LogError> {
 
 /// Reads the log of the robot whose joints are called `joints`, all of it in one file.
 ///
-/// Rows of text are streamed: nothing is held but the columns that are used. What the file is, and whether it is packed, its first bytes say.
+/// Rows of text are streamed: nothing is held but the columns that are used. What the file is, and whether it is packed, its
+/// first bytes say.
 ///
 /// # Errors
 /// [`LogError`]: unreadable, empty or cut off, columns missing, too much garbage, time running backwards, too many gaps.

@@ -123,8 +123,9 @@ impl RowShape {
         }
     }
 
-    /// Reads the line at the beginning of `text` in one go, every number up to where it ends by itself, and returns the line's length with its
-    /// end. `None` for any line that is not the right number of fields with plain numbers where they are read: it is looked at field by field.
+    /// Reads the line at the beginning of `text` in one go, every number up to where it ends by itself, and returns the line's
+    /// length with its end. `None` for any line that is not the right number of fields with plain numbers where they are read: it
+    /// is looked at field by field.
     fn plain_row(&self, text: &[u8], fields: &mut [f64]) -> Option<usize> {
         if matches!(text[0], b'#' | b'\r' | b'\n') {
             return None;

@@ -96,7 +96,8 @@ impl Table {
         Ok(())
     }
 
-    /// Makes room for as many rows as the file has left if they go on as in `part`: columns that grow by and by are copied every time.
+    /// Makes room for as many rows as the file has left if they go on as in `part`: columns that grow by and by are copied every
+    /// time.
     fn reserve(&mut self, part: &Part) {
         self.bytes_left = self.bytes_left.saturating_sub(part.bytes as u64);
         if self.lines.capacity() - self.lines.len() >= part.lines.len() {

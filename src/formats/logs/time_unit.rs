@@ -1,7 +1,7 @@
 //! The unit of time stamps.
 //!
-//! Controllers and ROS stamp in milliseconds, microseconds or nanoseconds, often since 1970. Rates of motions lie within two and a half decades, and
-//! units are three decades apart: the stamps themselves say which it is.
+//! Controllers and ROS stamp in milliseconds, microseconds or nanoseconds, often since 1970. Rates of motions lie within two and
+//! a half decades, and units are three decades apart: the stamps themselves say which it is.
 
 use super::columns::{Columns, TimeUnit};
 use super::report::{Finding, FindingKind};

@@ -12,8 +12,8 @@ use nalgebra::DMatrix;
 /// The form of `smooth_coulomb_friction` that MuJoCo computes.
 const SOFT_CONSTRAINT: usize = 2;
 
-/// `timeconst` and damping ratio of MuJoCo's friction constraints (s, 1): the shortest that MuJoCo allows at its usual time step of 2 ms, so that
-/// friction follows the speed as closely as it can.
+/// `timeconst` and damping ratio of MuJoCo's friction constraints (s, 1): the shortest that MuJoCo allows at its usual time step
+/// of 2 ms, so that friction follows the speed as closely as it can.
 pub(super) const SOLREF: [f64; 2] = [0.004, 1.0];
 /// Impedance of those constraints: the largest that MuJoCo takes. What is left out of 1 makes friction soft.
 pub(super) const IMPEDANCE: f64 = 0.9999;
@@ -79,8 +79,8 @@ impl FinalModel {
             .product()
     }
 
-    /// The robot with gravity as a tilted base has it, and with every encoder's offset in the frame behind it: the same torques at the positions that
-    /// the encoders show.
+    /// The robot with gravity as a tilted base has it, and with every encoder's offset in the frame behind it: the same torques
+    /// at the positions that the encoders show.
     pub(super) fn absorbed(&self) -> Robot {
         self.try_absorbed().expect("models are read only where this is a robot")
     }

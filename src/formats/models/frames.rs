@@ -41,7 +41,8 @@ pub(crate) fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
     [r[(2, 1)].atan2(r[(2, 2)]), pitch, r[(1, 0)].atan2(r[(0, 0)])]
 }
 
-/// Gravity in the root frame of the file that `urdf` writes [m/s²]: URDF has none of its own, and every simulator lets it point along −z.
+/// Gravity in the root frame of the file that `urdf` writes [m/s²]: URDF has none of its own, and every simulator lets it point
+/// along −z.
 pub fn urdf_gravity(robot: &Robot) -> Vector3<f64> {
     Vector3::new(0.0, 0.0, -robot.gravity().norm())
 }

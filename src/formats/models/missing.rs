@@ -49,7 +49,8 @@ pub(super) const PATCHED: &str = "patched_urdf";
 type Sizes = (Vec<f64>, Vec<f64>);
 
 impl FinalModel {
-    /// Measures what the formats do not hold: `model` is this model with base parameters, `logs` are those that it was identified from.
+    /// Measures what the formats do not hold: `model` is this model with base parameters, `logs` are those that it was identified
+    /// from.
     pub fn measure(&mut self, model: &AugmentedModel, logs: &[Stretch]) {
         let whole: Vec<Torques> = logs.iter().map(|log| model.predict(log)).collect();
         let with = |terms: Vec<Term>| AugmentedModel { terms, ..model.clone() };

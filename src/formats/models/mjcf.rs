@@ -1,7 +1,8 @@
 //! The model as MJCF (MuJoCo).
 //!
-//! Damping, Coulomb friction, rotor inertia and springs stand on the joints; a coupling of two joints is a tendon. Every joint has an actuator whose control is the
-//! torque as it was measured: constant torques and gains are its bias and gain. Inverse dynamics then are `ctrl = (qfrc_inverse − bias)/gain`.
+//! Damping, Coulomb friction, rotor inertia and springs stand on the joints; a coupling of two joints is a tendon. Every joint
+//! has an actuator whose control is the torque as it was measured: constant torques and gains are its bias and gain. Inverse
+//! dynamics then are `ctrl = (qfrc_inverse − bias)/gain`.
 
 use super::effects_held::{IMPEDANCE, SOLREF, coupling_ratio};
 use super::frames::{Described, described, number, triple};

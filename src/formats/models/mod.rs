@@ -1,7 +1,8 @@
-//! The identified model in the formats of simulators and controllers: bodies and the effects that were found, as far as a format holds them.
+//! The identified model in the formats of simulators and controllers: bodies and the effects that were found, as far as a format
+//! holds them.
 //!
-//! Every format is made from the JSON model, so that a stored model leaves in any of them. What a format cannot hold is reported by the
-//! torque that is missing in it along the identification logs ([`Missing`]), in the JSON model and at the top of the file.
+//! Every format is made from the JSON model, so that a stored model leaves in any of them. What a format cannot hold is reported
+//! by the torque that is missing in it along the identification logs ([`Missing`]), in the JSON model and at the top of the file.
 
 mod effects_held;
 pub(crate) mod frames;

@@ -6,7 +6,8 @@ use super::source_channels::SourceChannels;
 use crate::effects::{ChannelVariable, Effect, OwnEffect, SourceNames, Statements as EffectStatements, Written};
 use crate::regression::Term;
 
-/// What an effect adds, in terms of `q, qd, qdd` (with encoder offsets in `q`), `rigid` (torques of the bodies) and `declared` (with friction).
+/// What an effect adds, in terms of `q, qd, qdd` (with encoder offsets in `q`), `rigid` (torques of the bodies) and `declared`
+/// (with friction).
 pub(super) struct Statements {
     pub comment: String,
     /// Onto `tau`.

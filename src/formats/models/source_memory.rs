@@ -1,6 +1,7 @@
 //! Effects with memory in source code: hysteresis, elasticity and delay, over a whole motion or sample by sample.
 //!
-//! Both languages follow [`AugmentedModel::predict`](crate::regression::AugmentedModel::predict) on a motion that does not repeat, step by step.
+//! Both languages follow [`AugmentedModel::predict`](crate::regression::AugmentedModel::predict) on a motion that does not
+//! repeat, step by step.
 
 use super::FinalModel;
 use super::source::{literal, literals};
@@ -20,7 +21,8 @@ pub(super) struct Memory {
     rounds: usize,
 }
 
-/// Whether source code holds an effect of other samples. A torque that is earlier than the position would ask for samples to come.
+/// Whether source code holds an effect of other samples. A torque that is earlier than the position would ask for samples to
+/// come.
 pub(super) fn is_remembered(term: &Term) -> bool {
     match term.effect.code() {
         "presliding_hysteresis" | "joint_elasticity" => true,

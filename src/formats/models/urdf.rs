@@ -6,8 +6,8 @@ use nalgebra::Matrix3;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 
-/// The robot as URDF; links without prior parameters have no inertial. Where gravity does not point along −z of the base, the base hangs on a fixed joint that turns it as
-/// it is mounted, and a comment says so.
+/// The robot as URDF; links without prior parameters have no inertial. Where gravity does not point along −z of the base, the
+/// base hangs on a fixed joint that turns it as it is mounted, and a comment says so.
 pub fn urdf(robot: &Robot) -> String {
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
     let written = write_urdf(&mut writer, robot);

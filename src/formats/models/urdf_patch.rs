@@ -33,11 +33,13 @@ struct Counterpart {
 impl FinalModel {
     /// The user's file with the identified bodies and friction in the links and joints of the same names.
     ///
-    /// Links that are locked to a link of the chain (flanges, grippers, cameras) were identified with it. They keep what the file says of them, and the chain's link gets the
-    /// rest; where no body is left by that, they lose their inertials and the chain's link gets all.
+    /// Links that are locked to a link of the chain (flanges, grippers, cameras) were identified with it. They keep what the file
+    /// says of them, and the chain's link gets the rest; where no body is left by that, they lose their inertials and the chain's
+    /// link gets all.
     ///
-    /// A base that stands elsewhere in the file is the same arm where gravity, which is −z in URDF, is the same seen from the first joint. So is a file that holds the base tilt and
-    /// the encoder offsets of this model in its frames, as the URDF files of [`text`](Self::text) do.
+    /// A base that stands elsewhere in the file is the same arm where gravity, which is −z in URDF, is the same seen from the
+    /// first joint. So is a file that holds the base tilt and the encoder offsets of this model in its frames, as the URDF files
+    /// of [`text`](Self::text) do.
     ///
     /// # Errors
     /// No URDF file, or one of another arm: other joints, or frames at other places.

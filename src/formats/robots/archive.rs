@@ -21,7 +21,8 @@ type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
 
 /// The one URDF (or else MJCF) file of an archive; the meshes that it names become capsules of its links.
 ///
-/// Meshes are found by `package://` names and by paths relative to the file, whether the archive begins at the package, above or within it.
+/// Meshes are found by `package://` names and by paths relative to the file, whether the archive begins at the package, above or
+/// within it.
 ///
 /// # Errors
 /// No archive, no robot in it or several, more than is unpacked.

@@ -16,7 +16,8 @@ pub fn meshes_of(robot: &Value) -> Vec<LinkMesh> {
     read.unwrap_or_default()
 }
 
-/// Puts `geometry` with a capsule around each of the meshes ([`meshes_of`]) into a robot document; answers what to know about them.
+/// Puts `geometry` with a capsule around each of the meshes ([`meshes_of`]) into a robot document; answers what to know about
+/// them.
 ///
 /// `load` finds the bytes of a mesh by the name that the file has for it.
 pub fn add_shapes(robot: &mut Value, load: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
@@ -29,7 +30,8 @@ pub fn add_shapes(robot: &mut Value, load: impl Fn(&str) -> Option<Vec<u8>>) -> 
 
 /// Capsules around meshes by the names of links, as `geometry` of a robot document has them; second, what to know about it.
 ///
-/// STL (binary and text), Wavefront OBJ and COLLADA are read. A link with more meshes than a document takes gets one capsule around them all.
+/// STL (binary and text), Wavefront OBJ and COLLADA are read. A link with more meshes than a document takes gets one capsule
+/// around them all.
 pub fn shapes_of_meshes(meshes: &[LinkMesh], load: impl Fn(&str) -> Option<Vec<u8>>) -> (Map<String, Value>, Vec<String>) {
     let (mut links, mut notes) = (Vec::<(&str, Vec<(Capsule, &str)>)>::new(), Vec::new());
     for mesh in meshes {

@@ -32,7 +32,8 @@ pub enum TrajectoryFormat {
     Npz,
 }
 
-/// Positions in a file of a format that is made in memory, of all joints together: with velocities, accelerations and the file itself about 70 bytes each, 100 MB.
+/// Positions in a file of a format that is made in memory, of all joints together: with velocities, accelerations and the file
+/// itself about 70 bytes each, 100 MB.
 const MOST_IN_MEMORY: usize = 1_400_000;
 
 impl TrajectoryFormat {
@@ -81,8 +82,8 @@ impl TrajectoryFormat {
     }
 }
 
-/// `periods` periods of a trajectory of these joints at `rate_hz`, with the first sample of the period after them: the motion ends where it began. Before them a run-in, after
-/// them a run-out.
+/// `periods` periods of a trajectory of these joints at `rate_hz`, with the first sample of the period after them: the motion
+/// ends where it began. Before them a run-in, after them a run-out.
 pub struct TrajectoryFile<'a> {
     /// Names of the joints.
     pub joints: &'a [String],
@@ -92,7 +93,8 @@ pub struct TrajectoryFile<'a> {
     pub rate_hz: f64,
     /// Number of periods.
     pub periods: usize,
-    /// Series whose first half periods are the ways into the motion and out of it, whole numbers of samples ([`run_in`](crate::excitation::run_in)).
+    /// Series whose first half periods are the ways into the motion and out of it, whole numbers of samples
+    /// ([`run_in`](crate::excitation::run_in)).
     pub run_in: Option<FourierSeries>,
     /// Series of the way out, as in `run_in`; nothing if the motion ends with the last period.
     pub run_out: Option<FourierSeries>,

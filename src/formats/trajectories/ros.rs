@@ -1,4 +1,5 @@
-//! Trajectories of ROS 2: `trajectory_msgs/msg/JointTrajectory` as JSON, and the goal of `control_msgs/action/FollowJointTrajectory` as YAML.
+//! Trajectories of ROS 2: `trajectory_msgs/msg/JointTrajectory` as JSON, and the goal of
+//! `control_msgs/action/FollowJointTrajectory` as YAML.
 
 use super::table::{Course, State, decimal, parts, states};
 use serde_json::json;

@@ -55,8 +55,8 @@ impl Course {
             .saturating_add(1)
     }
 
-    /// One row; numbers of a whole period are computed at the same phases in every period, so that periods are equal to the last bit
-    /// when the period is a whole number of samples.
+    /// One row; numbers of a whole period are computed at the same phases in every period, so that periods are equal to the last
+    /// bit when the period is a whole number of samples.
     pub fn row(&self, index: usize) -> Vec<f64> {
         let (before, within) = (self.before(), self.within());
         let states = match (&self.run_in, &self.run_out) {

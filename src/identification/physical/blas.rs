@@ -7,8 +7,8 @@ static ONCE: Once = Once::new();
 
 /// Matrices of four by four gain nothing from threads, and one thread gives one answer.
 ///
-/// The library starts its threads when the program is loaded; `OPENBLAS_NUM_THREADS=1` in the environment keeps it from that, as for the children
-/// of a server.
+/// The library starts its threads when the program is loaded; `OPENBLAS_NUM_THREADS=1` in the environment keeps it from that, as
+/// for the children of a server.
 pub(super) fn single_threaded_blas() {
     ONCE.call_once(|| {
         // The system's library, which the solver's calls are resolved from too.

@@ -14,16 +14,17 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 /// What to ask beyond consistency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConsistentOptions {
-    /// Weight of the pull towards the prior body, the divergence between the two (Lee, Wensing & Park 2019), in units of one noise variance; the largest one
-    /// where `most_shift` is finite.
+    /// Weight of the pull towards the prior body, the divergence between the two (Lee, Wensing & Park 2019), in units of one
+    /// noise variance; the largest one where `most_shift` is finite.
     pub prior_weight: f64,
-    /// How far the pull may move the base parameters, root mean square in their standard deviations: the weight is lowered until it does. Infinite takes
-    /// `prior_weight` as it is.
+    /// How far the pull may move the base parameters, root mean square in their standard deviations: the weight is lowered until
+    /// it does. Infinite takes `prior_weight` as it is.
     pub most_shift: f64,
-    /// Where the centre of mass of every link may be, in its own frame: lowest and highest along x, y, z (m). Empty for anywhere. Stated
-    /// [bounds](Self::bounds) of a link take the place of its box.
+    /// Where the centre of mass of every link may be, in its own frame: lowest and highest along x, y, z (m). Empty for anywhere.
+    /// Stated [bounds](Self::bounds) of a link take the place of its box.
     pub boxes: Vec<[[f64; 2]; 3]>,
-    /// Per link; empty for none. Bounds on the inertia about the centre of mass have no convex form and are left to the nonlinear problem.
+    /// Per link; empty for none. Bounds on the inertia about the centre of mass have no convex form and are left to the nonlinear
+    /// problem.
     pub bounds: Vec<LinkBounds>,
     /// Least eigenvalue of the pseudo-inertia, as a fraction of the prior link's mass and radius of gyration.
     pub least_eigenvalue: f64,
@@ -39,14 +40,15 @@ pub enum Cone {
     /// The 4 × 4 pseudo-inertia is positive definite: full consistency, triangle inequality of the principal moments included.
     #[default]
     PseudoInertia,
-    /// The 6 × 6 inertia `[[I, S(h)ᵀ], [S(h), m E]]` is (Sousa & Cortesão 2014): positive mass and positive definite inertia about the centre of
-    /// mass, the paper's (10c), and no more.
+    /// The 6 × 6 inertia `[[I, S(h)ᵀ], [S(h), m E]]` is (Sousa & Cortesão 2014): positive mass and positive definite inertia
+    /// about the centre of mass, the paper's (10c), and no more.
     SpatialInertia,
 }
 
-/// A weight of one is a prior whose standard deviation is the link's own size. A link thicker than its prior, a thin rod, is many deviations away from it all the same;
-/// with that weight, friction was 1.4 of its standard deviations off (rms) instead of 1.0. A shift of 0.3 adds 5 % to the error of a parameter.
-/// Bodies below a ten-thousandth of their prior cannot be simulated in steps of a millisecond.
+/// A weight of one is a prior whose standard deviation is the link's own size. A link thicker than its prior, a thin rod, is many
+/// deviations away from it all the same; with that weight, friction was 1.4 of its standard deviations off (rms) instead of 1.0.
+/// A shift of 0.3 adds 5 % to the error of a parameter. Bodies below a ten-thousandth of their prior cannot be simulated in steps
+/// of a millisecond.
 impl Default for ConsistentOptions {
     fn default() -> Self {
         Self {
@@ -98,11 +100,13 @@ pub fn fit_consistent(robot: &Robot, objective: &FitObjective, options: &Consist
 /// Weight of a pull that decides only what the log leaves open: a ten-thousandth of a noise variance.
 const LEAST_WEIGHT: f64 = 1e-4;
 
-/// Halvings of the range of the weight's logarithm: four of 1e-4 to 1 end within a factor of 1.8 below the largest weight allowed.
+/// Halvings of the range of the weight's logarithm: four of 1e-4 to 1 end within a factor of 1.8 below the largest weight
+/// allowed.
 const WEIGHT_STEPS: usize = 4;
 
-/// The options with the largest weight of the pull whose cost in fit, `ΔᵀHΔ` for a shift Δ of parameters with information H, allows no more than `most_shift`
-/// (discrepancy principle, Morozov 1966). The constraints' own cost does not count: it is in the fit without pull too.
+/// The options with the largest weight of the pull whose cost in fit, `ΔᵀHΔ` for a shift Δ of parameters with information H,
+/// allows no more than `most_shift` (discrepancy principle, Morozov 1966). The constraints' own cost does not count: it is in the
+/// fit without pull too.
 fn with_least_pull(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> ConsistentOptions {
     let weighted = |prior_weight: f64| ConsistentOptions {
         prior_weight,
@@ -128,9 +132,9 @@ fn with_least_pull(robot: &Robot, objective: &FitObjective, options: &Consistent
     weighted(low.exp())
 }
 
-/// Cost that no parameters within the constraints of `options` are below: the dual objective of the programme, which bounds it whatever
-/// the primal solution lacks in precision, and in any case the cost without constraints. Infinite where the constraints contradict each
-/// other. The pull towards priors must be zero to bound the cost alone.
+/// Cost that no parameters within the constraints of `options` are below: the dual objective of the programme, which bounds it
+/// whatever the primal solution lacks in precision, and in any case the cost without constraints. Infinite where the constraints
+/// contradict each other. The pull towards priors must be zero to bound the cost alone.
 pub fn lower_bound(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions) -> f64 {
     let solved = solve(robot, objective, options, None);
     match solved.ending {
@@ -163,8 +167,8 @@ fn solve(robot: &Robot, objective: &FitObjective, options: &ConsistentOptions, w
     let links = priors(robot);
     let scale = variable_scale(&layout, &links, objective);
     let (p, q) = cost(&layout, &links, objective, &scale, options.prior_weight);
-    // Seen from the unconstrained minimum the cost is what the constraints add to it, and the solver's tolerance a tolerance of that:
-    // noise may be a ten-thousandth of the torque, its square would be lost beside the whole.
+    // Seen from the unconstrained minimum the cost is what the constraints add to it, and the solver's tolerance a tolerance of
+    // that: noise may be a ten-thousandth of the torque, its square would be lost beside the whole.
     let center = unconstrained_minimum(&p, &q);
     let slope = &q + &p * &center;
     let constraints = constraints(robot, &layout, &links, &scale, options, without);
@@ -301,8 +305,8 @@ impl Constraints {
         self.labels.push((label, matrix));
     }
 
-    /// What holds the solution: of single rows those whose multiplier is above the slack (one of the two is zero), of matrices those on whose multiplier more
-    /// rests than the solver's tolerance.
+    /// What holds the solution: of single rows those whose multiplier is above the slack (one of the two is zero), of matrices
+    /// those on whose multiplier more rests than the solver's tolerance.
     fn active(&self, slack: &[f64], multipliers: &[f64]) -> Vec<Label> {
         let mut found: Vec<Label> = Vec::new();
         for (((label, matrix), s), z) in self.labels.iter().zip(slack).zip(multipliers) {
@@ -438,8 +442,8 @@ fn center_rows(
     }
 }
 
-/// `T J T ⪰ least` for a symmetric matrix J that is linear in a link's parameters, with T making that of a body of the link's size a matrix
-/// of order one. Upper triangle by columns, off-diagonal entries times √2, as the solver wants its cones.
+/// `T J T ⪰ least` for a symmetric matrix J that is linear in a link's parameters, with T making that of a body of the link's
+/// size a matrix of order one. Upper triangle by columns, off-diagonal entries times √2, as the solver wants its cones.
 #[allow(clippy::too_many_arguments)]
 fn cone_rows(
     layout: &Layout,

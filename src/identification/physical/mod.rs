@@ -1,13 +1,13 @@
 //! Physical parameters: masses, centres of mass and inertias that a simulator accepts and that fit the log.
 //!
-//! Least squares determines base parameters; the standard parameters behind them are open along the null space of K, and the best fit
-//! may be no body at all (the paper's Table 2 has negative inertias). Two ways to a model that is one:
+//! Least squares determines base parameters; the standard parameters behind them are open along the null space of K, and the best
+//! fit may be no body at all (the paper's Table 2 has negative inertias). Two ways to a model that is one:
 //!
-//! - [`fit_consistent`]: least squares over the standard parameters with the pseudo-inertia of every link positive definite (Traversaro
-//!   et al. 2016, Wensing et al. 2018), its centre of mass about the link, and what the log leaves open as near to a prior body as can be (Lee,
-//!   Wensing & Park 2019). Convex: the answer is the global one.
-//! - [`fit_paper`]: the paper's (10a–d), nonlinear in mass, centre of mass and inertia about it, with bounds and the constraints that
-//!   simulators like. [`lower_bound`] says how far it can be from its global minimum.
+//! - [`fit_consistent`]: least squares over the standard parameters with the pseudo-inertia of every link positive definite
+//!   (Traversaro et al. 2016, Wensing et al. 2018), its centre of mass about the link, and what the log leaves open as near to a
+//!   prior body as can be (Lee, Wensing & Park 2019). Convex: the answer is the global one.
+//! - [`fit_paper`]: the paper's (10a–d), nonlinear in mass, centre of mass and inertia about it, with bounds and the constraints
+//!   that simulators like. [`lower_bound`] says how far it can be from its global minimum.
 
 mod blas;
 mod consistent;

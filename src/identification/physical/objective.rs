@@ -30,8 +30,8 @@ pub struct FitRms {
 }
 
 impl FitObjective {
-    /// What is left to the bodies beside effects: `values` holds the base parameters, then what belongs to the effects, whose torque is taken off. `normals`
-    /// are of rows that are weighted already.
+    /// What is left to the bodies beside effects: `values` holds the base parameters, then what belongs to the effects, whose
+    /// torque is taken off. `normals` are of rows that are weighted already.
     pub fn new(base: &BaseParameters, normals: &[JointNormal], values: &DVector<f64>) -> Self {
         let mut effects = values.clone();
         effects.rows_mut(0, base.len()).fill(0.0);

@@ -1,9 +1,10 @@
 //! Which of the bodies that fit a log equally well is the most plausible one.
 //!
 //! Near a prior body the geodesic distance of pseudo-inertias P (Lee, Wensing & Park 2019) is the quadratic form
-//! `½ tr (P₀⁻¹ (P − P₀) P₀⁻¹ (P − P₀))`, their constant pull-back metric: it does not depend on the frame that the parameters are written in, counts
-//! kilograms, metres and kilogram metres squared in one unit, and keeps the problem convex. Its metric says how mass lies, not only how much of it: a wrist's gram
-//! four metres away is far from a wrist, however small its ten parameters are.
+//! `½ tr (P₀⁻¹ (P − P₀) P₀⁻¹ (P − P₀))`, their constant pull-back metric: it does not depend on the frame that the parameters are
+//! written in, counts kilograms, metres and kilogram metres squared in one unit, and keeps the problem convex. Its metric says
+//! how mass lies, not only how much of it: a wrist's gram four metres away is far from a wrist, however small its ten parameters
+//! are.
 //!
 //! A link's mass lies about the link: its centre of mass is kept in a box around it.
 
@@ -12,8 +13,8 @@ use crate::model::{LinkPrior, Robot};
 use crate::spatial::LinkInertia;
 use nalgebra::{DMatrix, Matrix4, Vector3, Vector4};
 
-/// Least eigenvalue of a prior's pseudo-inertia, as a fraction of its mass and radius of gyration: a prior that is thinner would hold the body to its
-/// plane by a pull ten thousand times as strong as along it, which nobody who writes a prior means.
+/// Least eigenvalue of a prior's pseudo-inertia, as a fraction of its mass and radius of gyration: a prior that is thinner would
+/// hold the body to its plane by a pull ten thousand times as strong as along it, which nobody who writes a prior means.
 const THINNEST: f64 = 1e-2;
 
 /// The pull-back metric at a prior over the ten standard parameters: the cost of `δ` is `½ δᵀ M δ`, without units.
@@ -34,12 +35,13 @@ pub(super) fn pull_back_metric(prior: &LinkPrior) -> DMatrix<f64> {
     DMatrix::from_fn(10, 10, |r, c| (along[r] * along[c]).trace())
 }
 
-/// Half of a link's longest segment, and the width of a joint at least (m): motors and flanges stick out of the line between joints by that much.
+/// Half of a link's longest segment, and the width of a joint at least (m): motors and flanges stick out of the line between
+/// joints by that much.
 const LEAST_MARGIN: f64 = 0.1;
 
-/// Where the centre of mass of every link may be, in its frame: lowest and highest along x, y and z (m). Around the shape of the link where that is known;
-/// otherwise around the line from its joint to the next, with half of the longer of the two segments that meet in it to all sides, because frames of modified DH
-/// may lie off the link along the axes of its joints.
+/// Where the centre of mass of every link may be, in its frame: lowest and highest along x, y and z (m). Around the shape of the
+/// link where that is known; otherwise around the line from its joint to the next, with half of the longer of the two segments
+/// that meet in it to all sides, because frames of modified DH may lie off the link along the axes of its joints.
 pub fn link_boxes(robot: &Robot) -> Vec<[[f64; 2]; 3]> {
     (0..robot.joint_count()).map(|k| link_box(robot, k)).collect()
 }
@@ -75,7 +77,8 @@ mod tests {
     use crate::spatial::PhysicalInertia;
     use nalgebra::Matrix3;
 
-    /// The form is the second order of the divergence between Gaussians with these second moments, `tr(P₀⁻¹P) − ln det(P₀⁻¹P) − 4`.
+    /// The form is the second order of the divergence between Gaussians with these second moments,
+    /// `tr(P₀⁻¹P) − ln det(P₀⁻¹P) − 4`.
     #[test]
     fn prop_the_metric_is_the_curvature_of_the_divergence() {
         let inertia = PhysicalInertia {

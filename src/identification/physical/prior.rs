@@ -4,7 +4,8 @@ use crate::model::{LinkPrior, Robot};
 use crate::spatial::PhysicalInertia;
 use nalgebra::{Matrix3, Vector3};
 
-/// Mass and length that make a link's parameters comparable: M by `mass`, first moments by `mass · length`, inertias by `mass · length²`.
+/// Mass and length that make a link's parameters comparable: M by `mass`, first moments by `mass · length`, inertias by
+/// `mass · length²`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkScale {
     /// Mass that stands for a link's (kg).
@@ -29,7 +30,8 @@ pub fn priors(robot: &Robot) -> Vec<LinkPrior> {
         .collect()
 }
 
-/// Link `k` as a solid rod from its joint to the next, 10 cm across and at least as long, of density 1500 kg/m³, without friction.
+/// Link `k` as a solid rod from its joint to the next, 10 cm across and at least as long, of density 1500 kg/m³, without
+/// friction.
 pub fn rod_prior(robot: &Robot, k: usize) -> LinkPrior {
     let end = robot
         .joints()

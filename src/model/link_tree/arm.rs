@@ -1,8 +1,8 @@
 //! The arm of a tree in the frames of the dynamics.
 //!
-//! Fixed joints are merged into the link before them, with their inertia; the base's own fixed part only moves frames. The dynamics want z along
-//! every joint, files allow any axis: each link frame is turned so that its z axis is the joint's, and the turn is kept
-//! ([`Joint::description_frame`]) so that results can be handed back in the file's own frames.
+//! Fixed joints are merged into the link before them, with their inertia; the base's own fixed part only moves frames. The
+//! dynamics want z along every joint, files allow any axis: each link frame is turned so that its z axis is the joint's, and the
+//! turn is kept ([`Joint::description_frame`]) so that results can be handed back in the file's own frames.
 
 use super::chain::Chain;
 use super::{ChainEnds, Freedom, LinkTree};
@@ -83,8 +83,8 @@ fn described_joints(tree: &LinkTree, chain: &Chain, is_carrier: &[bool], notes: 
     joints
 }
 
-/// Inertia of `link` and of all that hangs on it without being carried by a joint of the chain, about the frame of `link`; `None` when
-/// none of these has an inertial. Every link is in one such part.
+/// Inertia of `link` and of all that hangs on it without being carried by a joint of the chain, about the frame of `link`; `None`
+/// when none of these has an inertial. Every link is in one such part.
 fn lumped_inertia(tree: &LinkTree, link: usize, is_carrier: &[bool], notes: &mut Notes) -> Option<LinkInertia> {
     let (mut total, mut any) = (LinkInertia::zero(), false);
     for (at, here) in locked_to(tree, link, is_carrier) {

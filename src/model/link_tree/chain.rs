@@ -106,7 +106,8 @@ impl LinkTree {
         order
     }
 
-    /// Joints that a gripper is made of: those that follow another, and those that others follow with no joint of an arm behind them.
+    /// Joints that a gripper is made of: those that follow another, and those that others follow with no joint of an arm behind
+    /// them.
     fn is_of_arm(&self, base: usize) -> (Vec<bool>, Vec<usize>) {
         let followed: HashSet<&str> = self.joints.iter().filter_map(|j| j.mimics.as_deref()).collect();
         let mut of_arm = vec![false; self.joints.len()];

@@ -1,8 +1,8 @@
 //! The links and joints of a robot file as a tree, and the serial arm in it.
 //!
-//! A file has more than an arm: grippers, cameras, a second arm, a mobile base. The chain from `base` to `tip` is the robot; everything else that
-//! hangs on a link of the chain is locked at zero and lumped into that link. All walks are loops over a tree that has been checked to be
-//! one, so that they end, and their work is linear in the size of the file.
+//! A file has more than an arm: grippers, cameras, a second arm, a mobile base. The chain from `base` to `tip` is the robot;
+//! everything else that hangs on a link of the chain is locked at zero and lumped into that link. All walks are loops over a tree
+//! that has been checked to be one, so that they end, and their work is linear in the size of the file.
 
 mod arm;
 mod chain;

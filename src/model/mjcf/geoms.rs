@@ -43,8 +43,8 @@ impl Geom<'_> {
 }
 
 impl<'a> Reading<'a> {
-    /// Capsules around the geoms of a body, those that collide or else those that are seen. Where none of the first has a shape of its own, the
-    /// meshes of the first, or else of the second, are put to the list.
+    /// Capsules around the geoms of a body, those that collide or else those that are seen. Where none of the first has a shape
+    /// of its own, the meshes of the first, or else of the second, are put to the list.
     pub(super) fn shape(&mut self, inside: &[Held<'a>], name: &str) -> Vec<Capsule> {
         let geoms = inside.iter().filter(|h| h.node.has_tag_name("geom")).map(|h| self.geom(h));
         let (colliding, seen): (Vec<_>, Vec<_>) = geoms.partition(Geom::collides);

@@ -1,8 +1,8 @@
 //! A serial arm from an MJCF file (MuJoCo).
 //!
-//! Bodies are nested: each hangs on the one around it by its joints, one after the other, or is welded to it. Angles are in degrees unless
-//! `<compiler angle="radian">` says otherwise; attributes of joints may stand in default classes. What a compiled model has beside its bodies
-//! (tendons, sites, contacts, sensors) says nothing of the chain.
+//! Bodies are nested: each hangs on the one around it by its joints, one after the other, or is welded to it. Angles are in
+//! degrees unless `<compiler angle="radian">` says otherwise; attributes of joints may stand in default classes. What a compiled
+//! model has beside its bodies (tendons, sites, contacts, sensors) says nothing of the chain.
 
 mod assets;
 mod bodies;
@@ -72,7 +72,8 @@ pub fn from_mjcf_shaped(
     })
 }
 
-/// Meshes of the bodies that are described by them alone: those of geoms that collide or, where a body has none, of geoms that are only seen.
+/// Meshes of the bodies that are described by them alone: those of geoms that collide or, where a body has none, of geoms that
+/// are only seen.
 ///
 /// # Errors
 /// As [`from_mjcf`], of what is not the chain.

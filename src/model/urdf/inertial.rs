@@ -6,8 +6,8 @@ use crate::model::{ModelError, scientific};
 use crate::spatial::{LinkInertia, PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
 
-/// Part of the largest principal moment by which the others may miss it: moments of a plate are on the border of the triangle inequality, and files round
-/// to two digits. Published moments of the iiwa miss it by 0.6 %.
+/// Part of the largest principal moment by which the others may miss it: moments of a plate are on the border of the triangle
+/// inequality, and files round to two digits. Published moments of the iiwa miss it by 0.6 %.
 const ROUNDED: f64 = 1e-2;
 
 /// What is wrong with mass and inertia about the centre of mass (kg, kg m²) of a link as a body, in words; `None` for a body.

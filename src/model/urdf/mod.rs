@@ -35,12 +35,12 @@ pub struct UrdfRobot {
 
 /// Reads a URDF document.
 ///
-/// `gravity` is given in the frame of the base link. `ends` names the base and the last link of the chain where the file has more than one
-/// arm; joints off the chain are locked at zero and their links lumped into those that carry them.
+/// `gravity` is given in the frame of the base link. `ends` names the base and the last link of the chain where the file has more
+/// than one arm; joints off the chain are locked at zero and their links lumped into those that carry them.
 ///
 /// # Errors
-/// Not XML or not URDF, no movable joint, several chains and no `tip`, closed loops, joint types a serial arm cannot have, and everything
-/// that [`Robot::new`] refuses.
+/// Not XML or not URDF, no movable joint, several chains and no `tip`, closed loops, joint types a serial arm cannot have, and
+/// everything that [`Robot::new`] refuses.
 pub fn from_urdf(xml: &str, gravity: Vector3<f64>, friction: Friction, ends: ChainEnds) -> Result<UrdfRobot, ModelError> {
     from_urdf_rounded(xml, gravity, friction, ends, Rounding::Meant)
 }

@@ -48,7 +48,8 @@ const MAX_ORDER: usize = 64;
 
 impl LowPass {
     /// Butterworth filter of `order` with −3 dB at `cutoff_hz`, for samples at `rate_hz`: the analogue prototype's poles
-    /// `exp(iπ(2k + n + 1)/2n)`, k = 0 … n−1, scaled to the warped cut-off `2 f_s tan(π f_c/f_s)` and mapped by the bilinear transform.
+    /// `exp(iπ(2k + n + 1)/2n)`, k = 0 … n−1, scaled to the warped cut-off `2 f_s tan(π f_c/f_s)` and mapped by the bilinear
+    /// transform.
     ///
     /// # Errors
     /// Order zero or beyond 64; a cut-off outside (0, rate/2).
@@ -99,7 +100,8 @@ impl LowPass {
         1.0 / (1.0 + ratio.abs().powi(2 * self.order as i32))
     }
 
-    /// Samples after which the slowest mode has decayed to 1e-3 of where it began: what the ends of a record remember of the padding.
+    /// Samples after which the slowest mode has decayed to 1e-3 of where it began: what the ends of a record remember of the
+    /// padding.
     pub fn settling_samples(&self) -> usize {
         let slowest = self
             .sections

@@ -29,8 +29,8 @@ pub fn central_difference_periodic(x: &[f64], step: f64) -> Vec<f64> {
     (0..n).map(|i| (x[(i + 1) % n] - x[(i + n - 1) % n]) / (2.0 * step)).collect()
 }
 
-/// Differences of fourth order, `(x₋₂ − 8 x₋₁ + 8 x₁ − x₂)/12h`: of a wave of frequency f they miss `(2πfh)⁴/30` where central differences miss
-/// `(2πfh)²/6`, at a twentieth of the sample rate 3e-4 instead of 1.6 %. Central and one-sided near the ends.
+/// Differences of fourth order, `(x₋₂ − 8 x₋₁ + 8 x₁ − x₂)/12h`: of a wave of frequency f they miss `(2πfh)⁴/30` where central
+/// differences miss `(2πfh)²/6`, at a twentieth of the sample rate 3e-4 instead of 1.6 %. Central and one-sided near the ends.
 pub fn fourth_order_difference(x: &[f64], step: f64) -> Vec<f64> {
     let mut slope = central_difference(x, step);
     for i in 2..x.len().saturating_sub(2) {

@@ -14,9 +14,10 @@ pub enum Padding {
     Periodic,
 }
 
-/// Zero-phase filtering: forwards, then backwards (gain `|H|²`). With odd padding the record is continued by `pad` samples on both sides,
-/// cut to its length less one, and the filter starts in the steady state of the first of them (Gustafsson's problem solved as in common
-/// practice). What repeats has no ends: its Fourier lines are weighted by `|H|²`, which is what endless padding comes to.
+/// Zero-phase filtering: forwards, then backwards (gain `|H|²`). With odd padding the record is continued by `pad` samples on
+/// both sides, cut to its length less one, and the filter starts in the steady state of the first of them (Gustafsson's problem
+/// solved as in common practice). What repeats has no ends: its Fourier lines are weighted by `|H|²`, which is what endless
+/// padding comes to.
 ///
 /// A record of fewer than two samples is returned as it is.
 pub fn zero_phase(filter: &LowPass, x: &[f64], padding: Padding, pad: usize) -> Vec<f64> {
@@ -32,8 +33,8 @@ pub fn zero_phase(filter: &LowPass, x: &[f64], padding: Padding, pad: usize) -> 
     y[pad..pad + x.len()].to_vec()
 }
 
-/// [`zero_phase`] of several records of the same length, to the last bit. Eight go through the recursion side by side: each of its steps waits for the one
-/// before, so eight take hardly longer than one.
+/// [`zero_phase`] of several records of the same length, to the last bit. Eight go through the recursion side by side: each of
+/// its steps waits for the one before, so eight take hardly longer than one.
 ///
 /// # Panics
 /// When the lengths differ.
@@ -104,8 +105,8 @@ fn padded(x: &[f64], pad: usize) -> Vec<f64> {
     y
 }
 
-/// Sections that run through the record together: each waits for its own last output, so several at once take no longer than one, as long as their states
-/// stay in registers. Of packs, the states of two fill them.
+/// Sections that run through the record together: each waits for its own last output, so several at once take no longer than one,
+/// as long as their states stay in registers. Of packs, the states of two fill them.
 const TOGETHER: usize = 4;
 const PACKS_TOGETHER: usize = 2;
 

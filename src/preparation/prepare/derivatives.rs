@@ -158,9 +158,10 @@ impl Chain<'_> {
         )
     }
 
-    /// Positions are filtered before the model sees them, torques are not: what the filter takes off the motion, a fraction (f/f_c)^2n at
-    /// frequency f, is missing in the model alone and bends the parameters. At twice the highest frequency of the signal that is 2^-16, a
-    /// hundredth of what the noise of a good log leaves in a parameter; where noise lets more through, the row filter ends it.
+    /// Positions are filtered before the model sees them, torques are not: what the filter takes off the motion, a fraction
+    /// (f/f_c)^2n at frequency f, is missing in the model alone and bends the parameters. At twice the highest frequency of the
+    /// signal that is 2^-16, a hundredth of what the noise of a good log leaves in a parameter; where noise lets more through,
+    /// the row filter ends it.
     fn position_default(&self) -> FilterSpec {
         FilterSpec {
             order: POSITION_ORDER,
@@ -174,8 +175,8 @@ const NOT_USED: &str = "not used";
 /// Velocities this near to the derivative of the positions are the same quantity: a twentieth is a delay of 8 ms at 1 Hz.
 const SAME_VELOCITY: f64 = 0.05;
 
-/// The joint whose logged velocities are farthest from those of `motion`, and by which part of their root mean square; `None` where all
-/// are the same. Joints that stand still say nothing.
+/// The joint whose logged velocities are farthest from those of `motion`, and by which part of their root mean square; `None`
+/// where all are the same. Joints that stand still say nothing.
 fn disagreement(logged: &[Vec<f64>], motion: &Motion) -> Option<(usize, f64)> {
     let rms = |x: &mut dyn Iterator<Item = f64>| x.map(|v| v * v).sum::<f64>().sqrt();
     let sizes: Vec<f64> = (0..logged.len())

@@ -24,7 +24,8 @@ const SIGN_SIGMAS: f64 = 3.0;
 /// Prepares `log` for a robot with `joints` joints.
 ///
 /// # Errors
-/// Wrong number of joints, a period that the log does not hold, filters that the sample rate does not allow, options out of range.
+/// Wrong number of joints, a period that the log does not hold, filters that the sample rate does not allow, options out of
+/// range.
 pub fn prepare(log: &Log, joints: usize, options: &PreprocessOptions) -> Result<PreparedLog, PreprocessError> {
     prepare_until(log, joints, options, &CancelFlag::default())
 }
@@ -91,8 +92,8 @@ pub fn prepare_until(
     })
 }
 
-/// Joints whose velocity is noise and nothing else, or that stay about one place, are taken to stand still: their friction must not be fitted to noise, nor
-/// to the few microns that a drive gives way.
+/// Joints whose velocity is noise and nothing else, or that stay about one place, are taken to stand still: their friction must
+/// not be fitted to noise, nor to the few microns that a drive gives way.
 fn hold_still(motion: &mut Motion, velocity_std: &[f64], log: &Log) -> Vec<bool> {
     let samples = motion.samples();
     let still = |(j, std): (usize, &f64)| {

@@ -55,7 +55,8 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// The period that this log has: a stated one is that of the trajectory that somebody had in mind, which need not be this log's.
+    /// The period that this log has: a stated one is that of the trajectory that somebody had in mind, which need not be this
+    /// log's.
     fn chosen_period(&self) -> Chosen {
         let found = |otherwise: &str| {
             let period = detect_period_until(self.log, self.cancel);
@@ -185,9 +186,9 @@ struct Chosen {
     stated: bool,
 }
 
-/// Whether periods scatter by noise alone, and not by torques of their own ([`is_noise`]): about their mean or, where they do not, between the two of them,
-/// not far apart, that agree best. A touch in one period or over the border of two, or friction that changes as the arm warms up, is something that the
-/// loop has to find and is no reason to give the periods up.
+/// Whether periods scatter by noise alone, and not by torques of their own ([`is_noise`]): about their mean or, where they do
+/// not, between the two of them, not far apart, that agree best. A touch in one period or over the border of two, or friction
+/// that changes as the arm warms up, is something that the loop has to find and is no reason to give the periods up.
 fn torques_repeat(record: &Record) -> bool {
     let Some(scatter) = &record.scatter else { return true };
     let power = |tau: &Vec<f64>| tau.iter().map(|t| t * t).sum::<f64>() / tau.len() as f64;
@@ -225,8 +226,8 @@ fn between_alike(scatter: &Scatter, joint: usize, samples: usize) -> Vec<f64> {
     least.expect("scatter is that of two periods at least")
 }
 
-/// Below a tenth of the band, where the motion is, the scatter of one period is less than 5 % of the torque, or its density no more than ten times that
-/// of the noise above.
+/// Below a tenth of the band, where the motion is, the scatter of one period is less than 5 % of the torque, or its density no
+/// more than ten times that of the noise above.
 fn is_noise(spectrum: &[f64], torque_power: f64) -> bool {
     let mean = |lines: &[f64]| lines.iter().sum::<f64>() / lines.len().max(1) as f64;
     let (low, high) = spectrum.split_at(spectrum.len() / 10);

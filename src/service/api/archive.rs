@@ -14,8 +14,9 @@ use axum::response::Response;
 
 /// The robot document of an archive.
 ///
-/// A ZIP archive has one URDF or MJCF file and the meshes that it names (STL, OBJ, COLLADA). The answer has the text of the file as `urdf` or `mjcf`, and `geometry` with capsules
-/// around the meshes of links that are described by meshes alone. At most 64 MiB; nothing is kept.
+/// A ZIP archive has one URDF or MJCF file and the meshes that it names (STL, OBJ, COLLADA). The answer has the text of the file
+/// as `urdf` or `mjcf`, and `geometry` with capsules around the meshes of links that are described by meshes alone. At most 64
+/// MiB; nothing is kept.
 #[utoipa::path(
     post, path = "/robot-archive", tag = "robots", operation_id = "read_archive",
     request_body(content((Vec<u8> = "application/zip"))),

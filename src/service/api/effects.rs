@@ -87,8 +87,9 @@ pub async fn get(
 
 /// Keep an own effect in the catalogue, in the place of the one that had its name.
 ///
-/// The definition is that of `effects` of an identification request; `joint` may be left out, and is then stated where the effect is used. What needs no robot is checked: names,
-/// parameters, ranges, units and the formula. Jobs that were submitted before keep the definition as it was. The catalogue is that of all robots: a token needs the role admin for `*`.
+/// The definition is that of `effects` of an identification request; `joint` may be left out, and is then stated where the effect
+/// is used. What needs no robot is checked: names, parameters, ranges, units and the formula. Jobs that were submitted before
+/// keep the definition as it was. The catalogue is that of all robots: a token needs the role admin for `*`.
 #[utoipa::path(
     put, path = "/effects/{name}", tag = "effects", operation_id = "put_effect",
     params(("name" = String, Path, description = "Name, as in the definition", example = "hose")),

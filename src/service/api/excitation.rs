@@ -40,9 +40,9 @@ pub struct Excitation {
 
 /// Design an excitation trajectory.
 ///
-/// Answers 202 with the job, whose address is in `Location`; with `Prefer: wait=N` 200 and the result if that comes within N seconds.
-/// An infeasible problem is an outcome in the result, not an error. `Idempotency-Key` makes a retry safe: the same key with the same
-/// document is the same job.
+/// Answers 202 with the job, whose address is in `Location`; with `Prefer: wait=N` 200 and the result if that comes within N
+/// seconds. An infeasible problem is an outcome in the result, not an error. `Idempotency-Key` makes a retry safe: the same key
+/// with the same document is the same job.
 #[utoipa::path(
     post, path = "/excitation", tag = "excitation", operation_id = "design_excitation",
     request_body(content = requests::ExcitationRequest, content_type = "application/json"),
@@ -101,8 +101,8 @@ pub async fn get(
 
 /// The trajectory, sampled.
 ///
-/// CSV has the columns `time, q1 … qn, qd1 … qdn, qdd1 … qddn` (s; rad or m and per second), numbers with ten decimals at most; `periods` periods and the sample after them, with which
-/// the motion is back where it began.
+/// CSV has the columns `time, q1 … qn, qd1 … qdn, qdd1 … qddn` (s; rad or m and per second), numbers with ten decimals at most;
+/// `periods` periods and the sample after them, with which the motion is back where it began.
 #[utoipa::path(
     get, path = "/excitation/{id}/trajectory", tag = "excitation", operation_id = "get_trajectory",
     params(

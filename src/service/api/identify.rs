@@ -47,8 +47,9 @@ pub struct ValidationResult {
 
 /// Identify a robot from logs.
 ///
-/// Logs are CSV, NPZ, MATLAB, Parquet, MCAP or rosbag2 files, plain, gzip or Zstandard. The folder of a rosbag2 recording is sent as one ZIP archive. Answers 202 with the job, whose address is in `Location`; with `Prefer: wait=N` 200 and the
-/// result if that comes within N seconds. A log that is too poor for the model is an outcome (`quality`), not an error.
+/// Logs are CSV, NPZ, MATLAB, Parquet, MCAP or rosbag2 files, plain, gzip or Zstandard. The folder of a rosbag2 recording is sent
+/// as one ZIP archive. Answers 202 with the job, whose address is in `Location`; with `Prefer: wait=N` 200 and the result if that
+/// comes within N seconds. A log that is too poor for the model is an outcome (`quality`), not an error.
 #[utoipa::path(
     post, path = "/identify", tag = "identification", operation_id = "identify",
     request_body(content = IdentifyUpload, content_type = "multipart/form-data"),
@@ -167,8 +168,8 @@ pub async fn get_validation(
 
 /// The identified model as a file.
 ///
-/// Every format is made from the JSON model. What a format cannot hold stands at the top of its file with the torque that is missing along the
-/// identification logs, and in `formats` of the JSON model.
+/// Every format is made from the JSON model. What a format cannot hold stands at the top of its file with the torque that is
+/// missing along the identification logs, and in `formats` of the JSON model.
 #[utoipa::path(
     get, path = "/identify/{id}/model", tag = "identification", operation_id = "get_model",
     params(
@@ -202,8 +203,8 @@ pub async fn model(
 
 /// The identified bodies in a URDF file of your own.
 ///
-/// Mass, centre of mass, inertia and friction of the arm's links and joints are put into the file; meshes, materials, comments and all other links stay as they
-/// are. Joints have the names of the identified robot, and the same places.
+/// Mass, centre of mass, inertia and friction of the arm's links and joints are put into the file; meshes, materials, comments
+/// and all other links stay as they are. Joints have the names of the identified robot, and the same places.
 #[utoipa::path(
     post, path = "/identify/{id}/model", tag = "identification", operation_id = "patch_urdf",
     params(

@@ -19,8 +19,8 @@ use axum::response::Response;
 
 /// What is understood of logs.
 ///
-/// The body is that of `POST /identify`. Columns, rate, periods, gaps and garbage, inverted signs and mixed-up units, and every joint's
-/// motion in SI units; nothing is estimated and nothing is kept.
+/// The body is that of `POST /identify`. Columns, rate, periods, gaps and garbage, inverted signs and mixed-up units, and every
+/// joint's motion in SI units; nothing is estimated and nothing is kept.
 #[utoipa::path(
     post, path = "/identify/preview", tag = "identification", operation_id = "preview_logs",
     request_body(content = IdentifyUpload, content_type = "multipart/form-data"),
@@ -55,8 +55,8 @@ pub async fn post(
 
 /// The columns of a log.
 ///
-/// The body has one part, `log`: a file of any format that is read. Names, units, first values and a thinned series of every column; nothing is taken
-/// for anything, and nothing is kept.
+/// The body has one part, `log`: a file of any format that is read. Names, units, first values and a thinned series of every
+/// column; nothing is taken for anything, and nothing is kept.
 #[utoipa::path(
     post, path = "/logs/columns", tag = "identification", operation_id = "log_columns",
     request_body(content = LogUpload, content_type = "multipart/form-data"),

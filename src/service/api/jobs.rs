@@ -300,8 +300,8 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
 
 /// Cancel a job.
 ///
-/// A running search ends within a second and keeps the best trajectory found: its result stays at `/excitation/{id}`. Cancelling a job
-/// that has ended changes nothing, unless `forget=true` says that it shall go with its result.
+/// A running search ends within a second and keeps the best trajectory found: its result stays at `/excitation/{id}`. Cancelling
+/// a job that has ended changes nothing, unless `forget=true` says that it shall go with its result.
 #[utoipa::path(
     delete, path = "/jobs/{id}", tag = "jobs", operation_id = "cancel_job",
     params(
@@ -345,9 +345,9 @@ pub async fn cancel(
 
 /// Progress as server-sent events.
 ///
-/// `progress` events while the job waits and runs, one `end` event with the final state, then the stream ends; the data of each is the
-/// job. After a break, `Last-Event-ID` goes on from there, also with another server of the same database; 204 when there is nothing
-/// more to come.
+/// `progress` events while the job waits and runs, one `end` event with the final state, then the stream ends; the data of each
+/// is the job. After a break, `Last-Event-ID` continues from there, also with another server of the same database; 204 when there
+/// is nothing more to come.
 #[utoipa::path(
     get, path = "/jobs/{id}/events", tag = "jobs", operation_id = "follow_job",
     params(

@@ -14,8 +14,8 @@ use axum::response::Response;
 
 /// What a robot looks like, and what a motion asks of it.
 ///
-/// The frames of its joints with their limits; with `trajectory` one period of it: q, qd, qdd, the path of the last frame, and the
-/// torques to be expected where the robot has prior link parameters.
+/// The frames of its joints with their limits; with `trajectory` one period of it: q, qd, qdd, the path of the last frame, and
+/// the torques to be expected where the robot has prior link parameters.
 #[utoipa::path(
     post, path = "/motion", tag = "robots", operation_id = "draw_motion",
     request_body(content = requests::MotionRequest, content_type = "application/json"),

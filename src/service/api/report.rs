@@ -18,8 +18,8 @@ use serde_json::Value;
 
 /// The report of an identification.
 ///
-/// One HTML file that stands alone and prints: parameters, errors, findings, pictures, and what is needed to do it again (request,
-/// robot, version, logs by their SHA-256, the executed design with its seed).
+/// One HTML file that stands alone and prints: parameters, errors, findings, pictures, and what is needed to do it again
+/// (request, robot, version, logs by their SHA-256, the executed design with its seed).
 #[utoipa::path(
     get, path = "/identify/{id}/report", tag = "identification", operation_id = "get_report",
     params(("id" = String, Path, description = "Id of the job")),

@@ -190,7 +190,8 @@ async fn read_upload(service: &Service, upload: RobotUpload, query: QueryFields)
 
 /// Keep a robot of the lab; its id is made from its name.
 ///
-/// A ZIP archive has one URDF or MJCF file and the meshes that it names (STL, OBJ, COLLADA): links that are described by meshes alone get capsules around them. At most 64 MiB.
+/// A ZIP archive has one URDF or MJCF file and the meshes that it names (STL, OBJ, COLLADA): links that are described by meshes
+/// alone get capsules around them. At most 64 MiB.
 #[utoipa::path(
     post, path = "/robots", tag = "robots", operation_id = "add_robot",
     params(

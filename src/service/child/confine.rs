@@ -10,9 +10,10 @@ const GOES_FIRST: &str = "500";
 
 /// Limits the data of this process to `memory` bytes beyond what it has by itself.
 ///
-/// `RLIMIT_DATA` counts private memory that can be written, touched or not: heaps, columns, buffers of OpenBLAS and stacks. `RLIMIT_AS` would also
-/// count what is reserved only, 64 MB for every arena of the C library and thread, so that its limit would mean something else on every
-/// machine; `RLIMIT_RSS` does nothing. What cannot be set is left: then the limits of the system hold.
+/// `RLIMIT_DATA` counts private memory that can be written, touched or not: heaps, columns, buffers of OpenBLAS and stacks.
+/// `RLIMIT_AS` would also count what is reserved only, 64 MB for every arena of the C library and thread, so that its limit would
+/// mean something else on every machine; `RLIMIT_RSS` does nothing. What cannot be set is left: then the limits of the system
+/// hold.
 pub fn confine(memory: u64) {
     let most = |bytes: u64| Rlimit {
         current: Some(bytes),

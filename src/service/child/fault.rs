@@ -1,7 +1,7 @@
 //! Faults on demand, for tests of what a fault costs.
 //!
-//! Only where the environment of the server has `DYNIDENT_TEST_FAULTS`: then a job with a log or a robot that is called `fault-…` fails in that
-//! way. It harms nothing but its own child, which is what is tested.
+//! Only where the environment of the server has `DYNIDENT_TEST_FAULTS`: then a job with a log or a robot that is called `fault-…`
+//! fails in that way. It harms nothing but its own child, which is what is tested.
 
 use super::message::JobTask;
 use crate::service::known::robot_inside;

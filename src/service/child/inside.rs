@@ -53,7 +53,8 @@ pub fn main(memory: u64) -> Result<(), Error> {
     Ok(())
 }
 
-/// Does the tasks that come, one after the other. `alone` in its process it ends that at once when nobody is there any more to do it for.
+/// Does the tasks that come, one after the other. `alone` in its process it ends that at once when nobody is there any more to do
+/// it for.
 pub fn serve(stream: UnixStream, alone: bool) {
     let Ok(reader) = stream.try_clone() else { return };
     let mut reader = BufReader::new(reader);

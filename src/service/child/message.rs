@@ -1,4 +1,5 @@
-//! What goes through the socket between a server and a child, as MessagePack: each value says where it ends, and numbers keep every bit.
+//! What goes through the socket between a server and a child, as MessagePack: each value says where it ends, and numbers keep
+//! every bit.
 
 use crate::app::{LogFile, Runs};
 use crate::documents::{RobotDocument, RobotReport};
@@ -112,7 +113,8 @@ pub enum Task {
         document: Document,
         known: Named,
     },
-    /// An own effect that is to be kept in the catalogue, or looked at. Answers with a [`crate::documents::requests::CatalogueEffect`].
+    /// An own effect that is to be kept in the catalogue, or looked at. Answers with a
+    /// [`crate::documents::requests::CatalogueEffect`].
     Effect {
         document: Document,
     },
@@ -141,7 +143,8 @@ pub enum Task {
         runs: Runs,
         rate_hz: f64,
     },
-    /// A first run of a design: smaller, slower. Answers with its [`Series`], or null where no part of the motion keeps every limit.
+    /// A first run of a design: smaller, slower. Answers with its [`Series`], or null where no part of the motion keeps every
+    /// limit.
     FirstRun {
         input: Input,
         series: Series,

@@ -1,10 +1,13 @@
-//! Numerical work in processes of their own: one that aborts, runs out of memory or never ends costs the work that it did, and nothing else.
+//! Numerical work in processes of their own: one that aborts, runs out of memory or never ends costs the work that it did, and
+//! nothing else.
 //!
 //! A child is this program again (`dynident child`), connected by one socket: a `Task` goes in, news and the answer come out, as
-//! MessagePack. It ends when the other end of the socket is closed, however the server ended. Children are used again, so that a short task
-//! does not wait for a start; one that has grown is replaced. What they have in common with the server is files: logs go in by their paths.
+//! MessagePack. It ends when the other end of the socket is closed, however the server ended. Children are used again, so that a
+//! short task does not wait for a start; one that has grown is replaced. What they have in common with the server is files: logs
+//! go in by their paths.
 //!
-//! Routes use `Service::compute`, which ends the child when the client has gone; jobs use `Service::child` and follow its `Event`s.
+//! Routes use `Service::compute`, which ends the child when the client has gone; jobs use `Service::child` and follow its
+//! `Event`s.
 
 mod confine;
 mod fault;
@@ -57,8 +60,8 @@ impl Service {
         self.children().take().await
     }
 
-    /// Does `task` in a child, and hands back the bytes of its answer. Whoever drops the future ends the work: the child of a task that was
-    /// not finished is killed.
+    /// Does `task` in a child, and hands back the bytes of its answer. Whoever drops the future ends the work: the child of a
+    /// task that was not finished is killed.
     ///
     /// # Errors
     /// Those of the task; `time_limit` where it takes longer than `limit`, `memory_limit` and `job_crashed` where its child died.

@@ -4,7 +4,8 @@ use super::{Child, Limits};
 use crate::app::{Code, Error};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A child that holds more than this when its work is done is replaced (bytes): an identification of some minutes of log stays below it.
+/// A child that holds more than this when its work is done is replaced (bytes): an identification of some minutes of log stays
+/// below it.
 const GROWN: u64 = 192 << 20;
 
 /// The children of a service.

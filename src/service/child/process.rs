@@ -15,9 +15,9 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::sync::mpsc;
 
-/// Set before the program starts, where its libraries look: OpenBLAS without threads of its own, which gain nothing from matrices of four by
-/// four, and freed memory kept for the next columns, up to 32 MB of it: by default every long column goes back to the system, which clears its
-/// pages again.
+/// Set before the program starts, where its libraries look: OpenBLAS without threads of its own, which gain nothing from matrices
+/// of four by four, and freed memory kept for the next columns, up to 32 MB of it: by default every long column goes back to the
+/// system, which clears its pages again.
 const ENVIRONMENT: [(&str, &str); 3] = [
     ("OPENBLAS_NUM_THREADS", "1"),
     ("MALLOC_TRIM_THRESHOLD_", "33554432"),
@@ -199,7 +199,8 @@ fn read(
             break;
         }
     }
-    // Its end of the socket is closed when it has ended, or it says what is no message: the signal changes nothing for one that is dead.
+    // Its end of the socket is closed when it has ended, or it says what is no message: the signal changes nothing for one that
+    // is dead.
     let status = process.map(|process| {
         let mut process = lock(&process);
         let _ = process.kill();

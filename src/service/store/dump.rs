@@ -11,8 +11,9 @@ use tokio_stream::StreamExt;
 /// Version of the archive.
 const FORMAT: u64 = 1;
 
-/// Tables in the order in which they can be filled, with their columns; those of numbers start with `#`. Shares, and what running searches
-/// have found, are not among them: a job that is restored begins again. Nor are the parts of files, which are in the archive as files.
+/// Tables in the order in which they can be filled, with their columns; those of numbers start with `#`. Shares, and what running
+/// searches have found, are not among them: a job that is restored begins again. Nor are the parts of files, which are in the
+/// archive as files.
 const TABLES: &[(&str, &[&str])] = &[
     ("robots", &["id", "document", "#updated_us"]),
     ("effects", &["name", "document", "#updated_us"]),
@@ -140,7 +141,8 @@ fn read(row: &AnyRow, columns: &[&str]) -> Result<Value, sqlx::Error> {
 /// Fills an empty database and data folder from a backup. Jobs that ran when it was made wait again.
 ///
 /// # Errors
-/// The database is not empty; the archive is not one of ours, is cut off, or holds a file whose content is not what its name says.
+/// The database is not empty; the archive is not one of ours, is cut off, or holds a file whose content is not what its name
+/// says.
 pub async fn restore(store: &Store, files: &Files, archive: impl Read + Seek) -> Result<Amount, Error> {
     for (table, _) in TABLES {
         let sql = store.sql(&format!("SELECT COUNT(*) AS rows FROM {table}"));

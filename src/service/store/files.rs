@@ -1,7 +1,7 @@
 //! Files named by the SHA-256 of their content: logs, requests and results.
 //!
-//! A file is written under another name, brought to the disk, and renamed: one that has its name is whole. With PostgreSQL its content
-//! is in the database as well, for the workers on other machines and for the backup; the folder is then a cache.
+//! A file is written under another name, brought to the disk, and renamed: one that has its name is whole. With PostgreSQL its
+//! content is in the database as well, for the workers on other machines and for the backup; the folder is then a cache.
 
 use super::{Dialect, Store, now_us, unavailable};
 use crate::app::{Code, Error};

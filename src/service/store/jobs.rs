@@ -138,7 +138,8 @@ impl State {
     }
 }
 
-/// A place in the list of jobs, the newest first: behind the job of this time and id. Jobs of the same microsecond stand in the order of their ids.
+/// A place in the list of jobs, the newest first: behind the job of this time and id. Jobs of the same microsecond stand in the
+/// order of their ids.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct JobPlace {
     /// Time of submission (µs).

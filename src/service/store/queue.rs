@@ -1,8 +1,8 @@
 //! The queue: claiming, keeping and ending jobs under leases.
 //!
-//! A worker claims a job by raising its lease number and must renew the lease before it runs out; a job whose lease has run out is
-//! claimed again by whoever comes first. Everything a worker writes names the number it was given: a worker that was presumed dead and
-//! comes back finds its number outdated and changes nothing, so that every job has exactly one result.
+//! A worker claims a job by raising its lease number and must renew the lease before it runs out; a job whose lease has run out
+//! is claimed again by whoever comes first. Everything a worker writes names the number it was given: a worker that was presumed
+//! dead and comes back finds its number outdated and changes nothing, so that every job has exactly one result.
 
 use super::{Dialect, Store, Transaction, now_us, submission::name_file, unavailable};
 use crate::app::Error;
@@ -82,8 +82,8 @@ fn bound(most_of_robot: Option<usize>) -> i64 {
 impl Store {
     /// Takes the next job of a class, if there is one.
     ///
-    /// Robots take turns: the key of a job is the time since which it, and its robot, have been waiting, later by a minute for every
-    /// step of urgency. A robot that was just served counts as if its jobs had come just now.
+    /// Robots take turns: the key of a job is the time since which it, and its robot, have been waiting, later by a minute for
+    /// every step of urgency. A robot that was just served counts as if its jobs had come just now.
     pub async fn claim(
         &self,
         class: Class,
@@ -166,7 +166,8 @@ impl Store {
         }))
     }
 
-    /// Counts a death of the process that does the job, and hands back how many there were; `None` if the job is no longer this worker's.
+    /// Counts a death of the process that does the job, and hands back how many there were; `None` if the job is no longer this
+    /// worker's.
     pub async fn child_died(&self, id: &str, lease: i64) -> Result<Option<i64>, Error> {
         let rows = sqlx::query(
             "UPDATE jobs SET child_deaths = child_deaths + 1 WHERE id = $1 AND lease = $2 AND state = 'running' RETURNING child_deaths",

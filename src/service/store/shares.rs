@@ -1,7 +1,7 @@
 //! Shares: searches that idle workers make for a design that another worker runs.
 //!
-//! A share has a lease like a job, and counts if it is handed in while the job still gathers: a share that dies or hangs costs nothing but
-//! its own work. What was handed in stays with the job, also when another worker begins it again.
+//! A share has a lease like a job, and counts if it is handed in while the job still gathers: a share that dies or hangs costs
+//! nothing but its own work. What was handed in stays with the job, also when another worker begins it again.
 
 use super::submission::name_file;
 use super::{Dialect, Store, unavailable};

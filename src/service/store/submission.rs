@@ -32,8 +32,8 @@ pub struct NewJob {
     pub files: Vec<String>,
 }
 
-/// An `Idempotency-Key`, the hash of the body it came with, and the kind of work that was asked for: the same body means another thing
-/// at another address.
+/// An `Idempotency-Key`, the hash of the body it came with, and the kind of work that was asked for: the same body means another
+/// thing at another address.
 #[derive(Debug, Clone)]
 pub struct Key {
     /// The key as the client chose it.

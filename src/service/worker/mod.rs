@@ -25,7 +25,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(500);
 pub(super) const NEWS: Duration = Duration::from_millis(200);
 /// Pause after the database failed.
 const PAUSE: Duration = Duration::from_secs(1);
-/// Time in which logs are fetched or a result is written, shares gathered and all: a gigabyte comes over a line of 100 Mbit/s in 80 s.
+/// Time in which logs are fetched or a result is written, shares gathered and all: a gigabyte comes over a line of 100 Mbit/s in
+/// 80 s.
 const HANDING_IN: Duration = Duration::from_secs(120);
 
 /// Starts as many workers of each class as configured; needs a running tokio runtime.
@@ -123,7 +124,7 @@ pub(super) async fn in_time<T>(time: Duration, work: impl Future<Output = Result
 enum Done {
     /// To be handed in, with its documents and what earlier lives have spent.
     Ended(Ended, Option<(Box<Outcome>, Spent)>),
-    /// To be done by another, later, who goes on from what the link knows.
+    /// To be done by another, later, who continues from what the link knows.
     PutBack(Option<Arc<Link>>),
     /// Another has it.
     Lost,

@@ -126,7 +126,8 @@ impl Attempt<'_> {
         })))
     }
 
-    /// A child, as soon as there is one: a machine without room for another process has one later. `None` if the work is to end before.
+    /// A child, as soon as there is one: a machine without room for another process has one later. `None` if the work is to end
+    /// before.
     async fn child(&self) -> Option<Child> {
         loop {
             match self.service.child().await {

@@ -4,8 +4,8 @@ use super::identification::by_joint;
 use super::{Figure, Mark, Panel, Series, unit};
 use crate::documents::{EffectFinding, IdentifyDocument, ResidualDocument};
 
-/// Error per joint of the declared model and of the one with the effects found, beside the noise floor: on identification data, and
-/// below it on held-out data where there is some. `None` without a diagnosis.
+/// Error per joint of the declared model and of the one with the effects found, beside the noise floor: on identification data,
+/// and below it on held-out data where there is some. `None` without a diagnosis.
 pub fn before_after_figure(document: &IdentifyDocument) -> Option<Figure> {
     let residual = document.residual.as_ref()?;
     let (before, after) = (&residual.rms_before, &residual.rms_after);
@@ -48,8 +48,9 @@ fn panel(residual: &ResidualDocument, name: &str, [before, after]: [&Vec<Option<
 /// Points of a cloud: more than this is ink on ink.
 const CLOUD: usize = 1500;
 
-/// The residual of the declared model on a finding's joint, with what the effects add to its prediction, and that of the model with the effects found,
-/// against the variable that the finding is a function of (its `against`). `None` where the document has no series to draw.
+/// The residual of the declared model on a finding's joint, with what the effects add to its prediction, and that of the model
+/// with the effects found, against the variable that the finding is a function of (its `against`). `None` where the document has
+/// no series to draw.
 pub fn finding_figure(document: &IdentifyDocument, finding: &EffectFinding) -> Option<Figure> {
     let name = finding.against.joint.as_ref()?;
     let at = document.joints.iter().position(|j| j == name)?;

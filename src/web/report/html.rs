@@ -211,7 +211,8 @@ impl Html {
 /// Characters of a printed line.
 const LINE: usize = 96;
 
-/// JSON with what fits on a line, and every list of numbers, on one line: matrices look like matrices, and a robot takes a page and not five.
+/// JSON with what fits on a line, and every list of numbers, on one line: matrices look like matrices, and a robot takes a page
+/// and not five.
 fn laid_out(value: &Value, depth: usize) -> String {
     let line = on_one_line(value);
     if depth + line.len() <= LINE {

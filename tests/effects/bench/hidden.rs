@@ -45,7 +45,8 @@ impl Hidden {
     /// Any joint on which the effect can be seen, any sign, any shape.
     pub fn random(code: &'static str, robot: &Robot, rng: &mut impl Rng) -> Self {
         let joints = robot.joint_count();
-        // Gravity does not see where the first joint's encoder begins. The base inertias of the first two joints hold their rotors'.
+        // Gravity does not see where the first joint's encoder begins. The base inertias of the first two joints hold their
+        // rotors'.
         let first = match code {
             "encoder_offset" => 1,
             "rotor_inertia" => 2,

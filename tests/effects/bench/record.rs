@@ -87,7 +87,8 @@ pub fn published_logs(robot: &Robot, phi: &[f64], effects: [&[HiddenEffect]; 2],
     recorded(robot, phi, [&excitation, &validation], effects, noise, seed)
 }
 
-/// The published arm on its first motion, as often and as finely sampled as asked, with a spring of 1.8 N·m/rad on the fourth joint.
+/// The published arm on its first motion, as often and as finely sampled as asked, with a spring of 1.8 N·m/rad on the fourth
+/// joint.
 pub fn long_log(name: &str, periods: f64, rate_hz: f64) -> (Robot, Log) {
     let (robot, phi) = published();
     let spring = HiddenEffect::JointSpring {

@@ -1,4 +1,5 @@
-//! Recordings of messages: topics become streams of columns, joints keep their names, and streams are laid beside each other in time.
+//! Recordings of messages: topics become streams of columns, joints keep their names, and streams are laid beside each other in
+//! time.
 
 use super::super::LogError;
 use super::super::names::Named;
@@ -11,8 +12,8 @@ use std::collections::{BTreeMap, HashMap};
 
 /// Topics, and sets of joints within a topic, that are kept apart.
 const MOST_STREAMS: usize = 200;
-/// Senders whose stamps are off the time of receipt by the same, within a second (ns), have one clock: delays are far shorter, clocks that
-/// nobody has set are off by days.
+/// Senders whose stamps are off the time of receipt by the same, within a second (ns), have one clock: delays are far shorter,
+/// clocks that nobody has set are off by days.
 const ONE_CLOCK: u64 = 1_000_000_000;
 /// Values are interpolated over no more than so many of the usual steps of their stream; farther apart there are none.
 const WIDEST_STEP: f64 = 5.0;
@@ -84,8 +85,8 @@ impl Recording {
         }
     }
 
-    /// Takes a message of a kind that is not known to be about joints. Such topics give way: one that cannot be read, changes its fields, or is larger
-    /// than what is left for all of them, is left out with its type.
+    /// Takes a message of a kind that is not known to be about joints. Such topics give way: one that cannot be read, changes its
+    /// fields, or is larger than what is left for all of them, is left out with its type.
     pub fn take_generic(
         &mut self,
         topic: &str,

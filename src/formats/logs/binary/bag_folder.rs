@@ -10,7 +10,8 @@ use zip::ZipArchive;
 /// Files of one recording: rosbag2 begins a new one every so many bytes or seconds.
 const MOST_FILES: usize = 1_000;
 
-/// The recording in a ZIP archive: all its `.mcap` and `.db3` files, in the order of their names, as one. `None` where the archive has none.
+/// The recording in a ZIP archive: all its `.mcap` and `.db3` files, in the order of their names, as one. `None` where the
+/// archive has none.
 ///
 /// # Errors
 /// As of these files.

@@ -1,6 +1,7 @@
 //! Definitions of ROS messages: which fields lie in a message, in which order.
 //!
-//! `.msg` text (ROS 1 and 2) and `.idl` (ROS 2), as recordings carry them: the message's own definition and those that it uses, parted by lines of `=`.
+//! `.msg` text (ROS 1 and 2) and `.idl` (ROS 2), as recordings carry them: the message's own definition and those that it uses,
+//! parted by lines of `=`.
 
 use super::idl;
 use std::collections::HashMap;
@@ -84,8 +85,8 @@ const MOST_FIELDS: usize = 20_000;
 const WELL_KNOWN: &str = include_str!("well_known.msg");
 
 impl Definition {
-    /// Of the message `name` (`sensor_msgs/msg/Imu`), from the text that a recording has of it; without any, if it is well known. `None` where a
-    /// message that is used is not defined, or nothing is understood.
+    /// Of the message `name` (`sensor_msgs/msg/Imu`), from the text that a recording has of it; without any, if it is well known.
+    /// `None` where a message that is used is not defined, or nothing is understood.
     pub fn read(name: &str, text: &str) -> Option<Self> {
         let mut known = HashMap::new();
         sections(WELL_KNOWN, "", &mut known)?;

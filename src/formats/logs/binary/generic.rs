@@ -9,7 +9,8 @@ const DEEPEST: usize = 12;
 /// Longer arrays are pictures, scans and maps.
 const LONGEST_ARRAY: usize = 256;
 
-/// Reads a message. Numbers have the names of their fields, `wrench/force/x` and `data[3]`; that of a header's stamp is the sample's.
+/// Reads a message. Numbers have the names of their fields, `wrench/force/x` and `data[3]`; that of a header's stamp is the
+/// sample's.
 ///
 /// # Errors
 /// What is wrong with the message, in words.

@@ -1,8 +1,8 @@
 //! MATLAB files of level 5: versions 5 to 7, compressed or not.
 //!
-//! The format is that of "MAT-File Format" (The MathWorks): elements of a tag and data, matrices of flags, dimensions, name and numbers, one within
-//! the other for structures and cells. It is read here and not by a library, because those there are descend without end and take what a file states of its
-//! sizes at its word.
+//! The format is that of "MAT-File Format" (The MathWorks): elements of a tag and data, matrices of flags, dimensions, name and
+//! numbers, one within the other for structures and cells. It is read here and not by a library, because those there are descend
+//! without end and take what a file states of its sizes at its word.
 
 use super::super::LogError;
 use super::super::names::Named;

@@ -40,8 +40,8 @@ pub(super) enum Coding {
 }
 
 impl Format {
-    /// Of a topic with messages of type `kind`, encoded as `coding` says and defined by `definition` (empty where the recording has none); `None` where
-    /// it is not read.
+    /// Of a topic with messages of type `kind`, encoded as `coding` says and defined by `definition` (empty where the recording
+    /// has none); `None` where it is not read.
     pub fn from_definition(kind: &str, coding: &str, definition: &[u8]) -> Option<Self> {
         let coding = match coding {
             "cdr" => Coding::Cdr,

@@ -1,6 +1,7 @@
 //! COLLADA 1.4 and 1.5: positions of the geometries, where the nodes of the scene put them.
 //!
-//! Lengths are scaled by `<unit>`. `<up_axis>` is left out, as RViz, MoveIt and Gazebo do: a mesh of a robot description lies in the frame of its link as it is written.
+//! Lengths are scaled by `<unit>`. `<up_axis>` is left out, as RViz, MoveIt and Gazebo do: a mesh of a robot description lies in
+//! the frame of its link as it is written.
 
 use super::MOST_POINTS;
 use crate::model::{Notes, XmlText};
@@ -8,7 +9,8 @@ use nalgebra::{Matrix4, Rotation3, Unit, Vector3};
 use roxmltree::{Document, Node, NodeId};
 use std::collections::HashMap;
 
-/// Nodes of a scene that are visited, instances of instances included: a mesh of a link has a handful, and small files could ask for millions.
+/// Nodes of a scene that are visited, instances of instances included: a mesh of a link has a handful, and small files could ask
+/// for millions.
 const MOST_NODES: usize = 10_000;
 /// Levels of nodes, of instances too: those that call each other have no end.
 const DEEPEST: usize = 50;

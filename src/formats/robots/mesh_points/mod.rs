@@ -13,8 +13,8 @@ const MOST_TRIANGLES: usize = 1 << 20;
 /// Points of one mesh that are read: three to a triangle.
 const MOST_POINTS: usize = 3 * MOST_TRIANGLES;
 
-/// The points of a mesh, in metres where the file states a unit and in its own numbers otherwise; `None` where it is none of the formats, damaged, or larger than any link.
-/// What a file is, its first bytes say.
+/// The points of a mesh, in metres where the file states a unit and in its own numbers otherwise; `None` where it is none of the
+/// formats, damaged, or larger than any link. What a file is, its first bytes say.
 pub(super) fn mesh_points(bytes: &[u8]) -> Option<Vec<Vector3<f64>>> {
     let first = bytes
         .iter()

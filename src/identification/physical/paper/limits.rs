@@ -38,8 +38,8 @@ pub(super) struct Limits {
 const THINNEST: f64 = 1e-4;
 /// Linear constraints are kept by this much, in their units, so that a solver that exceeds them by as much still meets them.
 const TOLERANCE: f64 = 1e-9;
-/// What an eigenvalue may be short of its least: half of that, so that bodies stay bodies. Where constraints are curved a solver comes from
-/// outside, and would never arrive at a tolerance of rounding.
+/// What an eigenvalue may be short of its least: half of that, so that bodies stay bodies. Where constraints are curved a solver
+/// comes from outside, and would never arrive at a tolerance of rounding.
 const EIGENVALUE_TOLERANCE: f64 = 0.5 * THINNEST;
 /// Products of inertia up to this part of the least diagonal entry leave a matrix that is definite by its dominant diagonal.
 const DOMINATED: f64 = 0.5;
@@ -229,9 +229,9 @@ impl Limits {
     }
 }
 
-/// Eigenvalues of `M/tr M` less ε, and their derivatives by xx, xy, xz, yy, yz, zz of the inertia: `dλ = v·dM v` for unit eigenvectors v.
-/// `size` is the inertia's natural size. (Leading minors are smooth where eigenvalues cross, but thin bodies make them products of small
-/// numbers, on which a solver stalls.)
+/// Eigenvalues of `M/tr M` less ε, and their derivatives by xx, xy, xz, yy, yz, zz of the inertia: `dλ = v·dM v` for unit
+/// eigenvectors v. `size` is the inertia's natural size. (Leading minors are smooth where eigenvalues cross, but thin bodies make
+/// them products of small numbers, on which a solver stalls.)
 fn eigenvalues(definite: Definite, entries: &[f64], size: f64) -> [(f64, [f64; 6]); 3] {
     let inertia = Matrix3::new(
         entries[0], entries[1], entries[2], entries[1], entries[3], entries[4], entries[2], entries[4], entries[5],

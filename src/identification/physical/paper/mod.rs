@@ -1,11 +1,12 @@
 //! The paper's nonlinear problem (10a–d): least squares over masses, centres of mass, inertias about them and friction.
 //!
-//! Not convex: π(μ) of (4) has products of mass and centre of mass. Solved from many starts by sequential quadratic programming with exact
-//! derivatives; how far the best of them can be from the global minimum is known from a convex relaxation ([`lower_bound`]), which leaves out
-//! what has no convex form and keeps the rest.
+//! Not convex: π(μ) of (4) has products of mass and centre of mass. Solved from many starts by sequential quadratic programming
+//! with exact derivatives; how far the best of them can be from the global minimum is known from a convex relaxation
+//! ([`lower_bound`]), which leaves out what has no convex form and keeps the rest.
 //!
-//! Variables are whitened: in `μ = μ₀ + T y` with `T Tᵀ = (JᵀHJ + ρE)⁻¹` at μ₀ the cost is a sphere to first order, which the solver's
-//! first guess of the Hessian then is too. A few rounds of that take tens of evaluations where plain variables take thousands.
+//! Variables are whitened: in `μ = μ₀ + T y` with `T Tᵀ = (JᵀHJ + ρE)⁻¹` at μ₀ the cost is a sphere to first order, which the
+//! solver's first guess of the Hessian then is too. A few rounds of that take tens of evaluations where plain variables take
+//! thousands.
 
 mod limits;
 mod variables;
@@ -108,8 +109,9 @@ pub struct StartFit {
     pub ending: FitEnding,
 }
 
-/// Solves (10a–d) from `options.starts` starts: rods in the place of the links (the paper's), the robot's own priors, the solution
-/// `consistent` of the convex problem, and rods of random size and place. The same options give the same answer on any number of threads.
+/// Solves (10a–d) from `options.starts` starts: rods in the place of the links (the paper's), the robot's own priors, the
+/// solution `consistent` of the convex problem, and rods of random size and place. The same options give the same answer on any
+/// number of threads.
 pub fn fit_paper(
     robot: &Robot,
     objective: &FitObjective,
@@ -165,8 +167,8 @@ pub fn fit_paper(
     }
 }
 
-/// The convex part of the constraints: with the principal moments' triangle inequality the pseudo-inertia is definite, without it the
-/// 6 × 6 inertia of the body is.
+/// The convex part of the constraints: with the principal moments' triangle inequality the pseudo-inertia is definite, without it
+/// the 6 × 6 inertia of the body is.
 fn relaxation(options: &PaperOptions) -> ConsistentOptions {
     ConsistentOptions {
         boxes: Vec::new(),
@@ -210,8 +212,8 @@ const LONG_ROUND: u32 = 400;
 const MOST_ROUNDS: usize = 10;
 /// A relative gain of the cost that nobody sees: a thousandth of a per cent of the fit.
 const SETTLED: f64 = 2e-5;
-/// Curvature that every direction is given besides the cost's own: moving a parameter that the log says nothing of by its natural size
-/// counts as changing the cost by half of itself.
+/// Curvature that every direction is given besides the cost's own: moving a parameter that the log says nothing of by its natural
+/// size counts as changing the cost by half of itself.
 const FLAT: f64 = 1.0;
 
 impl Problem {
@@ -254,7 +256,8 @@ impl Problem {
             jacobian.row_mut(i).copy_from(&row.transpose());
         }
         let curvature = jacobian.transpose() * &self.h * &jacobian * (2.0 / self.size) + DMatrix::identity(n, n) * FLAT;
-        // A Gram matrix and the identity, positive definite unless its numbers are beyond those of a double; the search then goes without.
+        // A Gram matrix and the identity, positive definite unless its numbers are beyond those of a double; the search then goes
+        // without.
         let whitening = curvature
             .cholesky()
             .and_then(|c| c.l().transpose().solve_upper_triangular(&DMatrix::identity(n, n)));

@@ -6,8 +6,9 @@ use crate::parameters::{Inertial, Layout, ParameterKind};
 use crate::spatial::PhysicalInertia;
 use nalgebra::{DVector, Matrix3, Vector3};
 
-/// μ link by link: mass, centre of mass, inertia about it (xx, xy, xz, yy, yz, zz), friction as declared; then one constant per extra
-/// column. Each stands where the layout has its counterpart: m at M, l_x at MX, I_xx at XX. In the link frames of the description.
+/// μ link by link: mass, centre of mass, inertia about it (xx, xy, xz, yy, yz, zz), friction as declared; then one constant per
+/// extra column. Each stands where the layout has its counterpart: m at M, l_x at MX, I_xx at XX. In the link frames of the
+/// description.
 pub(super) struct Variables {
     pub layout: Layout,
     pub links: usize,
@@ -110,8 +111,9 @@ impl Variables {
         phi
     }
 
-    /// `(∂π/∂μ)ᵀ g`. With G the symmetric matrix of derivatives by the entries of the tensor about the origin, `I_o = I + m (c·c E − c cᵀ)`:
-    /// by I that is G itself, by m it is `g_h·c + tr(G) c·c − c·Gc` more, and by c it is `m (g_h + 2 tr(G) c − 2 G c)`.
+    /// `(∂π/∂μ)ᵀ g`. With G the symmetric matrix of derivatives by the entries of the tensor about the origin,
+    /// `I_o = I + m (c·c E − c cᵀ)`: by I that is G itself, by m it is `g_h·c + tr(G) c·c − c·Gc` more, and by c it is
+    /// `m (g_h + 2 tr(G) c − 2 G c)`.
     pub fn pull_back(&self, mu: &[f64], gradient: &DVector<f64>) -> DVector<f64> {
         let mut pulled = gradient.clone();
         for (link, turn) in self.turns.iter().enumerate() {
