@@ -28,7 +28,8 @@ test:
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps
 	cargo check --release --locked -p dynident-core
 	cargo check --release --locked --lib --no-default-features
-	cargo test --release --locked
+	cargo test --release --locked --lib --bins --tests
+	cargo test --release --locked --doc
 
 fuzz:
 	@scripts/setup test

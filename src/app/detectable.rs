@@ -22,6 +22,7 @@ pub(super) struct Basis {
     model: AugmentedModel,
     torque_noise: Vec<f64>,
     noise_source: &'static str,
+    own: Vec<Arc<OwnEffect>>,
 }
 
 impl Basis {
@@ -31,6 +32,7 @@ impl Basis {
             model: with_declared(model(request), &request.own),
             torque_noise,
             noise_source,
+            own: request.own.clone(),
         }
     }
 
@@ -46,6 +48,7 @@ impl Basis {
             rate_hz: spec.sample_rate_hz,
             periods: spec.knowledge.periods.max(FEWEST_PERIODS),
             torque_noise: &self.torque_noise,
+            own: &self.own,
             chance: DiagnosisOptions::default().chance,
         };
         Some(Assessed {

@@ -75,11 +75,21 @@ pub fn effects_named(document: &Value) -> impl Iterator<Item = &str> {
 
 /// Writes `effects`, as they were read, in the place of names in the field `effects`: what becomes of the catalogue does not
 /// matter any more.
-pub(super) fn put_definitions(document: &mut Value, effects: &[Arc<OwnEffect>]) {
+fn put_definitions(document: &mut Value, effects: &[Arc<OwnEffect>]) {
     let Some(list) = document.get_mut("effects").and_then(Value::as_array_mut) else {
         return;
     };
     for (item, effect) in list.iter_mut().zip(effects).filter(|(item, _)| is_reference(item)) {
         *item = json!(written(effect.definition()));
     }
+}
+
+/// The request with definitions in the place of names of effects, so that it means the same elsewhere and later.
+pub(super) fn with_definitions(request: &Value, effects: &[Arc<OwnEffect>], of_robot: &[Arc<OwnEffect>]) -> Value {
+    let mut request = request.clone();
+    put_definitions(&mut request, effects);
+    if let Some(robot) = request.get_mut("robot") {
+        put_definitions(robot, of_robot);
+    }
+    request
 }

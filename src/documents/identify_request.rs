@@ -3,7 +3,7 @@
 use super::bounds::read_bounds;
 use super::columns::read_columns;
 use super::cursor::{Cursor, Fields, Findings};
-use super::effect_list::{put_definitions, read_effects};
+use super::effect_list::{read_effects, with_definitions};
 use super::requests;
 use super::robot::{NamedRobots, read_robot_or_name};
 use crate::effects::OwnEffect;
@@ -114,16 +114,6 @@ fn read(cursor: &Cursor, robots: &dyn NamedRobots, excitations: &dyn NamedExcita
         trace,
         document,
     })
-}
-
-/// The request with definitions in the place of names of effects, so that it means the same elsewhere and later.
-fn with_definitions(request: &Value, effects: &[Arc<OwnEffect>], of_robot: &[Arc<OwnEffect>]) -> Value {
-    let mut request = request.clone();
-    put_definitions(&mut request, effects);
-    if let Some(robot) = request.get_mut("robot") {
-        put_definitions(robot, of_robot);
-    }
-    request
 }
 
 /// Own effects of the request whose channels the logs are not read with: they would be computed with the reference, as if it

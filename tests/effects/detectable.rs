@@ -46,6 +46,7 @@ impl Bench {
             rate_hz: RATE,
             periods,
             torque_noise: &noise,
+            own: &[],
             chance: DiagnosisOptions::default().chance,
         })
     }

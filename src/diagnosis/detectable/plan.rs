@@ -1,7 +1,9 @@
 //! What is planned.
 
+use crate::effects::OwnEffect;
 use crate::regression::AugmentedModel;
 use crate::trajectory::FourierSeries;
+use std::sync::Arc;
 
 /// A recording that is planned.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +19,8 @@ pub struct Plan<'a> {
     pub periods: f64,
     /// Standard deviation of the torque noise of every joint, white [N·m or N].
     pub torque_noise: &'a [f64],
+    /// Effects with formulas of their own that the diagnosis tries beside those listed; declared ones are a part of the model.
+    pub own: &'a [Arc<OwnEffect>],
     /// Largest chance of a false finding in one log.
     pub chance: f64,
 }

@@ -1,7 +1,7 @@
 //! The recording that is planned, as the diagnosis would see it.
 
 use super::plan::Plan;
-use crate::diagnosis::selection::{Candidate, candidates, hypotheses};
+use crate::diagnosis::selection::{Candidate, candidates, hypotheses, own_candidate};
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{AugmentedModel, Data, NoiseModel, NoiseSource, Stretch, System, spans};
 use crate::trajectory::Trajectory;
@@ -52,7 +52,12 @@ impl<'a> Planned<'a> {
         let mut spans = spans(data.stretches);
         let interval = 1.0 / plan.rate_hz.min(SETTINGS.detectable.rows_per_second);
         spans.iter_mut().for_each(|s| s.interval = interval);
-        let mut candidates = candidates(&system.model, &spans, false);
+        // As in a diagnosis the own ones come first: of two that explain the same they are named.
+        let own = plan.own.iter().filter(|own| !own.is_declared());
+        let mut candidates: Vec<Candidate> = own
+            .map(|own| own_candidate(own, &spans))
+            .chain(candidates(&system.model, &spans, false))
+            .collect();
         candidates.retain(|c| !system.model.terms.iter().any(|t| c.is_same_effect(t)));
         candidates.retain(|c| has_values || !needs_values(c));
         let rows: f64 = (0..data.noise.len()).map(|j| system.rows(j) as f64).sum();

@@ -11,6 +11,7 @@ pub use spec::criterion_name;
 use self::search::read_search;
 use self::spec::{read_fundamentals, read_spec};
 use crate::documents::cursor::{Cursor, Findings};
+use crate::documents::effect_list::{read_effects, with_definitions};
 use crate::documents::knowledge::{DesignModel, DesignTerms, read_design_model, read_knowledge};
 use crate::documents::requests;
 use crate::documents::robot::{NamedRobots, RobotDocument, read_robot_or_name};
@@ -36,7 +37,7 @@ pub struct ExcitationRequest {
     pub backoff: Option<f64>,
     /// What the columns beside the regressor's are of.
     pub effects: DesignTerms,
-    /// Effects with formulas of their own that the robot's description has.
+    /// Effects with formulas of their own, of the robot and of the request.
     pub own: Vec<Arc<OwnEffect>>,
     /// Budget, starts and seed of the search.
     pub search: Search,
@@ -99,7 +100,10 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
     };
     let mut notes = robot.as_ref().map(|r| r.notes.clone()).unwrap_or_default();
     let has_robot = robot.is_some();
-    let own = robot.as_ref().map(|r| r.effects.clone()).unwrap_or_default();
+    let mut own = robot.as_ref().map(|r| r.effects.clone()).unwrap_or_default();
+    let of_request = read_effects(&fields, robot.as_ref().map(|r| &r.robot), &own, known);
+    let document = with_definitions(cursor.value(), &of_request, &own);
+    own.extend(of_request);
     let search = read_search(&fields);
     let joints = robot.as_ref().map(|r| r.robot.joint_count());
     let earlier = fields.nullable("warm_start").and_then(|c| read_warm_start(&c, joints));
@@ -154,7 +158,7 @@ fn read(cursor: &Cursor, known: &dyn NamedRobots) -> Option<ExcitationRequest> {
         search,
         earlier,
         notes,
-        document: cursor.value().clone(),
+        document,
     })
 }
 

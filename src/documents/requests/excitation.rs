@@ -1,6 +1,7 @@
 //! A request for an excitation trajectory, with what it has to keep to.
 
 use super::knowledge::{DesignModel, Given, Rivals};
+use super::own_effect::OwnEffectOrName;
 use super::robot::RobotOrName;
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +44,10 @@ pub struct ExcitationRequest {
     pub search: Option<Search>,
     /// Model to design for: the columns of its effects join Y_b in every criterion.
     pub model: Option<DesignModel>,
+    /// Effects with formulas of their own, beside those of the robot: candidates are among `detectable`, declared ones are
+    /// assumed in the recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effects: Option<Vec<OwnEffectOrName>>,
     /// Two explanations of one residual, for `rival_evidence`.
     pub rivals: Option<Rivals>,
     /// What is known already: its information is added to that of the new trajectory in every criterion. Up to 100: an
