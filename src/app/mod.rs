@@ -21,6 +21,6 @@ pub use excite::{Exchange, Excited, Runs, excite, excite_beside, runs};
 pub use identify::{Identified, LogFile, ModelFiles, Step, UsedLog, identify};
 pub use inspect::inspect;
 pub use motion::motion;
-pub use problem::{FieldError, Problem};
+pub use problem::{FieldError, ProblemDetails};
 pub use series::drawn;
 pub use validate::{Validated, validate};

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 /// An error (RFC 9457, `application/problem+json`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
-pub struct Problem {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Problem))]
+pub struct ProblemDetails {
     /// `urn:dynident:error:` and the code.
     #[serde(rename = "type")]
     pub kind: String,
@@ -42,7 +42,7 @@ pub struct FieldError {
     pub hint: Option<String>,
 }
 
-impl From<&Error> for Problem {
+impl From<&Error> for ProblemDetails {
     fn from(error: &Error) -> Self {
         Self {
             kind: format!("urn:dynident:error:{}", error.code.name()),

@@ -1,6 +1,6 @@
 //! What people and programs see.
 
-use crate::app::{Error, Problem};
+use crate::app::{Error, ProblemDetails};
 use crate::documents::{
     DesignDocument, DetectableEffectDocument, IdentifyDocument, JointErrors, ResidualDocument, ValidateDocument,
 };
@@ -12,7 +12,7 @@ pub fn print_error(error: &Error, json: bool) {
     if json {
         eprintln!(
             "{}",
-            serde_json::to_string(&Problem::from(error)).expect("a problem is plain data")
+            serde_json::to_string(&ProblemDetails::from(error)).expect("a problem is plain data")
         );
         return;
     }

@@ -1,7 +1,7 @@
 //! A base that does not stand as the model says.
 
 use super::ranges::TILT;
-use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
+use super::{About, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 use nalgebra::{Rotation3, Vector3};
 
@@ -50,8 +50,8 @@ impl Effect for BaseTilt {
         Reads::Arm
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Distortion
+    fn kind(&self) -> EffectKind {
+        EffectKind::Distortion
     }
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {

@@ -65,7 +65,7 @@ pub struct World {
 
 /// How an effect enters the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum EffectKind {
     /// `tau += C(motion; shape) c`.
     Additive,
     /// Enters every row through the model: the distorted motion, gravity or gain is what Y is evaluated at, its parameters are
@@ -193,8 +193,8 @@ pub trait Effect: Sync + Send {
     fn about(&self) -> About;
 
     /// How it enters the model.
-    fn kind(&self) -> Kind {
-        Kind::Additive
+    fn kind(&self) -> EffectKind {
+        EffectKind::Additive
     }
 
     /// What its columns at one sample depend on. Designs differentiate them by that and nothing else.

@@ -1,7 +1,7 @@
 //! An encoder whose zero is not where the model has it.
 
 use super::ranges::{ENCODER_OFFSET_M, ENCODER_OFFSET_RAD, by_kind};
-use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
+use super::{About, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `q_true = q + δ_j`.
@@ -29,8 +29,8 @@ impl Effect for EncoderOffset {
         Reads::Arm
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Distortion
+    fn kind(&self) -> EffectKind {
+        EffectKind::Distortion
     }
 
     fn distort(&self, scene: &Scene, joints: &[usize], theta: &[f64], world: &mut World) {

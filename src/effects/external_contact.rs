@@ -1,6 +1,6 @@
 //! Something the robot touched.
 
-use super::{About, Effect, Kind, ParameterInfo, PlotVariable};
+use super::{About, Effect, EffectKind, ParameterInfo, PlotVariable};
 use crate::model::Robot;
 
 /// Torque in an interval of time only, one level per joint. Found between the periods, and the interval is left out of the fit.
@@ -24,8 +24,8 @@ impl Effect for ExternalContact {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::BetweenPeriods
+    fn kind(&self) -> EffectKind {
+        EffectKind::BetweenPeriods
     }
 
     fn parameters(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {

@@ -1,6 +1,6 @@
 //! Friction that changes while the robot runs.
 
-use super::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Scene, Statements, Written, own_joint};
+use super::{About, Column, Effect, EffectKind, ParameterInfo, PlotVariable, Scene, Statements, Written, own_joint};
 use crate::model::Robot;
 
 /// `tau_j += (dFV qd + dFS sign qd) g(t)`: over the periods of a log g is the course of warming up, `exp(−t/T)`; against an
@@ -24,8 +24,8 @@ impl Effect for FrictionDrift {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::AgainstModel
+    fn kind(&self) -> EffectKind {
+        EffectKind::AgainstModel
     }
 
     fn columns(&self, _form: usize, scene: &Scene, joints: &[usize], _shape: &[f64]) -> Vec<Column> {

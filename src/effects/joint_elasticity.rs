@@ -2,7 +2,7 @@
 
 use super::interpolation::derivatives;
 use super::ranges::{COMPLIANCE_M, COMPLIANCE_RAD, by_kind};
-use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
+use super::{About, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// Encoder on the motor side: `q_link = q − c tau_rigid(q_link)`, c = 1/K the compliance, with velocity and acceleration to
@@ -30,8 +30,8 @@ impl Effect for JointElasticity {
         Reads::Course
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Distortion
+    fn kind(&self) -> EffectKind {
+        EffectKind::Distortion
     }
 
     fn distort(&self, scene: &Scene, joints: &[usize], theta: &[f64], world: &mut World) {

@@ -1,6 +1,6 @@
 //! A body that was not there when the model was made.
 
-use super::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene};
+use super::{About, Column, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{Inertial, Layout};
@@ -31,8 +31,8 @@ impl Effect for Payload {
         Reads::Arm
     }
 
-    fn kind(&self) -> Kind {
-        Kind::AgainstModel
+    fn kind(&self) -> EffectKind {
+        EffectKind::AgainstModel
     }
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {

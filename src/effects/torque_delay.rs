@@ -2,7 +2,7 @@
 
 use super::interpolation::at_time;
 use super::ranges::DELAY;
-use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
+use super::{About, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `tau(t) = tau_model(t − T)` on all joints; T in seconds, any fraction of a sample.
@@ -29,8 +29,8 @@ impl Effect for TorqueDelay {
         Reads::Course
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Distortion
+    fn kind(&self) -> EffectKind {
+        EffectKind::Distortion
     }
 
     fn places(&self, _robot: &Robot) -> Vec<Vec<usize>> {

@@ -1,7 +1,7 @@
 //! A torque channel with the wrong scale.
 
 use super::ranges::GAIN;
-use super::{About, Effect, Kind, ParameterInfo, PlotVariable, Reads, Scene, World};
+use super::{About, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
 /// `tau_j = (1 + γ) tau_true,j`.
@@ -29,8 +29,8 @@ impl Effect for TorqueGain {
         Reads::Arm
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Distortion
+    fn kind(&self) -> EffectKind {
+        EffectKind::Distortion
     }
 
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {

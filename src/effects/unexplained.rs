@@ -1,7 +1,7 @@
 //! A smooth function of one or two variables: what is left when no effect explains it. Never in the list of effects: it names
 //! variables, not causes.
 
-use super::{About, Column, Effect, Kind, ParameterInfo, PlotVariable, Scene};
+use super::{About, Column, Effect, EffectKind, ParameterInfo, PlotVariable, Scene};
 use crate::model::Robot;
 
 /// `tau_j += Σ c f(u) g(v)` with f and g from a small dictionary: waves of a position, powers of anything.
@@ -70,8 +70,8 @@ impl Effect for Unexplained {
         }
     }
 
-    fn kind(&self) -> Kind {
-        Kind::Additive
+    fn kind(&self) -> EffectKind {
+        EffectKind::Additive
     }
 
     fn reads_torques(&self) -> bool {

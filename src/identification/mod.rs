@@ -7,4 +7,4 @@
 pub mod physical;
 mod quality;
 
-pub use quality::{Quality, Verdict, quality};
+pub use quality::{Quality, QualityVerdict, quality};

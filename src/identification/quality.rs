@@ -20,7 +20,7 @@ pub struct Quality {
     /// Share of the torque that the model explains beyond a constant.
     pub explained: Explained,
     /// The judgement.
-    pub verdict: Verdict,
+    pub verdict: QualityVerdict,
 }
 
 impl Quality {
@@ -37,7 +37,7 @@ impl Quality {
 
 /// Whether a log is good enough to identify from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum QualityVerdict {
     /// It is.
     Good,
     /// Away from the recorded motion the predicted torque is far less certain than on it.
@@ -50,7 +50,7 @@ pub enum Verdict {
     DataFault,
 }
 
-impl Verdict {
+impl QualityVerdict {
     /// Name in documents.
     pub fn code(self) -> &'static str {
         match self {
@@ -100,16 +100,16 @@ pub fn quality(
         .collect();
     let tested = |j: &usize| estimate.joints[*j].rows > 0;
     let verdict = if !explained.is_more_than_a_constant() {
-        Verdict::ExplainsNothing
+        QualityVerdict::ExplainsNothing
     } else if (0..base.len()).any(|c| !estimate.is_determined(c)) {
-        Verdict::Unidentifiable
+        QualityVerdict::Unidentifiable
     } else if (0..extrapolation.len())
         .filter(tested)
         .any(|j| extrapolation[j] > MOST_EXTRAPOLATION)
     {
-        Verdict::PoorExcitation
+        QualityVerdict::PoorExcitation
     } else {
-        Verdict::Good
+        QualityVerdict::Good
     };
     Quality {
         prediction_std,

@@ -1,7 +1,7 @@
 //! The declared model with effects added: its terms and its parameters.
 
 use crate::dynamics::{Coulomb, Motion};
-use crate::effects::{AnyEffect, Kind, Scene, Span, by_code};
+use crate::effects::{AnyEffect, EffectKind, Scene, Span, by_code};
 use crate::model::Robot;
 use crate::parameters::BaseParameters;
 use nalgebra::{DMatrix, DVector, Rotation3};
@@ -62,7 +62,7 @@ impl Term {
     }
 
     pub(crate) fn is_distortion(&self) -> bool {
-        self.effect.kind() == Kind::Distortion
+        self.effect.kind() == EffectKind::Distortion
     }
 
     /// The joints whose torque it changes; none for an effect of the whole robot.

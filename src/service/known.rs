@@ -10,7 +10,7 @@ use crate::documents::{MOST_GIVEN, NamedExcitations, NamedRobots, RobotDocument,
 use crate::formats::Parsed;
 use crate::model::FieldProblem;
 use crate::service::store::State;
-use crate::service::work::Kind;
+use crate::service::work::JobKind;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -161,7 +161,7 @@ impl Known {
         for (of_request, value) in own.chain(given(request).map(|g| (false, g))) {
             if let Some(id) = value["identification"].as_str()
                 && let Some(job) = service.find_job(id, access).await?
-                && let Some(hash) = job.model.as_ref().filter(|_| job.kind == Kind::Identification)
+                && let Some(hash) = job.model.as_ref().filter(|_| job.kind == JobKind::Identification)
             {
                 let files: Value = read_stored(service.files().read(hash).await?).await.unwrap_or_default();
                 self.models.insert(id.to_string(), files["json"].clone());
@@ -171,7 +171,7 @@ impl Known {
             }
             if let Some(id) = value["excitation"].as_str()
                 && let Some(job) = service.find_job(id, access).await?
-                && let Some(hash) = job.result.as_ref().filter(|_| job.kind == Kind::Excitation)
+                && let Some(hash) = job.result.as_ref().filter(|_| job.kind == JobKind::Excitation)
             {
                 let design: Value = read_stored(service.files().read(hash).await?).await.unwrap_or_default();
                 let part = |name: &str| (name.to_string(), design[name].clone());
@@ -189,7 +189,7 @@ async fn excitation(id: &str, service: &Service, access: &Access) -> Result<Opti
     };
     let Some(hash) = job
         .result
-        .filter(|_| job.kind == Kind::Excitation && job.state != State::Failed)
+        .filter(|_| job.kind == JobKind::Excitation && job.state != State::Failed)
     else {
         return Ok(None);
     };

@@ -1,6 +1,6 @@
 //! Errors as answers.
 
-use crate::app::{Code, Error, Problem};
+use crate::app::{Code, Error, ProblemDetails};
 use axum::Json;
 use axum::extract::rejection::BytesRejection;
 use axum::http::{HeaderValue, StatusCode, header};
@@ -47,7 +47,7 @@ pub(super) fn stalled() -> Failure {
 
 impl IntoResponse for Failure {
     fn into_response(self) -> Response {
-        let problem = Problem::from(&self.0);
+        let problem = ProblemDetails::from(&self.0);
         let status = StatusCode::from_u16(problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
         if status == StatusCode::INTERNAL_SERVER_ERROR {
             tracing::error!(code = problem.code, detail = problem.detail, "request failed");

@@ -9,7 +9,7 @@ use super::exchange::Link;
 use super::progress::Latest;
 use super::state::Service;
 use super::store::{Claimed, Share, Spent};
-use super::work::{Class, Input, Kind, Outcome, Request};
+use super::work::{Class, Input, JobKind, JobOutcome, Request};
 use super::worker::{Course, Ending, NEWS, in_time};
 use crate::app::{CancelFlag, Code, Error};
 use crate::documents::ExcitationRequest;
@@ -57,7 +57,7 @@ pub async fn with_shares(service: &Service, job: &Claimed, progress: Value) -> V
 
 /// Ends the shares of a search and takes in what they found: the document of the best, with the work of all, and of earlier
 /// lives.
-pub async fn gather(service: &Service, job: &Claimed, outcome: &Outcome, before: Spent) -> Result<Vec<u8>, Error> {
+pub async fn gather(service: &Service, job: &Claimed, outcome: &JobOutcome, before: Spent) -> Result<Vec<u8>, Error> {
     let own = &outcome.document;
     let store = service.store();
     let mut shares = store.shares(&job.id, job.lease).await?;
@@ -167,7 +167,7 @@ async fn task(service: &Service, share: &Share) -> Result<Task, Error> {
     let input: Input =
         serde_json::from_slice(&service.files().read(&share.input).await?).map_err(|_| super::problem::internal_error())?;
     Ok(Task::Job(Box::new(JobTask {
-        kind: Kind::Excitation,
+        kind: JobKind::Excitation,
         input,
         logs: Vec::new(),
         validation: Vec::new(),

@@ -6,7 +6,7 @@ use super::known::{Known, robot_inside, robot_named};
 use super::problem::internal_error;
 use super::state::Service;
 use super::store::{JobRow, Key, NewJob, Role, State, Submission, Waiting, sha256};
-use super::work::{Input, Kind, Measure, StoredLog};
+use super::work::{Input, JobKind, Measure, StoredLog};
 use crate::app::{CancelFlag, Code, Error};
 use crate::formats::Parsed;
 use crate::model::FieldProblem;
@@ -24,7 +24,7 @@ const DEFAULT_URGENCY: u8 = 3;
 
 /// What came with a request for work.
 pub struct Asked {
-    pub kind: Kind,
+    pub kind: JobKind,
     pub parsed: Parsed,
     pub logs: Vec<StoredLog>,
     pub validation: Vec<StoredLog>,

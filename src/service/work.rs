@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 /// The three things that jobs do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Kind {
+pub enum JobKind {
     /// Search for an excitation trajectory.
     Excitation,
     /// Identification from logs, with the residual diagnosis.
@@ -22,14 +22,14 @@ pub enum Kind {
     Validation,
 }
 
-impl Kind {
-    pub const ALL: [Kind; 3] = [Kind::Excitation, Kind::Identification, Kind::Validation];
+impl JobKind {
+    pub const ALL: [JobKind; 3] = [JobKind::Excitation, JobKind::Identification, JobKind::Validation];
 
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Excitation => "excitation",
-            Kind::Identification => "identification",
-            Kind::Validation => "validation",
+            JobKind::Excitation => "excitation",
+            JobKind::Identification => "identification",
+            JobKind::Validation => "validation",
         }
     }
 
@@ -40,17 +40,17 @@ impl Kind {
     /// Where the result of a job is.
     pub fn result_address(self, id: &str) -> String {
         match self {
-            Kind::Excitation => format!("/excitation/{id}"),
-            Kind::Identification => format!("/identify/{id}"),
-            Kind::Validation => format!("/validate/{id}"),
+            JobKind::Excitation => format!("/excitation/{id}"),
+            JobKind::Identification => format!("/identify/{id}"),
+            JobKind::Validation => format!("/validate/{id}"),
         }
     }
 
     /// What is said of an id that is none.
     pub fn unknown(self) -> Code {
         match self {
-            Kind::Excitation => Code::UnknownExcitation,
-            Kind::Identification | Kind::Validation => Code::UnknownIdentification,
+            JobKind::Excitation => Code::UnknownExcitation,
+            JobKind::Identification | JobKind::Validation => Code::UnknownIdentification,
         }
     }
 }
@@ -108,23 +108,23 @@ impl Request {
     ///
     /// # Errors
     /// Everything that is wrong with it.
-    pub fn read(kind: Kind, parsed: &Parsed, known: &Known) -> Result<Self, Error> {
+    pub fn read(kind: JobKind, parsed: &Parsed, known: &Known) -> Result<Self, Error> {
         let invalid = |errors| Error::invalid(&format!("the {} request", kind.name()), errors);
         match kind {
-            Kind::Excitation => read_excitation_request(parsed, known)
+            JobKind::Excitation => read_excitation_request(parsed, known)
                 .map(|r| Self::Excite(Box::new(r)))
                 .map_err(invalid),
-            Kind::Identification => read_identify_request(parsed, known, known)
+            JobKind::Identification => read_identify_request(parsed, known, known)
                 .map(|r| Self::Identify(Box::new(r)))
                 .map_err(invalid),
-            Kind::Validation => read_validate_request(parsed, known, known)
+            JobKind::Validation => read_validate_request(parsed, known, known)
                 .map(|r| Self::Validate(Box::new(r)))
                 .map_err(invalid),
         }
     }
 
     /// Reads the request of a stored job: it was found good before.
-    pub fn from_input(kind: Kind, input: &Input) -> Result<Self, Error> {
+    pub fn from_input(kind: JobKind, input: &Input) -> Result<Self, Error> {
         let parsed = parse(input.request.to_string().as_bytes()).map_err(Error::from)?;
         Self::read(kind, &parsed, &input.known)
     }
@@ -145,17 +145,17 @@ impl Request {
         exchange: Option<&dyn Exchange>,
         cancel: &CancelFlag,
         tell: &(dyn Fn(Notice) + Sync),
-    ) -> Result<Outcome, Error> {
+    ) -> Result<JobOutcome, Error> {
         match self {
             Self::Excite(request) => {
                 let excited = excite_beside(request, exchange, cancel, &|p| tell(Notice::Search(p.clone())));
-                Ok(Outcome::of_search(&excited))
+                Ok(JobOutcome::of_search(&excited))
             }
             Self::Identify(request) => {
                 let mut found = identify(request, logs, validation, cancel, &|s| tell(Notice::Step(s.clone())))?;
                 let model = found.model.as_ref();
                 let model = model.map(|m| json!({"json": m.json}).to_string().into_bytes());
-                let result = Outcome::of_logs(&found.document, model);
+                let result = JobOutcome::of_logs(&found.document, model);
                 if request.prediction_points == 0 {
                     return Ok(result);
                 }
@@ -163,11 +163,11 @@ impl Request {
                 let predicted = found.predictions(request);
                 found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
                 found.document.predictions = predicted.unwrap_or_default();
-                Ok(Outcome::of_logs(&found.document, result.model.map(ByteBuf::into_vec)))
+                Ok(JobOutcome::of_logs(&found.document, result.model.map(ByteBuf::into_vec)))
             }
             Self::Validate(request) => {
                 let mut found = validate(request, logs, cancel)?;
-                let result = Outcome::of_logs(&found.document, None);
+                let result = JobOutcome::of_logs(&found.document, None);
                 if request.prediction_points == 0 {
                     return Ok(result);
                 }
@@ -175,7 +175,7 @@ impl Request {
                 let predicted = found.predictions(request);
                 found.document.predictions_error = predicted.as_ref().err().map(|e| e.detail.clone());
                 found.document.predictions = predicted.unwrap_or_default();
-                Ok(Outcome::of_logs(&found.document, None))
+                Ok(JobOutcome::of_logs(&found.document, None))
             }
         }
     }
@@ -219,12 +219,12 @@ pub enum Notice {
     Search(Progress),
     Step(Step),
     /// All but what is made for pictures, which comes next.
-    Result(Outcome),
+    Result(JobOutcome),
 }
 
 /// What came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+pub struct JobOutcome {
     /// How a search ended; an identification that has a result has converged.
     pub status: String,
     /// The document, as it is handed out.
@@ -246,7 +246,7 @@ fn bytes(document: &impl Serialize) -> ByteBuf {
     ByteBuf::from(serde_json::to_vec(document).expect("documents are plain data"))
 }
 
-impl Outcome {
+impl JobOutcome {
     fn of_search(excited: &Excited) -> Self {
         Self {
             status: excited.document.status.to_string(),

@@ -1,7 +1,7 @@
 //! Any effect of the list, made by its own columns: what an effect without a simulation of its own is simulated by.
 
 use crate::dynamics::{Coulomb, Motion};
-use crate::effects::{Effect, Kind, Scene, Shape, Span, by_code};
+use crate::effects::{Effect, EffectKind, Scene, Shape, Span, by_code};
 use crate::model::Robot;
 use serde::Deserialize;
 
@@ -74,7 +74,7 @@ impl ListedEffect {
         let Some(effect) = self.effect() else {
             return Some(format!("has the code `{}`, which no effect has", self.code));
         };
-        if effect.kind() != Kind::Additive {
+        if effect.kind() != EffectKind::Additive {
             return Some(format!("`{}` adds no columns: it has a form of its own here", self.code));
         }
         if self.form >= effect.forms() {

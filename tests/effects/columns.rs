@@ -4,7 +4,7 @@ use crate::bench::{bodies, excitation, four_axes};
 use dynident::diagnosis::EffectColumns;
 use dynident::dynamics::{Coulomb, Motion};
 use dynident::effects::own::ParameterDefinition;
-use dynident::effects::{Definition, Effect, Kind, Law, OwnEffect, Span, all};
+use dynident::effects::{Definition, Effect, EffectKind, Law, OwnEffect, Span, all};
 use dynident::excitation::{AddedColumns, Course};
 use dynident::model::Robot;
 use dynident::regression::{AugmentedModel, Stretch, Term};
@@ -21,7 +21,7 @@ const DELAY: f64 = 0.01;
 fn terms(robot: &Robot) -> Vec<Term> {
     let mut list = Vec::new();
     let law: &'static dyn Effect = &Law;
-    for effect in all().iter().chain([&law]).filter(|e| e.kind() != Kind::BetweenPeriods) {
+    for effect in all().iter().chain([&law]).filter(|e| e.kind() != EffectKind::BetweenPeriods) {
         list.extend((0..effect.forms()).map(|form| term(robot, *effect, form)));
     }
     list.push(own_term(robot));
@@ -74,7 +74,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
         interval: 1.0 / RATE,
     };
     let shapes = effect.shapes(form, &joints, &vec![span; robot.joint_count()]);
-    let distorts = effect.kind() == Kind::Distortion;
+    let distorts = effect.kind() == EffectKind::Distortion;
     let shape: Vec<f64> = match distorts {
         true => distortion(effect.code()),
         false => shapes.iter().map(|s| s.grid[s.grid.len() / 2]).collect(),

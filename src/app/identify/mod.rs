@@ -21,7 +21,7 @@ use crate::diagnosis::{DataFault, Diagnosis, DiagnosisOptions, Estimates, FaultK
 use crate::documents::{IdentifyDocument, IdentifyRequest, PredictionDocument};
 use crate::formats::significant;
 use crate::identification::physical::{FeasibleFit, FitObjective, fit_feasible};
-use crate::identification::{Quality, Verdict, quality};
+use crate::identification::{Quality, QualityVerdict, quality};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout};
 use crate::preparation::{PreparedLog, PreprocessOptions, signal_cutoff};
@@ -149,7 +149,7 @@ fn identified(
     let prepared: Vec<&PreparedLog> = read.used[..beside].iter().map(|u| &u.prepared).collect();
     let mut judged = quality(&robot, &found.base, &prepared, &found.estimate, diagnosis.explained.clone());
     if beyond_repair(&diagnosis.report.data_faults) {
-        judged.verdict = Verdict::DataFault;
+        judged.verdict = QualityVerdict::DataFault;
     }
     progress.at("physical parameters", logs.len() + validation.len() + 1)?;
     let physical = request.feasible.as_ref().map(|options| {
@@ -388,18 +388,18 @@ fn read_logs(
 /// The quality's verdict in words.
 pub(super) fn reason(quality: &Quality, base: &BaseParameters, estimate: &Estimate, robot: &Robot) -> String {
     match quality.verdict {
-        Verdict::Good => {
+        QualityVerdict::Good => {
             "the parameters predict torques elsewhere in the workspace at least as well as on the recorded motion".to_string()
         }
-        Verdict::ExplainsNothing => {
+        QualityVerdict::ExplainsNothing => {
             "the model explains nothing here: on data that it was not fitted to it predicts the torques no better than a constant per joint; check that the \
              torque columns belong to these positions"
                 .to_string()
         }
-        Verdict::DataFault => "the data have a fault that could not be put right, named in `residual.data_faults`: the parameters are those of wrong data; correct \
+        QualityVerdict::DataFault => "the data have a fault that could not be put right, named in `residual.data_faults`: the parameters are those of wrong data; correct \
                                the data and identify again"
             .to_string(),
-        Verdict::Unidentifiable => {
+        QualityVerdict::Unidentifiable => {
             let layout = Layout::standard(robot);
             let open: Vec<usize> = (0..base.len()).filter(|&c| !estimate.is_determined(c)).collect();
             let names: Vec<&str> = open.iter().map(|&c| base.names[c].as_str()).collect();
@@ -416,7 +416,7 @@ pub(super) fn reason(quality: &Quality, base: &BaseParameters, estimate: &Estima
                 if joints.len() == 1 { "it" } else { "them" }
             )
         }
-        Verdict::PoorExcitation => {
+        QualityVerdict::PoorExcitation => {
             let poor: Vec<usize> = quality.poor_joints().into_iter().filter(|&j| estimate.joints[j].rows > 0).collect();
             let name = |j: &usize| robot.joints()[*j].name.as_str();
             let worst = poor.first().copied().unwrap_or(0);

@@ -3,7 +3,7 @@
 use super::words::{parameters, phrase, sentence, subject};
 use super::{Teller, is_rejected};
 use crate::diagnosis::{Change, Covered, Finding, Perturbation, RmsPair};
-use crate::effects::{Kind, by_code};
+use crate::effects::{EffectKind, by_code};
 use crate::formats::{listed, significant, unit};
 
 /// Joints that a sentence names; an effect of the whole robot changes more of them.
@@ -133,10 +133,10 @@ impl Teller<'_> {
                 .iter()
                 .any(|g| g.effect == code && g.joints.iter().any(|j| f.joints.contains(j)));
             // Others are not tried in the place of a finding.
-            let tried = by_code(code).is_some_and(|e| matches!(e.kind(), Kind::Additive | Kind::Distortion));
+            let tried = by_code(code).is_some_and(|e| matches!(e.kind(), EffectKind::Additive | EffectKind::Distortion));
             tried && !open && !found
         };
-        let own = by_code(&f.effect).filter(|e| matches!(e.kind(), Kind::Additive | Kind::Distortion));
+        let own = by_code(&f.effect).filter(|e| matches!(e.kind(), EffectKind::Additive | EffectKind::Distortion));
         let taken_for = own.map(|e| e.about().rivals).unwrap_or_default();
         let excluded: Vec<&str> = taken_for.iter().copied().filter(|code| named(code)).map(phrase).collect();
         if !excluded.is_empty() {

@@ -6,7 +6,7 @@ use super::power::noncentrality;
 use super::signals::Signal;
 use crate::diagnosis::selection::{Candidate, has_physical_signs, is_plausible};
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::{self, Kind, ParameterInfo};
+use crate::effects::{self, EffectKind, ParameterInfo};
 use crate::regression::SETTINGS as REGRESSION;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -173,9 +173,9 @@ pub(super) fn with_the_others(planned: &Planned, mut list: Vec<Visible>) -> Vec<
     for effect in effects::all() {
         let why = match effect.kind() {
             // Over a log it is seen between the periods.
-            Kind::AgainstModel if effect.code() != "friction_drift" => Hidden::AgainstModel,
-            Kind::AgainstModel | Kind::BetweenPeriods => Hidden::BetweenPeriods,
-            kind if !planned.has_values && (kind == Kind::Distortion || effect.reads_torques()) => Hidden::NeedsValues,
+            EffectKind::AgainstModel if effect.code() != "friction_drift" => Hidden::AgainstModel,
+            EffectKind::AgainstModel | EffectKind::BetweenPeriods => Hidden::BetweenPeriods,
+            kind if !planned.has_values && (kind == EffectKind::Distortion || effect.reads_torques()) => Hidden::NeedsValues,
             // None of its shapes lies where robots have them and this motion shows them.
             _ => Hidden::BeyondRange(f64::INFINITY),
         };

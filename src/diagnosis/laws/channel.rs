@@ -14,7 +14,7 @@ use crate::regression::Stretch;
 use std::sync::Arc;
 
 /// A law in a channel: its name, the factor that depends on the channel, and the one that depends on the speed.
-struct Kind {
+struct ChannelKind {
     name: &'static str,
     exponential: bool,
     speed: Speed,
@@ -27,28 +27,28 @@ enum Speed {
     Sign,
 }
 
-const KINDS: [Kind; 5] = [
-    Kind {
+const KINDS: [ChannelKind; 5] = [
+    ChannelKind {
         name: "offset",
         exponential: false,
         speed: Speed::None,
     },
-    Kind {
+    ChannelKind {
         name: "viscous_friction",
         exponential: false,
         speed: Speed::Linear,
     },
-    Kind {
+    ChannelKind {
         name: "coulomb_friction",
         exponential: false,
         speed: Speed::Sign,
     },
-    Kind {
+    ChannelKind {
         name: "viscous_friction_exponential",
         exponential: true,
         speed: Speed::Linear,
     },
-    Kind {
+    ChannelKind {
         name: "coulomb_friction_exponential",
         exponential: true,
         speed: Speed::Sign,
@@ -100,7 +100,7 @@ impl Seen {
         (self.low / step).round() * step
     }
 
-    fn law(&self, robot: &Robot, joint: usize, kind: &Kind) -> Option<OwnEffect> {
+    fn law(&self, robot: &Robot, joint: usize, kind: &ChannelKind) -> Option<OwnEffect> {
         let (name, axis) = (&*self.channel.name, &robot.joints()[joint]);
         let reference = self.reference();
         let sign = if reference < 0.0 { '+' } else { '-' };
@@ -149,7 +149,7 @@ impl Seen {
 }
 
 /// Of the factor k.
-fn unit_of(effort: &str, position: &str, kind: &Kind, channel: Option<&str>) -> String {
+fn unit_of(effort: &str, position: &str, kind: &ChannelKind, channel: Option<&str>) -> String {
     let above = if kind.speed == Speed::Linear { " s" } else { "" };
     let below: Vec<&str> = [
         (kind.speed == Speed::Linear).then_some(position),

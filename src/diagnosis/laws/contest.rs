@@ -6,7 +6,7 @@ use crate::diagnosis::selection::{
     Accepted, Candidate, Fitted, Scored, Threshold, best_on_grid, fitted, hypotheses, judge, refine, scan,
 };
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::law::{Form, is_law};
+use crate::effects::law::{LawForm, is_law};
 use crate::regression::{Data, System};
 use rayon::prelude::*;
 
@@ -113,5 +113,5 @@ pub(super) fn contains(wide: &Candidate, narrow: &Candidate) -> bool {
     is_law(&wide.effect)
         && is_law(&narrow.effect)
         && wide.joints == narrow.joints
-        && Form::numbered(wide.form).contains(Form::numbered(narrow.form))
+        && LawForm::numbered(wide.form).contains(LawForm::numbered(narrow.form))
 }

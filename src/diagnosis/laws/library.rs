@@ -2,7 +2,7 @@
 
 use crate::diagnosis::selection::{Candidate, reach};
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::law::{Class, Form, OfPosition};
+use crate::effects::law::{Class, LawForm, OfPosition};
 use crate::effects::{AnyEffect, Effect, Law, Span, by_code};
 use crate::model::Robot;
 use crate::regression::{Data, Term};
@@ -20,8 +20,8 @@ const CLASSES: f64 = 5.0;
 /// each.
 pub(super) fn library(robot: &Robot, data: &Data, spans: &[Span], rows: &[usize]) -> Vec<Hypothesis> {
     let seen = |j: &usize| data.stretches.iter().any(|s| s.has_rows(*j));
-    let mut list: Vec<(Form, Candidate)> = Vec::new();
-    for (number, &form) in Form::all().iter().enumerate() {
+    let mut list: Vec<(LawForm, Candidate)> = Vec::new();
+    for (number, &form) in LawForm::all().iter().enumerate() {
         for joints in Law.places_of(number, robot) {
             let acts = form.acts_on(&joints);
             let wanted = acts.iter().any(|j| rows.contains(j)) && acts.iter().all(seen);
@@ -35,7 +35,7 @@ pub(super) fn library(robot: &Robot, data: &Data, spans: &[Span], rows: &[usize]
         }
     }
     let members = |class: Class| list.iter().filter(|(form, _)| form.class() == class).count() as f64;
-    let tried = |form: Form, candidate: &Candidate| {
+    let tried = |form: LawForm, candidate: &Candidate| {
         let turns = candidate.joints.iter().any(|&j| robot.joints()[j].is_revolute());
         let odds = if turns && !form.is_periodic() {
             SETTINGS.laws.not_periodic
@@ -63,9 +63,9 @@ fn candidate(form: usize, joints: Vec<usize>, shapes: Vec<crate::effects::Shape>
 }
 
 /// Whether a listed effect is the same: waves of a position that are fast enough are ripple.
-fn is_listed(form: Form, joints: &[usize], spans: &[Span]) -> bool {
+fn is_listed(form: LawForm, joints: &[usize], spans: &[Span]) -> bool {
     match form {
-        Form::Position(OfPosition::Sine(n) | OfPosition::Cosine(n) | OfPosition::Wave(n)) => {
+        LawForm::Position(OfPosition::Sine(n) | OfPosition::Cosine(n) | OfPosition::Wave(n)) => {
             let ripple = by_code("position_ripple").expect("is in the list");
             ripple
                 .shapes(0, joints, spans)

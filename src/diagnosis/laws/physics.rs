@@ -2,13 +2,13 @@
 
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::Column;
-use crate::effects::law::Form;
+use crate::effects::law::LawForm;
 use crate::parameters::{Layout, ParameterKind};
 use crate::regression::{Data, Stretch, System, Term, Thinned};
 
 /// Whether term `at`, a law, is one that a robot can have.
 pub(super) fn is_physical_law(data: &Data, system: &System, at: usize) -> bool {
-    let form = Form::numbered(system.model.terms[at].form);
+    let form = LawForm::numbered(system.model.terms[at].form);
     match (form.is_gradient(), form.is_friction()) {
         (true, false) => is_one_energy(data, system, at),
         (true, true) => is_one_energy(data, system, at) && brakes(data, system, at),

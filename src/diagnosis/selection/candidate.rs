@@ -1,6 +1,6 @@
 //! Every effect on every place it can sit, and its columns there.
 
-use crate::effects::{self, AnyEffect, Column, Effect, Kind, OwnEffect, Shape, Span};
+use crate::effects::{self, AnyEffect, Column, Effect, EffectKind, OwnEffect, Shape, Span};
 use crate::regression::{AugmentedModel, ColumnKey, Data, Shaped, Stretch, System, Term, Thinned, Torques, Whitened};
 use std::sync::Arc;
 
@@ -20,9 +20,9 @@ pub(crate) fn candidates(model: &AugmentedModel, spans: &[Span], against_model: 
     let mut list = Vec::new();
     for &effect in effects::all() {
         let wanted = match effect.kind() {
-            Kind::Additive | Kind::Distortion => true,
-            Kind::AgainstModel => against_model,
-            Kind::BetweenPeriods => false,
+            EffectKind::Additive | EffectKind::Distortion => true,
+            EffectKind::AgainstModel => against_model,
+            EffectKind::BetweenPeriods => false,
         };
         if !wanted {
             continue;
@@ -99,7 +99,7 @@ impl Candidate {
     }
 
     pub fn is_distortion(&self) -> bool {
-        self.effect.kind() == Kind::Distortion
+        self.effect.kind() == EffectKind::Distortion
     }
 
     /// The term with these coefficients at this shape; for a distortion the coefficients are its parameters.
@@ -196,10 +196,10 @@ fn distortion(system: &System, stretch: &Stretch, plain: &Torques, candidate: &C
 /// Joints whose rows a candidate reaches.
 pub(crate) fn reach(candidate: &Candidate, joints: usize) -> Vec<usize> {
     match candidate.effect.kind() {
-        Kind::Additive if candidate.effect.code() == "torque_crosstalk" || candidate.effect.code() == "unexplained" => {
+        EffectKind::Additive if candidate.effect.code() == "torque_crosstalk" || candidate.effect.code() == "unexplained" => {
             vec![candidate.joints[0]]
         }
-        Kind::Additive => candidate.effect.acts_on(candidate.form, &candidate.joints),
+        EffectKind::Additive => candidate.effect.acts_on(candidate.form, &candidate.joints),
         _ if candidate.effect.code() == "friction_drift" || candidate.effect.code() == "torque_gain" => candidate.joints.clone(),
         _ => (0..joints).collect(),
     }

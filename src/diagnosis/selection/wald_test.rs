@@ -2,7 +2,7 @@
 
 use super::score::chance;
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::Kind;
+use crate::effects::EffectKind;
 use crate::regression::{System, Term};
 use nalgebra::{DMatrix, DVector};
 
@@ -17,7 +17,7 @@ pub(crate) fn doubt(system: &System, at: usize) -> f64 {
 pub(crate) fn wald(term: &Term, covariance: &DMatrix<f64>) -> (f64, usize) {
     // Coefficients come first; distortions have none.
     let values = match term.effect.kind() {
-        Kind::Distortion => &term.shape[..term.free_shapes],
+        EffectKind::Distortion => &term.shape[..term.free_shapes],
         _ => &term.coefficients[..],
     };
     let k = values.len();

@@ -3,7 +3,7 @@
 use super::nuisance;
 use crate::diagnosis::selection::{Selected, wald};
 use crate::diagnosis::settings::SETTINGS;
-use crate::effects::Kind;
+use crate::effects::EffectKind;
 use crate::regression::{AugmentedModel, Data, SETTINGS as REGRESSION_SETTINGS, System, Term, f_tail};
 
 /// Takes out what is not beyond doubt, the weakest first, and says what went. A spring whose stiffness is not gives its place to
@@ -51,7 +51,7 @@ fn doubt(system: &System, at: usize) -> f64 {
     }
     let (statistic, parameters) = wald(term, &covariance);
     let k = parameters as f64;
-    if term.effect.kind() != Kind::Distortion && statistic <= 0.0 {
+    if term.effect.kind() != EffectKind::Distortion && statistic <= 0.0 {
         return 1.0;
     }
     f_tail(

@@ -22,7 +22,7 @@ pub enum Class {
 /// A form of a law. Places are `[j]` for functions of the joint's own state, `[j, m]` for a torque on j that depends on m as
 /// well, and `[i, k]`, i < k, for gradients on both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum LawForm {
     /// `tau_j = c f(q_j)`.
     Position(OfPosition),
     /// A spring between two pins, `tau_j = a sin u + b sin u / √(1 − ρ cos u)` with `u = q_j + φ`: stiffness k, free length l,
@@ -84,38 +84,38 @@ const RATIO: f64 = 5.0;
 /// below which it is a sine.
 const PIN: [f64; 2] = [0.05, 0.995];
 
-static ALL: LazyLock<Vec<Form>> = LazyLock::new(listed);
+static ALL: LazyLock<Vec<LawForm>> = LazyLock::new(listed);
 
-fn listed() -> Vec<Form> {
+fn listed() -> Vec<LawForm> {
     use OfPosition::{Cosine, Power, Sine, Wave};
     let waves = |n: u8| [Sine(n), Cosine(n), Wave(n)];
-    let mut all: Vec<Form> = [Power(2), Power(3)].map(Form::Position).to_vec();
-    all.extend((1..=8).flat_map(waves).map(Form::Position));
+    let mut all: Vec<LawForm> = [Power(2), Power(3)].map(LawForm::Position).to_vec();
+    all.extend((1..=8).flat_map(waves).map(LawForm::Position));
     all.extend([
-        Form::PinSpring,
-        Form::Spring { rest: false },
-        Form::Spring { rest: true },
-        Form::Bilinear,
+        LawForm::PinSpring,
+        LawForm::Spring { rest: false },
+        LawForm::Spring { rest: true },
+        LawForm::Bilinear,
     ]);
     let ratios = [(1, 1), (1, -1), (1, 2), (1, -2), (2, 1), (2, -1)];
     for (a, b) in ratios {
-        all.extend(waves(1).map(|f| Form::Combination { a, b, f }));
-        all.extend(waves(1).map(|f| Form::HalfCombination { a, b, f }));
+        all.extend(waves(1).map(|f| LawForm::Combination { a, b, f }));
+        all.extend(waves(1).map(|f| LawForm::HalfCombination { a, b, f }));
     }
-    all.push(Form::CrossPosition);
+    all.push(LawForm::CrossPosition);
     let factors = [Power(1), Power(2)].into_iter().chain((1..=3).flat_map(waves));
     for f in factors {
-        all.extend(OfSpeed::ALL.map(|g| Form::Product { f, g }));
+        all.extend(OfSpeed::ALL.map(|g| LawForm::Product { f, g }));
         let sharp = [OfSpeed::Linear, OfSpeed::Sign];
-        all.extend(sharp.map(|g| Form::CrossProduct { f, g }));
+        all.extend(sharp.map(|g| LawForm::CrossProduct { f, g }));
     }
-    all.extend(OfSpeed::ALL.map(Form::CrossSpeed));
-    all.extend([OfSpeed::Linear, OfSpeed::Sign].map(Form::SpeedProduct));
-    all.push(Form::Damper);
+    all.extend(OfSpeed::ALL.map(LawForm::CrossSpeed));
+    all.extend([OfSpeed::Linear, OfSpeed::Sign].map(LawForm::SpeedProduct));
+    all.push(LawForm::Damper);
     all
 }
 
-impl Form {
+impl LawForm {
     /// Every form; its number is its place in this list.
     pub fn all() -> &'static [Self] {
         &ALL

@@ -1,6 +1,6 @@
 //! Laws as text: the formula of every joint it acts on, its energy where it has one, and statements for source code.
 
-use super::form::Form;
+use super::form::LawForm;
 use super::functions::{OfPosition, OfSpeed};
 use crate::effects::Formula;
 
@@ -21,7 +21,7 @@ struct Writer<'a> {
     constants: &'a [String],
 }
 
-impl Form {
+impl LawForm {
     /// Names of the constants, in the order in which they are reported.
     pub(super) fn constants(self) -> &'static [&'static str] {
         match self {
@@ -50,7 +50,7 @@ impl Form {
 }
 
 /// The formula of a form on its place.
-pub fn formula(form: Form, joints: &[usize]) -> Formula {
+pub fn formula(form: LawForm, joints: &[usize]) -> Formula {
     let constants: Vec<String> = form.constants().iter().map(ToString::to_string).collect();
     let writer = Writer {
         syntax: Syntax::Text,
@@ -83,7 +83,7 @@ fn mentions(text: &str, name: &str) -> bool {
 /// `(joint, value)` to be added to the torques, with numbers for the constants (as
 /// [`Effect::reported`](crate::effects::Effect::reported) has them).
 pub fn statements(
-    form: Form,
+    form: LawForm,
     joints: &[usize],
     constants: &[String],
     q: &dyn Fn(usize) -> String,
@@ -164,28 +164,28 @@ impl Writer<'_> {
         }
     }
 
-    fn torques(&self, form: Form, joints: &[usize]) -> Vec<(usize, String)> {
+    fn torques(&self, form: LawForm, joints: &[usize]) -> Vec<(usize, String)> {
         let (first, last) = (joints[0], joints[joints.len() - 1]);
         let (q, v, c) = (&self.q, &self.v, self.constants);
         let own = |text: String| vec![(first, text)];
         let gradient = |force: String, ratio: &str| vec![(first, force.clone()), (last, format!("{ratio}*{force}"))];
         match form {
-            Form::Position(f) => own(self.of_position(f, &q(first))),
-            Form::PinSpring => {
+            LawForm::Position(f) => own(self.of_position(f, &q(first))),
+            LawForm::PinSpring => {
                 let u = format!("{} + {}", q(first), c[2]);
                 let inside = format!("{} - {}*cos({u})", self.number(1), c[3]);
                 own(format!("{}*sin({u}) + {}*sin({u})/{}", c[0], c[1], self.root(&inside)))
             }
-            Form::Spring { rest } => {
+            LawForm::Spring { rest } => {
                 let rest = if rest { format!(" - {}", c[2]) } else { String::new() };
                 let sum = format!("({} + {}*{}{rest})", q(first), c[1], q(last));
                 gradient(format!("{}*{sum}", c[0]), &c[1])
             }
-            Form::Bilinear => vec![
+            LawForm::Bilinear => vec![
                 (first, format!("{}*{}", c[0], q(last))),
                 (last, format!("{}*{}", c[0], q(first))),
             ],
-            Form::Combination { a, b, f } => {
+            LawForm::Combination { a, b, f } => {
                 let text = self.of_position(f, &self.combination([a, b], joints));
                 let scaled = |k: i8| match k {
                     1 => text.clone(),
@@ -194,24 +194,24 @@ impl Writer<'_> {
                 };
                 vec![(first, scaled(a)), (last, scaled(b))]
             }
-            Form::HalfCombination { a, b, f } => own(self.of_position(f, &self.combination([a, b], joints))),
-            Form::CrossPosition => own(format!("{}*{}", c[0], q(last))),
-            Form::Product { f, g } | Form::CrossProduct { f, g } => {
+            LawForm::HalfCombination { a, b, f } => own(self.of_position(f, &self.combination([a, b], joints))),
+            LawForm::CrossPosition => own(format!("{}*{}", c[0], q(last))),
+            LawForm::Product { f, g } | LawForm::CrossProduct { f, g } => {
                 own(format!("{}*{}", self.of_position(f, &q(last)), self.of_speed(g, &v(first))))
             }
-            Form::CrossSpeed(g) => own(format!("{}*{}", c[0], self.of_speed(g, &v(last)))),
-            Form::SpeedProduct(g) => own(format!(
+            LawForm::CrossSpeed(g) => own(format!("{}*{}", c[0], self.of_speed(g, &v(last)))),
+            LawForm::SpeedProduct(g) => own(format!(
                 "{}*{}*{}",
                 c[0],
                 self.absolute(&v(last)),
                 self.of_speed(g, &v(first))
             )),
-            Form::Damper => gradient(format!("{}*({} + {}*{})", c[0], v(first), c[1], v(last)), &c[1]),
+            LawForm::Damper => gradient(format!("{}*({} + {}*{})", c[0], v(first), c[1], v(last)), &c[1]),
         }
     }
 
     /// The energy of what is conservative.
-    fn energy(&self, form: Form, joints: &[usize]) -> Option<String> {
+    fn energy(&self, form: LawForm, joints: &[usize]) -> Option<String> {
         let (first, last) = (joints[0], joints[joints.len() - 1]);
         let (q, c) = (&self.q, self.constants);
         // The integral of a wave of n cycles is one with n in its denominator.
@@ -225,8 +225,8 @@ impl Writer<'_> {
             }
         };
         match form {
-            Form::Position(f) => Some(wave(f, &q(first))),
-            Form::PinSpring => {
+            LawForm::Position(f) => Some(wave(f, &q(first))),
+            LawForm::PinSpring => {
                 let u = format!("{} + {}", q(first), c[2]);
                 Some(format!(
                     "-{}*cos({u}) + 2*{}/{rho}*sqrt(1 - {rho}*cos({u}))",
@@ -235,12 +235,12 @@ impl Writer<'_> {
                     rho = c[3]
                 ))
             }
-            Form::Spring { rest } => {
+            LawForm::Spring { rest } => {
                 let rest = if rest { format!(" - {}", c[2]) } else { String::new() };
                 Some(format!("0.5*{}*({} + {}*{}{rest})^2", c[0], q(first), c[1], q(last)))
             }
-            Form::Bilinear => Some(format!("{}*{}*{}", c[0], q(first), q(last))),
-            Form::Combination { a, b, f } => Some(wave(f, &self.combination([a, b], joints))),
+            LawForm::Bilinear => Some(format!("{}*{}*{}", c[0], q(first), q(last))),
+            LawForm::Combination { a, b, f } => Some(wave(f, &self.combination([a, b], joints))),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! Laws: compact formulas in the joints' positions and speeds, for what no listed effect explains.
 //!
-//! A closed family of forms ([`Form`]), found by the search of [`diagnosis`](crate::diagnosis) and never tried by name:
+//! A closed family of forms ([`LawForm`]), found by the search of [`diagnosis`](crate::diagnosis) and never tried by name:
 //! conservative ones are the gradient of one energy and act on every joint in it; the others are products of a function of
 //! position and one of speed, or friction that depends on another joint's speed. A law is an effect like any other: [`Law`] gives
 //! its columns, the number of the form says which formula it is.
@@ -10,14 +10,14 @@ mod formula;
 mod functions;
 mod units;
 
-pub use form::{Class, Form};
+pub use form::{Class, LawForm};
 pub use formula::{formula, statements};
 pub use functions::{OfPosition, OfSpeed};
 
 use super::{About, AnyEffect, Column, Effect, Formula, ParameterInfo, PlotVariable, Scene, Shape, Span, Statements, Written};
 use crate::model::Robot;
 
-/// `tau_j += f(q, qd; c, shape)` for one of the forms of [`Form::all`]; `joints` is what [`Form`] says of its places.
+/// `tau_j += f(q, qd; c, shape)` for one of the forms of [`LawForm::all`]; `joints` is what [`LawForm`] says of its places.
 pub struct Law;
 
 /// Whether an effect is a law, and no listed one.
@@ -45,61 +45,61 @@ impl Effect for Law {
 
     /// Those of all forms.
     fn places(&self, robot: &Robot) -> Vec<Vec<usize>> {
-        let mut all: Vec<Vec<usize>> = Form::all().iter().flat_map(|f| f.places(robot)).collect();
+        let mut all: Vec<Vec<usize>> = LawForm::all().iter().flat_map(|f| f.places(robot)).collect();
         all.sort_unstable();
         all.dedup();
         all
     }
 
     fn places_of(&self, form: usize, robot: &Robot) -> Vec<Vec<usize>> {
-        Form::numbered(form).places(robot)
+        LawForm::numbered(form).places(robot)
     }
 
     fn acts_on(&self, form: usize, joints: &[usize]) -> Vec<usize> {
-        Form::numbered(form).acts_on(joints)
+        LawForm::numbered(form).acts_on(joints)
     }
 
     fn forms(&self) -> usize {
-        Form::all().len()
+        LawForm::all().len()
     }
 
     fn shapes(&self, form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
-        Form::numbered(form).shapes(joints, spans)
+        LawForm::numbered(form).shapes(joints, spans)
     }
 
     fn columns(&self, form: usize, scene: &Scene, joints: &[usize], shape: &[f64]) -> Vec<Column> {
-        Form::numbered(form).columns(scene, joints, shape)
+        LawForm::numbered(form).columns(scene, joints, shape)
     }
 
     fn statements(&self, w: &Written) -> Option<Statements> {
         let (q, v) = (|j: usize| format!("q[{j}]"), |j: usize| format!("qd[{j}]"));
         Some(Statements {
-            torque: statements(Form::numbered(w.form), w.joints, &w.reported, &q, &v),
+            torque: statements(LawForm::numbered(w.form), w.joints, &w.reported, &q, &v),
             inertia: Vec::new(),
         })
     }
 
     fn parameters(&self, form: usize, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
-        units::parameters(Form::numbered(form), robot, joints)
+        units::parameters(LawForm::numbered(form), robot, joints)
     }
 
     fn positive(&self, form: usize) -> &'static [usize] {
-        match Form::numbered(form) {
-            Form::PinSpring | Form::Spring { .. } | Form::Damper => &[0],
+        match LawForm::numbered(form) {
+            LawForm::PinSpring | LawForm::Spring { .. } | LawForm::Damper => &[0],
             _ => &[],
         }
     }
 
     fn is_friction(&self, form: usize) -> bool {
-        Form::numbered(form).is_friction()
+        LawForm::numbered(form).is_friction()
     }
 
     fn reported(&self, form: usize, coefficients: &[f64], shape: &[f64]) -> Vec<f64> {
-        Form::numbered(form).reported(coefficients, shape)
+        LawForm::numbered(form).reported(coefficients, shape)
     }
 
     fn formula(&self, form: usize, joints: &[usize]) -> Option<Formula> {
-        Some(formula(Form::numbered(form), joints))
+        Some(formula(LawForm::numbered(form), joints))
     }
 }
 

@@ -175,7 +175,7 @@ fn prop_the_formula_in_text_and_in_source_is_the_torque() {
     let robot = robot();
     let state = [[0.7, -0.4], [-1.1, 0.9], [0.3, 0.25], [-0.2, -0.6]];
     let mut seen = std::collections::BTreeSet::new();
-    for (number, &form) in Form::all().iter().enumerate() {
+    for (number, &form) in LawForm::all().iter().enumerate() {
         for joints in form.places(&robot) {
             let (c, shape) = constants(number, &robot, &joints);
             let truth = torques(number, &robot, &motion(&state), &joints, [&c, &shape]);
@@ -208,14 +208,14 @@ fn prop_the_formula_in_text_and_in_source_is_the_torque() {
             }
         }
     }
-    assert_eq!(seen.len(), Form::all().len(), "every form has a place on this robot");
+    assert_eq!(seen.len(), LawForm::all().len(), "every form has a place on this robot");
 }
 
 #[test]
 fn prop_torques_are_the_gradient_of_the_energy_on_every_joint_in_it() {
     let robot = robot();
     let state = [[0.7, -0.4], [-1.1, 0.9], [0.3, 0.25], [-0.2, -0.6]];
-    for (number, &form) in Form::all().iter().enumerate() {
+    for (number, &form) in LawForm::all().iter().enumerate() {
         for joints in form.places(&robot) {
             let (c, shape) = constants(number, &robot, &joints);
             let Some(energy) = formula(form, &joints).energy else {
@@ -251,21 +251,21 @@ fn prop_torques_are_the_gradient_of_the_energy_on_every_joint_in_it() {
 #[test]
 fn units_follow_the_kinds_of_the_joints() {
     let robot = robot();
-    let unit = |form: Form, joints: &[usize]| {
-        let number = Form::all().iter().position(|f| *f == form).unwrap();
+    let unit = |form: LawForm, joints: &[usize]| {
+        let number = LawForm::all().iter().position(|f| *f == form).unwrap();
         Law.parameters(number, &robot, joints)
             .into_iter()
             .map(|i| i.unit)
             .collect::<Vec<_>>()
     };
-    assert_eq!(unit(Form::Spring { rest: true }, &[0, 1]), ["N m/rad", "1", "rad"]);
-    assert_eq!(unit(Form::Spring { rest: false }, &[2, 3]), ["N/m", "1"]);
-    assert_eq!(unit(Form::Bilinear, &[0, 2]), ["N m/m"]);
-    let product = Form::CrossProduct {
+    assert_eq!(unit(LawForm::Spring { rest: true }, &[0, 1]), ["N m/rad", "1", "rad"]);
+    assert_eq!(unit(LawForm::Spring { rest: false }, &[2, 3]), ["N/m", "1"]);
+    assert_eq!(unit(LawForm::Bilinear, &[0, 2]), ["N m/m"]);
+    let product = LawForm::CrossProduct {
         f: OfPosition::Power(2),
         g: OfSpeed::Linear,
     };
     assert_eq!(unit(product, &[2, 0]), ["N s/(rad^2 m)"]);
-    assert_eq!(unit(Form::CrossSpeed(OfSpeed::Quadratic), &[0, 1]), ["N m s^2/rad^2"]);
-    assert_eq!(unit(Form::PinSpring, &[0]), ["N m", "N m", "rad", "1"]);
+    assert_eq!(unit(LawForm::CrossSpeed(OfSpeed::Quadratic), &[0, 1]), ["N m s^2/rad^2"]);
+    assert_eq!(unit(LawForm::PinSpring, &[0]), ["N m", "N m", "rad", "1"]);
 }

@@ -1,12 +1,12 @@
 //! Names and units of a law's constants.
 
-use super::form::Form;
+use super::form::LawForm;
 use super::functions::OfPosition;
 use crate::effects::ParameterInfo;
 use crate::model::Robot;
 
 /// The constants of a form on its place, in the order in which they are reported.
-pub(super) fn parameters(form: Form, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
+pub(super) fn parameters(form: LawForm, robot: &Robot, joints: &[usize]) -> Vec<ParameterInfo> {
     let names = form.constants().iter();
     names
         .enumerate()
@@ -14,24 +14,26 @@ pub(super) fn parameters(form: Form, robot: &Robot, joints: &[usize]) -> Vec<Par
         .collect()
 }
 
-fn unit(form: Form, at: usize, robot: &Robot, joints: &[usize]) -> String {
+fn unit(form: LawForm, at: usize, robot: &Robot, joints: &[usize]) -> String {
     let (first, last) = (joints[0], joints[joints.len() - 1]);
     let effort = robot.joints()[first].effort_unit();
     let per = |powers: &[(usize, usize)], seconds: usize| quotient(robot, effort, powers, seconds);
     let power = |f: OfPosition| if let OfPosition::Power(n) = f { usize::from(n) } else { 0 };
     match (form, at) {
-        (Form::PinSpring, 1) => effort.into(),
-        (Form::PinSpring, 3) | (Form::Spring { .. } | Form::Damper, 1) => "1".into(),
-        (Form::Spring { .. }, 2) => robot.joints()[first].position_unit().into(),
+        (LawForm::PinSpring, 1) => effort.into(),
+        (LawForm::PinSpring, 3) | (LawForm::Spring { .. } | LawForm::Damper, 1) => "1".into(),
+        (LawForm::Spring { .. }, 2) => robot.joints()[first].position_unit().into(),
         // Of the remaining forms only the phase of a wave, and that of a pin spring, comes after the factor.
         (_, 1..) => "rad".into(),
-        (Form::Position(f), _) => per(&[(first, power(f))], 0),
-        (Form::Spring { .. } | Form::CrossPosition | Form::Bilinear, _) => per(&[(last, 1)], 0),
-        (Form::Product { f, g } | Form::CrossProduct { f, g }, _) => per(&[(last, power(f)), (first, g.power())], g.power()),
-        (Form::CrossSpeed(g), _) => per(&[(last, g.power())], g.power()),
-        (Form::SpeedProduct(g), _) => per(&[(last, 1), (first, g.power())], 1 + g.power()),
-        (Form::Damper, _) => per(&[(last, 1)], 1),
-        (Form::PinSpring | Form::Combination { .. } | Form::HalfCombination { .. }, _) => effort.into(),
+        (LawForm::Position(f), _) => per(&[(first, power(f))], 0),
+        (LawForm::Spring { .. } | LawForm::CrossPosition | LawForm::Bilinear, _) => per(&[(last, 1)], 0),
+        (LawForm::Product { f, g } | LawForm::CrossProduct { f, g }, _) => {
+            per(&[(last, power(f)), (first, g.power())], g.power())
+        }
+        (LawForm::CrossSpeed(g), _) => per(&[(last, g.power())], g.power()),
+        (LawForm::SpeedProduct(g), _) => per(&[(last, 1), (first, g.power())], 1 + g.power()),
+        (LawForm::Damper, _) => per(&[(last, 1)], 1),
+        (LawForm::PinSpring | LawForm::Combination { .. } | LawForm::HalfCombination { .. }, _) => effort.into(),
     }
 }
 

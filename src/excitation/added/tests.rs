@@ -3,7 +3,7 @@
 use super::*;
 use crate::diagnosis::EffectColumns;
 use crate::dynamics::{Chain, ColumnSet, MotionGradient, RowBlocks};
-use crate::effects::{Effect, Kind, Span, all};
+use crate::effects::{Effect, EffectKind, Span, all};
 use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
 use crate::parameters::Layout;
 use crate::regression::{AugmentedModel, Term};
@@ -47,7 +47,7 @@ fn arm() -> Robot {
 fn terms(robot: &Robot) -> Vec<Term> {
     let mut list = Vec::new();
     // Not every effect has a place on every arm: couplings are between neighbours of a kind.
-    let here = |e: &&&'static dyn Effect| e.kind() != Kind::BetweenPeriods && !e.places(robot).is_empty();
+    let here = |e: &&&'static dyn Effect| e.kind() != EffectKind::BetweenPeriods && !e.places(robot).is_empty();
     for effect in all().iter().filter(here) {
         list.extend((0..effect.forms()).map(|form| term(robot, *effect, form)));
     }
@@ -64,7 +64,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
     };
     let shapes = effect.shapes(form, &joints, &[span; JOINTS]);
     let (coefficients, shape): (usize, Vec<f64>) = match effect.kind() {
-        Kind::Distortion => (0, vec![1e-3; effect.steps().len()]),
+        EffectKind::Distortion => (0, vec![1e-3; effect.steps().len()]),
         _ => (
             effect.parameters(form, robot, &joints).len() - shapes.len(),
             shapes.iter().map(|s| s.grid[s.grid.len() / 2]).collect(),

@@ -1,7 +1,7 @@
 //! `/robot-archive`: a robot's file with its meshes as a robot document.
 
 use super::results::computed;
-use crate::app::Problem;
+use crate::app::ProblemDetails;
 use crate::formats::RobotArchive;
 use crate::service::access::Access;
 use crate::service::child::{REQUEST, Task};
@@ -22,9 +22,9 @@ use axum::response::Response;
     request_body(content((Vec<u8> = "application/zip"))),
     responses(
         (status = 200, body = RobotArchive),
-        (status = 400, description = "No ZIP archive of one robot", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Archive too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Not application/zip", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "No ZIP archive of one robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Archive too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Not application/zip", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn post(State(service): State<Service>, access: Access, ArchiveBody(bytes): ArchiveBody) -> Result<Response, Failure> {

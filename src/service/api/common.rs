@@ -4,7 +4,7 @@
 #![allow(dead_code, clippy::large_enum_variant)]
 
 use super::jobs::JobDocument;
-use crate::app::Problem;
+use crate::app::ProblemDetails;
 use utoipa::{IntoParams, IntoResponses};
 
 /// Of requests that wait for a result.
@@ -42,10 +42,10 @@ pub enum Begun {
     Job(JobDocument),
     /// Cancelled before it had a result
     #[response(status = 409, content_type = "application/problem+json")]
-    Cancelled(Problem),
+    Cancelled(ProblemDetails),
     /// Too many jobs; see `Retry-After`
     #[response(status = 503, content_type = "application/problem+json")]
-    TooMany(Problem),
+    TooMany(ProblemDetails),
 }
 
 /// What may be wrong with logs that are sent.
@@ -53,16 +53,16 @@ pub enum Begun {
 pub enum UploadRefused {
     /// No multipart body with a JSON part
     #[response(status = 400, content_type = "application/problem+json")]
-    Malformed(Problem),
+    Malformed(ProblemDetails),
     /// Logs too large
     #[response(status = 413, content_type = "application/problem+json")]
-    TooLarge(Problem),
+    TooLarge(ProblemDetails),
     /// Not multipart/form-data
     #[response(status = 415, content_type = "application/problem+json")]
-    NoForm(Problem),
+    NoForm(ProblemDetails),
     /// Bad fields, all of them; or a log that cannot be used
     #[response(status = 422, content_type = "application/problem+json")]
-    Invalid(Problem),
+    Invalid(ProblemDetails),
 }
 
 /// What is answered in place of a result of logs.
@@ -73,11 +73,11 @@ pub enum NoResultOfLogs {
     GoesOn(JobDocument),
     /// Unknown id
     #[response(status = 404, content_type = "application/problem+json")]
-    Unknown(Problem),
+    Unknown(ProblemDetails),
     /// Cancelled before it had a result
     #[response(status = 409, content_type = "application/problem+json")]
-    Cancelled(Problem),
+    Cancelled(ProblemDetails),
     /// A log that cannot be used
     #[response(status = 422, content_type = "application/problem+json")]
-    Unusable(Problem),
+    Unusable(ProblemDetails),
 }

@@ -1,6 +1,6 @@
 //! `/effects`: the lab's catalogue of own effects.
 
-use crate::app::{Error, Problem};
+use crate::app::{Error, ProblemDetails};
 use crate::documents::requests::CatalogueEffect;
 use crate::formats::Parsed;
 use crate::model::FieldProblem;
@@ -71,8 +71,8 @@ pub async fn list(State(service): State<Service>, access: Access) -> Result<Json
     params(("name" = String, Path, description = "Name of the effect", example = "hose")),
     responses(
         (status = 200, body = CatalogueEffect),
-        (status = 404, description = "Unknown effect", body = Problem, content_type = "application/problem+json"),
-        (status = 500, description = "Kept, but its document cannot be read", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown effect", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 500, description = "Kept, but its document cannot be read", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn get(
@@ -97,11 +97,11 @@ pub async fn get(
     responses(
         (status = 200, description = "Replaced", body = EffectEntry),
         (status = 201, description = "Kept", body = EffectEntry, headers(("Location" = String, description = "Address of the effect"))),
-        (status = 400, description = "Not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "The catalogue has no room", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Not JSON", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "The catalogue has no room", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Wrong type", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn put(
@@ -132,10 +132,10 @@ pub async fn put(
     request_body(content((CatalogueEffect = "application/json"))),
     responses(
         (status = 200, body = EffectEntry),
-        (status = 400, description = "Not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Not JSON", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Wrong type", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn preview(State(service): State<Service>, access: Access, body: JsonBody) -> Result<Json<EffectEntry>, Failure> {
@@ -155,8 +155,8 @@ async fn read(service: &Service, parsed: Parsed) -> Result<CatalogueEffect, Erro
     params(("name" = String, Path, description = "Name of the effect")),
     responses(
         (status = 204, description = "Removed"),
-        (status = 404, description = "Unknown effect", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "A robot of the lab names it", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown effect", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "A robot of the lab names it", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn delete(State(service): State<Service>, access: Access, Path(name): Path<String>) -> Result<StatusCode, Failure> {

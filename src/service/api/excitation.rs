@@ -4,7 +4,7 @@ use super::common::{Begun, WaitHeader, WorkHeaders};
 use super::jobs::JobDocument;
 use super::query::QueryFields;
 use super::results::{answer, begin, document, find};
-use crate::app::{Code, Error, Problem, Runs};
+use crate::app::{Code, Error, ProblemDetails, Runs};
 use crate::documents::DesignDocument;
 use crate::documents::requests;
 use crate::excitation::{Backoff, LONGEST_RUN_IN_S};
@@ -19,7 +19,7 @@ use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
 use crate::service::store::{JobRow, sha256};
 use crate::service::submit::Asked;
-use crate::service::work::{Input, Kind};
+use crate::service::work::{Input, JobKind};
 use crate::trajectory::{FourierSeries, Trajectory};
 use axum::body::Body;
 use axum::extract::{Path, State};
@@ -50,10 +50,10 @@ pub struct Excitation {
     responses(
         (status = 200, description = "The result, with `Prefer: wait`", body = Excitation),
         Begun,
-        (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "No JSON document", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Not application/json", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn post(
@@ -64,7 +64,7 @@ pub async fn post(
     body: JsonBody,
 ) -> Result<Response, Failure> {
     let asked = Asked {
-        kind: Kind::Excitation,
+        kind: JobKind::Excitation,
         body: sha256(&body.bytes),
         parsed: body.parsed,
         logs: Vec::new(),
@@ -85,8 +85,8 @@ pub async fn post(
     responses(
         (status = 200, description = "The result", body = Excitation),
         (status = 202, description = "The job, which goes on", body = JobDocument),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "Cancelled before it began", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "Cancelled before it began", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn get(
@@ -95,7 +95,7 @@ pub async fn get(
     Path(id): Path<String>,
     wait: PreferWait,
 ) -> Result<Response, Failure> {
-    let job = find(&service, &access, &id, Kind::Excitation).await?;
+    let job = find(&service, &access, &id, JobKind::Excitation).await?;
     answer(&service, job, wait).await
 }
 
@@ -124,11 +124,11 @@ pub async fn get(
     responses(
         (status = 200, description = "The samples", content((String = "text/csv"), (Object = "application/json"),
             (String = "application/yaml"), (String = "text/plain"), (String = "application/octet-stream"))),
-        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "No trajectory: not finished, cancelled early, or infeasible; no way into it within the limits", body = Problem,
+        (status = 400, description = "Bad query", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "No trajectory: not finished, cancelled early, or infeasible; no way into it within the limits", body = ProblemDetails,
             content_type = "application/problem+json"),
-        (status = 422, description = "A pose that the robot cannot take", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "A pose that the robot cannot take", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn trajectory(
@@ -137,7 +137,7 @@ pub async fn trajectory(
     Path(id): Path<String>,
     mut query: QueryFields,
 ) -> Result<Response, Failure> {
-    let job = find(&service, &access, &id, Kind::Excitation).await?;
+    let job = find(&service, &access, &id, JobKind::Excitation).await?;
     let (motion, rate_hz) = motion_of(&service, &job).await?;
     let joints = motion.joints.clone();
     let most = motion.count();

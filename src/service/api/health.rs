@@ -1,6 +1,6 @@
 //! `/health` and `/metrics`: for whoever watches the process.
 
-use crate::app::Problem;
+use crate::app::ProblemDetails;
 use crate::app::{Code, Error};
 use crate::service::access::Access;
 use crate::service::problem::Failure;
@@ -37,7 +37,7 @@ pub async fn live() -> Json<Health> {
     get, path = "/health/ready", tag = "health", operation_id = "ready",
     responses(
         (status = 200, body = Health),
-        (status = 503, description = "Shutting down, or database or disk fail", body = Problem, content_type = "application/problem+json"),
+        (status = 503, description = "Shutting down, or database or disk fail", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn ready(State(service): State<Service>) -> Result<Json<Health>, Failure> {
@@ -56,7 +56,7 @@ pub async fn ready(State(service): State<Service>) -> Result<Json<Health>, Failu
     get, path = "/metrics", tag = "health", operation_id = "metrics",
     responses(
         (status = 200, description = "OpenMetrics text", body = String, content_type = "application/openmetrics-text"),
-        (status = 403, description = "The token is not for all robots", body = Problem, content_type = "application/problem+json"),
+        (status = 403, description = "The token is not for all robots", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn metrics(State(service): State<Service>, access: Access) -> Result<Response, Failure> {

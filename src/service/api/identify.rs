@@ -2,8 +2,8 @@
 
 use super::common::{Begun, NoResultOfLogs, UploadRefused, WaitHeader, WorkHeaders};
 use super::query::QueryFields;
-use super::results::{Form, answer, answer_as, begin, document, find, not_multipart};
-use crate::app::{Code, Error, ModelFiles, Problem};
+use super::results::{AnswerForm, answer, answer_as, begin, document, find, not_multipart};
+use crate::app::{Code, Error, ModelFiles, ProblemDetails};
 use crate::documents::requests::{IdentifyUpload, ModelFormat, ValidateUpload};
 use crate::documents::{IdentifyDocument, ValidateDocument};
 use crate::formats::ModelFormat as Format;
@@ -16,7 +16,7 @@ use crate::service::state::Service;
 use crate::service::store::Role;
 use crate::service::submit::Asked;
 use crate::service::upload::Upload;
-use crate::service::work::Kind;
+use crate::service::work::JobKind;
 use axum::Json;
 use axum::extract::multipart::MultipartRejection;
 use axum::extract::{Multipart, Path, State};
@@ -67,7 +67,7 @@ pub async fn post(
     headers: HeaderMap,
     body: Result<Multipart, MultipartRejection>,
 ) -> Result<Response, Failure> {
-    let asked = read(&service, &access, body, Kind::Identification).await?;
+    let asked = read(&service, &access, body, JobKind::Identification).await?;
     begin(&service, &access, &headers, wait, asked).await
 }
 
@@ -91,7 +91,7 @@ pub async fn post_validation(
     headers: HeaderMap,
     body: Result<Multipart, MultipartRejection>,
 ) -> Result<Response, Failure> {
-    let asked = read(&service, &access, body, Kind::Validation).await?;
+    let asked = read(&service, &access, body, JobKind::Validation).await?;
     begin(&service, &access, &headers, wait, asked).await
 }
 
@@ -100,10 +100,10 @@ async fn read(
     service: &Service,
     access: &Access,
     body: Result<Multipart, MultipartRejection>,
-    kind: Kind,
+    kind: JobKind,
 ) -> Result<Asked, Failure> {
     access.require(Role::Run)?;
-    let held_out = kind == Kind::Identification;
+    let held_out = kind == JobKind::Identification;
     let upload = Upload::read(body.map_err(not_multipart)?, held_out, service.files()).await?;
     Ok(Asked {
         kind,
@@ -126,7 +126,7 @@ async fn read(
     ),
     responses(
         (status = 200, description = "The result", body = IdentificationResult),
-        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Bad query", body = ProblemDetails, content_type = "application/problem+json"),
         NoResultOfLogs,
     )
 )]
@@ -139,8 +139,12 @@ pub async fn get(
 ) -> Result<Response, Failure> {
     let drawn = query.take("predictions", true, "true or false", |t| t.parse().ok());
     query.finish()?;
-    let job = find(&service, &access, &id, Kind::Identification).await?;
-    let form = if drawn { Form::Whole } else { Form::WithoutPredictions };
+    let job = find(&service, &access, &id, JobKind::Identification).await?;
+    let form = if drawn {
+        AnswerForm::Whole
+    } else {
+        AnswerForm::WithoutPredictions
+    };
     answer_as(&service, job, wait, form).await
 }
 
@@ -162,7 +166,7 @@ pub async fn get_validation(
     Path(id): Path<String>,
     wait: PreferWait,
 ) -> Result<Response, Failure> {
-    let job = find(&service, &access, &id, Kind::Validation).await?;
+    let job = find(&service, &access, &id, JobKind::Validation).await?;
     answer(&service, job, wait).await
 }
 
@@ -178,10 +182,10 @@ pub async fn get_validation(
     ),
     responses(
         (status = 200, description = "The model", content((Object = "application/json"), (String = "application/xml"), (String = "text/csv"), (String = "text/x-c"), (String = "text/x-python"))),
-        (status = 400, description = "Unknown format", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "No result yet, or no model that is a physical robot", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Unknown format", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "No result yet, or no model that is a physical robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "A log that cannot be used", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn model(
@@ -215,12 +219,12 @@ pub async fn model(
     request_body(content = String, content_type = "application/xml"),
     responses(
         (status = 200, description = "The file with the bodies", body = String, content_type = "application/xml"),
-        (status = 400, description = "No XML", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "No result yet, or no model that is a physical robot", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "File too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "No URDF, or another arm", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "No XML", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "No result yet, or no model that is a physical robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "File too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Wrong type", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "No URDF, or another arm", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn patch_model(
@@ -252,7 +256,7 @@ fn attachment(id: &str, format: Format) -> [(header::HeaderName, String); 2] {
 
 /// The JSON model of a finished identification.
 async fn stored_model(service: &Service, access: &Access, id: &str) -> Result<Value, Failure> {
-    let job = find(service, access, id, Kind::Identification).await?;
+    let job = find(service, access, id, JobKind::Identification).await?;
     if !job.state.is_final() {
         return Err(Failure(Error::new(Code::NoModel, "the identification goes on")));
     }

@@ -1,7 +1,7 @@
 //! `/jobs`: where work stands, progress as it happens, cancelling.
 
 use super::query::QueryFields;
-use crate::app::Problem;
+use crate::app::ProblemDetails;
 use crate::app::{Code, Error};
 use crate::formats::Parsed;
 use crate::model::FieldProblem;
@@ -12,7 +12,7 @@ use crate::service::progress::{ProgressDocument, StepDocument};
 use crate::service::state::Service;
 use crate::service::store::{JobFilter, JobPlace, JobRow, Role, State as JobState, rfc3339};
 use crate::service::submit::error_of;
-use crate::service::work::Kind;
+use crate::service::work::JobKind;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
@@ -66,7 +66,7 @@ pub struct JobDocument {
     #[schema(value_type = Option<StepDocument>)]
     pub step: Option<Value>,
     /// Why the job failed; null unless it did.
-    pub error: Option<Problem>,
+    pub error: Option<ProblemDetails>,
     /// Addresses around the job.
     pub links: Links,
 }
@@ -120,13 +120,13 @@ impl JobDocument {
             finished_at: job.finished_us.map(rfc3339),
             progress: job.progress.clone(),
             step: job.step.clone(),
-            error: error_of(job).as_ref().map(Problem::from),
+            error: error_of(job).as_ref().map(ProblemDetails::from),
             links: Links {
                 this: format!("/jobs/{id}"),
                 events: format!("/jobs/{id}/events"),
                 result: job.kind.result_address(id),
-                trajectory: (job.kind == Kind::Excitation).then(|| format!("/excitation/{id}/trajectory")),
-                model: (job.kind == Kind::Identification).then(|| format!("/identify/{id}/model")),
+                trajectory: (job.kind == JobKind::Excitation).then(|| format!("/excitation/{id}/trajectory")),
+                model: (job.kind == JobKind::Identification).then(|| format!("/identify/{id}/model")),
             },
         }
     }
@@ -169,7 +169,7 @@ const LISTED: usize = 200;
     ),
     responses(
         (status = 200, body = JobList),
-        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Bad query", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn list(State(service): State<Service>, access: Access, mut query: QueryFields) -> Result<Json<JobList>, Failure> {
@@ -182,7 +182,7 @@ pub async fn list(State(service): State<Service>, access: Access, mut query: Que
     let filter = JobFilter {
         robot: query.take("robot", None, "the id of a robot", text(64)),
         kind: query.take("kind", None, "excitation, identification or validation", |t| {
-            Kind::named(t).map(Some)
+            JobKind::named(t).map(Some)
         }),
         state: query.take("state", None, "queued, running, finished, cancelled or failed", |t| {
             JobState::ALL.into_iter().find(|s| s.name() == t).map(Some)
@@ -202,7 +202,7 @@ pub async fn list(State(service): State<Service>, access: Access, mut query: Que
 fn continued(filter: &JobFilter) -> String {
     let parts = [
         ("robot", filter.robot.as_deref()),
-        ("kind", filter.kind.map(Kind::name)),
+        ("kind", filter.kind.map(JobKind::name)),
         ("state", filter.state.map(JobState::name)),
         ("search", filter.search.as_deref()),
     ];
@@ -230,11 +230,11 @@ pub struct DescriptionSchema {
     request_body(content = DescriptionSchema, content_type = "application/json"),
     responses(
         (status = 200, body = JobDocument),
-        (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "No JSON document", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Not application/json", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn describe(
@@ -291,7 +291,7 @@ fn read_description(parsed: &Parsed) -> Result<(Option<String>, Option<String>),
     params(("id" = String, Path, description = "Id of the job")),
     responses(
         (status = 200, body = JobDocument),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Json<JobDocument>, Failure> {
@@ -310,11 +310,11 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
     ),
     responses(
         (status = 204, description = "Forgotten"),
-        (status = 400, description = "Bad query", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "To be forgotten, and still waiting or running", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Bad query", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "To be forgotten, and still waiting or running", body = ProblemDetails, content_type = "application/problem+json"),
         (status = 200, description = "The job has ended", body = JobDocument),
         (status = 202, description = "The job will end within a second", body = JobDocument),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn cancel(
@@ -357,7 +357,7 @@ pub async fn cancel(
     responses(
         (status = 200, description = "Events, each of this form", body = JobEvent, content_type = "text/event-stream"),
         (status = 204, description = "The last event was seen already"),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn events(

@@ -1,7 +1,7 @@
 //! `/motion`: what a robot looks like, and what a motion asks of it.
 
 use super::results::computed;
-use crate::app::Problem;
+use crate::app::ProblemDetails;
 use crate::documents::{MotionDocument, requests};
 use crate::service::access::Access;
 use crate::service::child::{REQUEST, Task};
@@ -21,10 +21,10 @@ use axum::response::Response;
     request_body(content = requests::MotionRequest, content_type = "application/json"),
     responses(
         (status = 200, body = MotionDocument),
-        (status = 400, description = "No JSON document", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Not application/json", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "No JSON document", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Not application/json", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn post(State(service): State<Service>, access: Access, body: JsonBody) -> Result<Response, Failure> {

@@ -2,14 +2,14 @@
 
 use super::jobs::JobDocument;
 use super::results::{document, find};
-use crate::app::{CancelFlag, Code, Error, Problem};
+use crate::app::{CancelFlag, Code, Error, ProblemDetails};
 use crate::service::access::Access;
 use crate::service::blocking::read_stored;
 use crate::service::child::{REQUEST, Task};
 use crate::service::problem::{Failure, internal_error};
 use crate::service::state::Service;
 use crate::service::store::JobRow;
-use crate::service::work::Kind;
+use crate::service::work::JobKind;
 use crate::web::REPORT_POLICY;
 use axum::extract::{Path, State};
 use axum::http::header;
@@ -25,13 +25,13 @@ use serde_json::Value;
     params(("id" = String, Path, description = "Id of the job")),
     responses(
         (status = 200, description = "The report", body = String, content_type = "text/html"),
-        (status = 404, description = "Unknown id", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "No result yet", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "A log that cannot be used", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown id", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "No result yet", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "A log that cannot be used", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<impl IntoResponse, Failure> {
-    let job = find(&service, &access, &id, Kind::Identification).await?;
+    let job = find(&service, &access, &id, JobKind::Identification).await?;
     if !job.state.is_final() {
         return Err(Failure(Error::new(Code::NoResult, "the identification goes on")));
     }

@@ -9,7 +9,7 @@ use crate::service::problem::Failure;
 use crate::service::state::Service;
 use crate::service::store::JobRow;
 use crate::service::submit::{Asked, Wishes, error_of, has_result};
-use crate::service::work::Kind;
+use crate::service::work::JobKind;
 use axum::Json;
 use axum::extract::multipart::MultipartRejection;
 use axum::http::{HeaderMap, StatusCode, header};
@@ -30,19 +30,19 @@ pub async fn begin(
 
 /// The result if it is there or comes in the time the client would wait, else the job.
 pub async fn answer(service: &Service, job: JobRow, wait: PreferWait) -> Result<Response, Failure> {
-    answer_as(service, job, wait, Form::Whole).await
+    answer_as(service, job, wait, AnswerForm::Whole).await
 }
 
 /// In which form a document goes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum AnswerForm {
     /// The document as it is stored.
     Whole,
     /// Without the series to draw: a hundredth of its size.
     WithoutPredictions,
 }
 
-impl Form {
+impl AnswerForm {
     fn of(self, whole: Vec<u8>) -> Vec<u8> {
         if self == Self::Whole {
             return whole;
@@ -56,7 +56,7 @@ impl Form {
 }
 
 /// [`answer`], with the document put into another form on its way out.
-pub async fn answer_as(service: &Service, job: JobRow, wait: PreferWait, form: Form) -> Result<Response, Failure> {
+pub async fn answer_as(service: &Service, job: JobRow, wait: PreferWait, form: AnswerForm) -> Result<Response, Failure> {
     let job = match wait.0 {
         Some(limit) => service.wait(job, limit.min(service.config().longest_wait)).await?,
         None => job,
@@ -102,7 +102,7 @@ fn with_id(id: &str, object: &[u8]) -> Vec<u8> {
 }
 
 /// A job of one kind that `access` sees.
-pub async fn find(service: &Service, access: &Access, id: &str, kind: Kind) -> Result<JobRow, Failure> {
+pub async fn find(service: &Service, access: &Access, id: &str, kind: JobKind) -> Result<JobRow, Failure> {
     let unknown = || Error::new(kind.unknown(), format!("there is no {} `{id}`", kind.name())).with_hint("GET /jobs lists them");
     let job = service.find_job(id, access).await?;
     Ok(job.filter(|job| job.kind == kind).ok_or_else(unknown)?)

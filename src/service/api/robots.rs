@@ -2,7 +2,7 @@
 
 use super::query::QueryFields;
 use super::results::computed;
-use crate::app::{Code, Error, Problem};
+use crate::app::{Code, Error, ProblemDetails};
 use crate::documents::requests;
 use crate::documents::{BaseParametersDocument, RobotReport};
 use crate::formats::{Parsed, RobotArchive};
@@ -113,8 +113,8 @@ pub async fn list(State(service): State<Service>, access: Access) -> Result<Json
     params(("id" = String, Path, description = "Name of the robot", example = "iiwa14")),
     responses(
         (status = 200, body = requests::Robot),
-        (status = 404, description = "Unknown robot", body = Problem, content_type = "application/problem+json"),
-        (status = 500, description = "Kept, but its document cannot be read", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 500, description = "Kept, but its document cannot be read", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<Json<Value>, Failure> {
@@ -127,8 +127,8 @@ pub async fn get(State(service): State<Service>, access: Access, Path(id): Path<
     params(("id" = String, Path, description = "Name of the robot", example = "iiwa14")),
     responses(
         (status = 200, body = BaseParametersDocument),
-        (status = 404, description = "Unknown robot", body = Problem, content_type = "application/problem+json"),
-        (status = 500, description = "Kept, but its document cannot be read", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 500, description = "Kept, but its document cannot be read", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn base_parameters(
@@ -202,12 +202,12 @@ async fn read_upload(service: &Service, upload: RobotUpload, query: QueryFields)
     responses(
         (status = 201, description = "Kept; its address is in `Location`", body = RobotSummary,
             headers(("Location" = String, description = "Address of the robot"))),
-        (status = 400, description = "Neither JSON nor XML nor a ZIP archive of one robot", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "The token is not for a robot of this name", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "A robot of that name exists", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Neither JSON nor XML nor a ZIP archive of one robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 404, description = "The token is not for a robot of this name", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "A robot of that name exists", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Wrong type", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn post(
@@ -234,12 +234,12 @@ pub async fn post(
     responses(
         (status = 200, description = "Replaced", body = RobotSummary),
         (status = 201, description = "Kept", body = RobotSummary),
-        (status = 400, description = "Neither JSON nor XML nor a ZIP archive of one robot", body = Problem, content_type = "application/problem+json"),
-        (status = 404, description = "The token is not for a robot of this name", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "Comes with the program", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "Document too large", body = Problem, content_type = "application/problem+json"),
-        (status = 415, description = "Wrong type", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Bad fields, all of them", body = Problem, content_type = "application/problem+json"),
+        (status = 400, description = "Neither JSON nor XML nor a ZIP archive of one robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 404, description = "The token is not for a robot of this name", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "Comes with the program", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 413, description = "Document too large", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 415, description = "Wrong type", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 422, description = "Bad fields, all of them", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn put(
@@ -281,8 +281,8 @@ async fn keep(
     params(("id" = String, Path, description = "Name of the robot")),
     responses(
         (status = 204, description = "Forgotten"),
-        (status = 404, description = "Unknown robot", body = Problem, content_type = "application/problem+json"),
-        (status = 409, description = "Comes with the program", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "Unknown robot", body = ProblemDetails, content_type = "application/problem+json"),
+        (status = 409, description = "Comes with the program", body = ProblemDetails, content_type = "application/problem+json"),
     )
 )]
 pub async fn delete(State(service): State<Service>, access: Access, Path(id): Path<String>) -> Result<StatusCode, Failure> {

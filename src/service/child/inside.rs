@@ -16,7 +16,7 @@ use crate::service::blocking::ended;
 use crate::service::known::Known;
 use crate::service::problem::internal_error;
 use crate::service::progress::News;
-use crate::service::work::{Kind, Measure, Notice, Outcome, Request};
+use crate::service::work::{JobKind, JobOutcome, Measure, Notice, Request};
 use crate::service::{rows, spread, submit::stored_error};
 use crate::web::{Circumstances, report};
 use serde::Serialize;
@@ -169,7 +169,7 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             runs: asked,
             rate_hz,
         } => {
-            let ways = match Request::from_input(Kind::Excitation, &input)? {
+            let ways = match Request::from_input(JobKind::Excitation, &input)? {
                 Request::Excite(request) => runs(&request.problem, &series.into(), &asked, rate_hz)?,
                 Request::Identify(_) | Request::Validate(_) => [None, None],
             };
@@ -181,7 +181,7 @@ fn perform(task: Task, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spo
             amplitude,
             slowness,
         } => {
-            let run = match Request::from_input(Kind::Excitation, &input)? {
+            let run = match Request::from_input(JobKind::Excitation, &input)? {
                 Request::Excite(request) => first_run(&request.problem, &series.into(), Backoff { amplitude, slowness }),
                 Request::Identify(_) | Request::Validate(_) => None,
             };
@@ -220,7 +220,7 @@ fn preview(
     answer(&inspect(&request, &logs, &held_out, cancel)?.ok_or_else(ended)?)
 }
 
-fn job(task: JobTask, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spot>>) -> Result<Outcome, Error> {
+fn job(task: JobTask, line: &Line, cancel: &CancelFlag, heard: Receiver<Vec<Spot>>) -> Result<JobOutcome, Error> {
     if task.nice {
         // Of this thread and those it starts; where it is not possible the work merely competes.
         let _ = rustix::process::setpriority_process(None, NICE);

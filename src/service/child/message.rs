@@ -7,7 +7,7 @@ use crate::excitation::Point;
 use crate::formats::Parsed;
 use crate::model::FieldProblem;
 use crate::service::known::Known;
-use crate::service::work::{Input, Kind, Outcome};
+use crate::service::work::{Input, JobKind, JobOutcome};
 use crate::trajectory::FourierSeries;
 use nalgebra::DMatrix;
 use serde::de::DeserializeOwned;
@@ -42,9 +42,9 @@ pub enum FromChild {
     /// Wants to know what others have found, and waits.
     AskOthers,
     /// The result, complete but for what is made for pictures.
-    Result(Outcome),
+    Result(JobOutcome),
     /// The end of a job.
-    Done(Outcome),
+    Done(JobOutcome),
     /// The end of any other task.
     Answer(#[serde(with = "serde_bytes")] Vec<u8>),
     /// The end of a task without a result; a stored error.
@@ -87,7 +87,7 @@ pub enum Task {
     Job(Box<JobTask>),
     /// Reads a request: whether it is right, and how large it is. Answers with a [`super::super::work::Measure`].
     Check {
-        kind: Kind,
+        kind: JobKind,
         document: Document,
         known: Named,
     },
@@ -215,7 +215,7 @@ impl From<RobotDocument> for RobotRead {
 /// A job of the queue.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct JobTask {
-    pub kind: Kind,
+    pub kind: JobKind,
     pub input: Input,
     pub logs: Vec<Log>,
     pub validation: Vec<Log>,

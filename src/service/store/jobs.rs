@@ -2,7 +2,7 @@
 
 use super::{Store, now_us, unavailable};
 use crate::app::Error;
-use crate::service::work::Kind;
+use crate::service::work::JobKind;
 use serde_json::Value;
 use sqlx::Row;
 use sqlx::any::AnyRow;
@@ -13,7 +13,7 @@ pub struct JobRow {
     /// ID of the job.
     pub id: String,
     /// Kind of work.
-    pub kind: Kind,
+    pub kind: JobKind,
     /// Robot that the job belongs to.
     pub robot: String,
     /// State of the job.
@@ -58,7 +58,7 @@ pub struct JobFilter {
     /// Robot of the job.
     pub robot: Option<String>,
     /// Kind of work.
-    pub kind: Option<Kind>,
+    pub kind: Option<JobKind>,
     /// State of the job.
     pub state: Option<State>,
     /// Part of the name, the note, the robot, the id or the name of a log, in whatever case.
@@ -76,7 +76,7 @@ impl JobFilter {
             }
         };
         equal("robot", self.robot.as_deref());
-        equal("kind", self.kind.map(Kind::name));
+        equal("kind", self.kind.map(JobKind::name));
         equal("state", self.state.map(State::name));
         if let Some(text) = &self.search {
             let place = first + values.len();
@@ -195,7 +195,7 @@ impl JobRow {
             let unknown = |what: &str| sqlx::Error::Decode(format!("`{what}` is not known to this version").into());
             Ok(Self {
                 id: row.try_get("id")?,
-                kind: Kind::named(&kind).ok_or_else(|| unknown(&kind))?,
+                kind: JobKind::named(&kind).ok_or_else(|| unknown(&kind))?,
                 robot: row.try_get("robot")?,
                 state: State::ALL
                     .into_iter()
@@ -332,7 +332,7 @@ mod tests {
     fn conditions_stand_for_themselves() {
         assert_eq!(JobFilter::default().conditions(4), (String::new(), vec![]));
         let filter = JobFilter {
-            kind: Some(Kind::Identification),
+            kind: Some(JobKind::Identification),
             search: Some("50%_A!".into()),
             ..JobFilter::default()
         };

@@ -7,7 +7,7 @@
 use super::{Dialect, Store, Transaction, now_us, submission::name_file, unavailable};
 use crate::app::Error;
 use crate::service::store::jobs::State;
-use crate::service::work::{Class, Kind};
+use crate::service::work::{Class, JobKind};
 use serde_json::Value;
 use sqlx::Row;
 use sqlx::any::AnyRow;
@@ -19,7 +19,7 @@ pub struct Claimed {
     /// ID of the job.
     pub id: String,
     /// Kind of work.
-    pub kind: Kind,
+    pub kind: JobKind,
     /// Robot that the job belongs to.
     pub robot: String,
     /// File of the request, by SHA-256.
@@ -275,7 +275,8 @@ fn claimed(row: &AnyRow) -> Result<Claimed, sqlx::Error> {
     let kind: String = row.try_get("kind")?;
     Ok(Claimed {
         id: row.try_get("id")?,
-        kind: Kind::named(&kind).ok_or_else(|| sqlx::Error::Decode(format!("`{kind}` is not known to this version").into()))?,
+        kind: JobKind::named(&kind)
+            .ok_or_else(|| sqlx::Error::Decode(format!("`{kind}` is not known to this version").into()))?,
         robot: row.try_get("robot")?,
         input: row.try_get("input")?,
         lease: row.try_get("lease")?,

@@ -4,7 +4,7 @@ use super::audit::{AuditEntry, note};
 use super::jobs::JobRow;
 use super::{Dialect, Store, Transaction, now_us, unavailable};
 use crate::app::{Code, Error};
-use crate::service::work::{Class, Kind};
+use crate::service::work::{Class, JobKind};
 use sqlx::Row;
 
 /// What is asked for.
@@ -13,7 +13,7 @@ pub struct NewJob {
     /// ID of the job.
     pub id: String,
     /// Kind of work.
-    pub kind: Kind,
+    pub kind: JobKind,
     /// Queue that the job waits in.
     pub class: Class,
     /// Robot that the job belongs to.
@@ -41,7 +41,7 @@ pub struct Key {
     /// SHA-256 of the body.
     pub body: String,
     /// Kind of work.
-    pub kind: Kind,
+    pub kind: JobKind,
 }
 
 /// How many of a class may wait: long searches that fill their queue do not keep short jobs out.

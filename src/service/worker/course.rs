@@ -7,7 +7,7 @@ use crate::service::progress::Latest;
 use crate::service::state::Service;
 use crate::service::store::{Claimed, Kept};
 use crate::service::submit::error_from;
-use crate::service::work::Outcome;
+use crate::service::work::JobOutcome;
 use crate::service::worker::{HANDING_IN, NEWS, in_time};
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -31,12 +31,12 @@ pub(in super::super) struct Course<'a> {
 /// The job whose result is kept as soon as it is there.
 pub(in super::super) struct Keeping<'a> {
     pub claimed: &'a Claimed,
-    pub kept: &'a OnceLock<Outcome>,
+    pub kept: &'a OnceLock<JobOutcome>,
 }
 
 /// How the work of a child ended.
 pub(in super::super) enum Ending {
-    Done(Outcome),
+    Done(JobOutcome),
     Failed(Error),
     Died(Death),
     /// It was asked to end, and did not.
@@ -111,7 +111,7 @@ impl Course<'_> {
     }
 
     /// Stores a result while the child goes on to what is made for pictures.
-    async fn keep(&self, outcome: Outcome) {
+    async fn keep(&self, outcome: JobOutcome) {
         let Some(job) = &self.job else { return };
         let storing = async {
             let files = self.service.files();

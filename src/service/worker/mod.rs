@@ -13,7 +13,7 @@ use super::spread;
 use super::state::Service;
 use super::store::{Claimed, Ended, Spent, State};
 use super::submit::stored_error;
-use super::work::{Class, Outcome};
+use super::work::{Class, JobOutcome};
 use crate::app::{CancelFlag, Code, Error};
 use std::sync::Arc;
 use std::time::Duration;
@@ -123,7 +123,7 @@ pub(super) async fn in_time<T>(time: Duration, work: impl Future<Output = Result
 /// What became of a claimed job.
 enum Done {
     /// To be handed in, with its documents and what earlier lives have spent.
-    Ended(Ended, Option<(Box<Outcome>, Spent)>),
+    Ended(Ended, Option<(Box<JobOutcome>, Spent)>),
     /// To be done by another, later, who continues from what the link knows.
     PutBack(Option<Arc<Link>>),
     /// Another has it.

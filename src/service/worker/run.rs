@@ -8,7 +8,7 @@ use crate::service::child::{Advance, Child, Death, JobTask, Task};
 use crate::service::exchange::Link;
 use crate::service::state::Service;
 use crate::service::store::{Claimed, Ended, Spent, State};
-use crate::service::work::{Class, Input, Kind, Outcome, StoredLog};
+use crate::service::work::{Class, Input, JobKind, JobOutcome, StoredLog};
 use std::sync::{Arc, OnceLock};
 use tokio::time::sleep;
 
@@ -54,7 +54,7 @@ pub(super) async fn run(service: &Service, job: &Claimed, class: Class, cancel: 
 /// Of a search that may be long: with what earlier lives have spent.
 async fn link(service: &Service, job: &Claimed, class: Class) -> Result<Option<Arc<Link>>, Error> {
     match (job.kind, class) {
-        (Kind::Excitation, Class::Long) => Link::of_job(service, &job.id, job.lease).await.map(|l| Some(Arc::new(l))),
+        (JobKind::Excitation, Class::Long) => Link::of_job(service, &job.id, job.lease).await.map(|l| Some(Arc::new(l))),
         _ => Ok(None),
     }
 }
@@ -67,7 +67,7 @@ struct Attempt<'a> {
     cancel: &'a CancelFlag,
     link: Option<Arc<Link>>,
     /// Its result, where all that is missing are predictions.
-    kept: OnceLock<Outcome>,
+    kept: OnceLock<JobOutcome>,
 }
 
 impl Attempt<'_> {
@@ -174,7 +174,7 @@ impl Attempt<'_> {
         }
     }
 
-    fn finished(&self, outcome: Outcome) -> Done {
+    fn finished(&self, outcome: JobOutcome) -> Done {
         let state = match outcome.status.as_str() {
             "Cancelled" => State::Cancelled,
             _ => State::Finished,
