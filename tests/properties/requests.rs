@@ -69,6 +69,10 @@ fn excitation() -> Value {
         "fourier": {"order": 5, "fundamental_hz": [0.1, 0.2], "harmonics": vec![vec![1, 2, 3]; 7]},
         "sample_rate_hz": 100,
         "criterion": "recommended",
+        "effects": [{
+            "name": "hose", "joint": "A4", "expression": "k*(q4 - c)", "declared": false,
+            "parameters": [{"name": "k", "unit": "N m/rad", "low": 0.0, "high": 9.0}, {"name": "c", "unit": "rad", "low": -2.0, "high": 2.0}],
+        }],
         "constraints": {
             "form": "exact", "start": "free", "start_position": vec![0.1; 7],
             "torque": {"limits": vec![100.0; 7], "safety_factor": 1.5},
