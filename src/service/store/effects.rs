@@ -48,7 +48,7 @@ impl Store {
     /// Keeps an effect in the place of the one that had its name; whether it is new.
     ///
     /// # Errors
-    /// `catalogue_full`, where it is new and there are [`MOST_EFFECTS`].
+    /// `catalogue_full`, where it is new and there are `MOST_EFFECTS`.
     pub async fn put_effect(&self, name: &str, effect: &Value) -> Result<bool, Error> {
         let mut transaction = self.begin().await?;
         let replaced = sqlx::query("UPDATE effects SET document = $2, updated_us = $3 WHERE name = $1")
