@@ -33,10 +33,12 @@ fn declared_own_effects_of_the_robot_belong_to_what_a_recording_reveals() {
     };
     let without = assessed(json!([]));
     assert!(without("joint_spring", "J2")["size"].as_f64().unwrap() > 0.0);
-    // A candidate is listed with the sizes of the listed effect that it is another form of, but for what one more effect costs.
+    // The size of a listed spring is that with its rest in the middle of the travel. The k of the formula comes alone, with its
+    // rest at zero: where the travel is not around zero it adds a mean torque, which can be seen too, so that less of it is
+    // needed.
     let candidate = assessed(spring(false));
     let [own, listed] = [candidate("hose", "J2"), candidate("joint_spring", "J2")].map(|e| e["size"].as_f64().unwrap());
-    assert!((own / listed - 1.0).abs() < 0.05, "{own} and {listed}");
+    assert!((0.5..1.02).contains(&(own / listed)), "{own} and {listed}");
     assert_eq!(candidate("hose", "J2")["unit"], "N m/rad");
     let declared = assessed(spring(true));
     assert_eq!(declared("joint_spring", "J2")["hidden"], "absorbed");

@@ -111,7 +111,9 @@ def check(page, name):
     axes = page.evaluate("""() => [...document.querySelectorAll('.plot')].filter(p => p.clientWidth > 0 && p.querySelector('.main-svg')).map(p =>
         [p.dataset.label, [...p.querySelectorAll('.infolayer text')].filter(t => /^[xy]\\d*title/.test(t.getAttribute('class') ?? '')).map(t => t.textContent)])""")
     # Every term has its explanation, and no explanation is for the mouse alone.
-    unknown = page.evaluate("""async () => { const known = new Set((await (await fetch('/assets/glossary.json')).json()).flatMap(topic => Object.keys(topic.terms)));
+    unknown = page.evaluate("""async () => { const files = ['/assets/glossary.json', '/assets/effects.json'];
+        const topics = (await Promise.all(files.map(async file => (await fetch(file)).json()))).flat();
+        const known = new Set(topics.flatMap(topic => Object.keys(topic.terms)));
         return [...document.querySelectorAll('[data-term]')].map(e => e.dataset.term).filter(key => !known.has(key)).concat([...document.querySelectorAll('main th[title]')].map(e => e.title)) }""")
     assert not unknown, f"{name}: terms without an explanation: {unknown}"
     check_helped(page, name)
