@@ -165,6 +165,31 @@ fn prop_geometry_and_sensors_are_traced_from_simulated_logs() {
     assert_traced("external_contact", touch, &["A4"], &[("start", 23.0), ("end", 24.0)]);
 }
 
+/// An effect without a simulation of its own is made by its columns.
+#[test]
+fn prop_a_listed_effect_is_traced_from_simulated_logs() {
+    let folder = Folder::new("effect-listed");
+    let saturation = json!({"effect": "listed", "code": "torque_saturation", "joints": ["A2"], "coefficients": [2e-4]});
+    let (residual, _) = identified(&folder, &json!([saturation]));
+    assert_told(&residual, "torque_saturation", &["A2"], &[("coefficient", 2e-4)]);
+    for (field, value, words) in [
+        ("code", json!("torque"), "which no effect has"),
+        ("code", json!("base_tilt"), "adds no columns"),
+        ("form", json!(1), "has forms up to 0"),
+        ("coefficients", json!([1.0, 2.0]), "2 entries in `coefficients`, expected 1"),
+        ("joints", json!(["A2", "A3"]), "cannot be on these joints"),
+    ] {
+        let mut wrong = saturation.clone();
+        wrong[field] = value;
+        let request = json!({"trajectory": trajectory(0.3), "effects": [wrong]});
+        let request = folder.write("wrong.json", &request.to_string());
+        let output = run(&["simulate", "--robot", "iiwa14", "--request", &request]);
+        assert_eq!(output.status.code(), Some(2), "{field}");
+        let said = stderr(&output);
+        assert!(said.contains("/effects/0") && said.contains(words), "{field}: {said}");
+    }
+}
+
 #[test]
 fn prop_a_payload_is_traced_against_the_model_without_it() {
     let folder = Folder::new("effect-payload");
