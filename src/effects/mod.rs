@@ -57,7 +57,6 @@ registry! {
     payload::Payload,
     torque_delay::TorqueDelay,
     torque_gain::TorqueGain,
-    torque_saturation::TorqueSaturation,
     torque_crosstalk::TorqueCrosstalk,
     friction_drift::FrictionDrift,
     external_contact::ExternalContact,

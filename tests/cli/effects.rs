@@ -165,21 +165,21 @@ fn prop_geometry_and_sensors_are_traced_from_simulated_logs() {
     assert_traced("external_contact", touch, &["A4"], &[("start", 23.0), ("end", 24.0)]);
 }
 
-/// An effect without a simulation of its own is made by its columns.
+/// Any effect that adds columns can be made by them.
 #[test]
 fn prop_a_listed_effect_is_traced_from_simulated_logs() {
     let folder = Folder::new("effect-listed");
-    let saturation = json!({"effect": "listed", "code": "torque_saturation", "joints": ["A2"], "coefficients": [2e-4]});
-    let (residual, _) = identified(&folder, &json!([saturation]));
-    assert_told(&residual, "torque_saturation", &["A2"], &[("coefficient", 2e-4)]);
+    let listed = json!({"effect": "listed", "code": "asymmetric_viscous_friction", "joints": ["A5"], "coefficients": [0.4]});
+    let (residual, _) = identified(&folder, &json!([listed]));
+    assert_told(&residual, "asymmetric_viscous_friction", &["A5"], &[("coefficient", 0.4)]);
     for (field, value, words) in [
         ("code", json!("torque"), "which no effect has"),
         ("code", json!("base_tilt"), "adds no columns"),
         ("form", json!(1), "has forms up to 0"),
         ("coefficients", json!([1.0, 2.0]), "2 entries in `coefficients`, expected 1"),
-        ("joints", json!(["A2", "A3"]), "cannot be on these joints"),
+        ("joints", json!(["A5", "A6"]), "cannot be on these joints"),
     ] {
-        let mut wrong = saturation.clone();
+        let mut wrong = listed.clone();
         wrong[field] = value;
         let request = json!({"trajectory": trajectory(0.3), "effects": [wrong]});
         let request = folder.write("wrong.json", &request.to_string());
