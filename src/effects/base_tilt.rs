@@ -75,7 +75,7 @@ impl Effect for BaseTilt {
     }
 
     fn steps(&self) -> &'static [f64] {
-        &[1e-5, 1e-5]
+        &[1e-7, 1e-7]
     }
 
     fn ranges(&self, _form: usize, _robot: &Robot, _joints: &[usize]) -> Vec<[f64; 2]> {

@@ -279,6 +279,12 @@ pub trait Effect: Sync + Send {
         &[]
     }
 
+    /// Whether differences are taken on both sides of a value: reversals lie between the values, and one side would have them
+    /// all. One side does where the torque is smooth over a step.
+    fn is_differenced_both_ways(&self) -> bool {
+        false
+    }
+
     /// Least step where columns go through a filter, with samples every `interval` seconds: they are differenced over no less.
     fn least_step(&self, _interval: f64) -> f64 {
         0.0

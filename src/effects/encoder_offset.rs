@@ -41,7 +41,7 @@ impl Effect for EncoderOffset {
     }
 
     fn steps(&self) -> &'static [f64] {
-        &[1e-5]
+        &[1e-7]
     }
 
     fn ranges(&self, _form: usize, robot: &Robot, joints: &[usize]) -> Vec<[f64; 2]> {

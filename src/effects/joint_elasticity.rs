@@ -52,8 +52,8 @@ impl Effect for JointElasticity {
     }
 
     fn steps(&self) -> &'static [f64] {
-        // 1e-7 rad/(N m) is 10 MN m/rad, a thousand times stiffer than a robot's gear.
-        &[1e-7]
+        // 1e-9 rad/(N m) is 1 GN m/rad, 100,000 times stiffer than a robot's gear.
+        &[1e-9]
     }
 
     fn positive(&self, _form: usize) -> &'static [usize] {

@@ -58,6 +58,10 @@ impl Effect for TorqueDelay {
         &[1e-4]
     }
 
+    fn is_differenced_both_ways(&self) -> bool {
+        true
+    }
+
     /// Half a sample: over less, a reversal of friction lies in the difference in one row of many and is multiplied there, where
     /// over half a sample it is in every second row, as it is in the torque that is late.
     fn least_step(&self, interval: f64) -> f64 {

@@ -162,18 +162,25 @@ impl NoiseModel {
 
     /// `x` filtered to unit variance for a mean of `repetitions`; rows not in `rows` become zero.
     pub(crate) fn whiten(&self, x: &[f64], rows: &[bool], repetitions: usize) -> Vec<f64> {
-        let n = x.len();
+        self.whitened(x, rows, repetitions).collect()
+    }
+
+    /// The same, one after the other.
+    pub(crate) fn whitened<'a>(&'a self, x: &'a [f64], rows: &'a [bool], repetitions: usize) -> impl Iterator<Item = f64> + 'a {
+        let (n, order) = (x.len(), self.autoregression.len());
         let scale = (repetitions as f64).sqrt() / self.innovation;
-        (0..n)
-            .map(|s| {
-                if !rows[s] {
-                    return 0.0;
-                }
-                let past = self.autoregression.iter().enumerate();
-                let predicted: f64 = past.map(|(k, a)| a * x[(s + n - 1 - k) % n]).sum();
-                (x[s] - predicted) * scale
-            })
-            .collect()
+        let whitened = move |s: usize| {
+            if !rows[s] {
+                return 0.0;
+            }
+            let coefficients = self.autoregression.iter();
+            let predicted: f64 = match s.checked_sub(order) {
+                Some(first) => coefficients.zip(x[first..s].iter().rev()).map(|(a, x)| a * x).sum(),
+                None => coefficients.enumerate().map(|(k, a)| a * x[(s + n - 1 - k) % n]).sum(),
+            };
+            (x[s] - predicted) * scale
+        };
+        (0..n).map(whitened)
     }
 }
 

@@ -5,11 +5,12 @@
 //! blocks that are long beside its memory are independent, and what a fit without one of them says otherwise is what that block
 //! contributed by chance.
 
-use super::normal_equations::{Data, System};
+use super::normal_equations::{Data, Part, System};
 use super::product::transposed_product;
 use super::rank::pseudo_root;
 use crate::regression::settings::SETTINGS;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// One contiguous block of rows of one stretch.
@@ -32,12 +33,6 @@ pub(crate) fn time_blocks(rows: &[usize], blocks: usize) -> Vec<TimeBlock> {
     rows.iter().enumerate().flat_map(of).collect()
 }
 
-/// Normal matrix and gradient of one block.
-struct Part {
-    normal: DMatrix<f64>,
-    gradient: DVector<f64>,
-}
-
 fn part(system: &System, block: &TimeBlock) -> Part {
     let p = system.covariance.nrows();
     let mut part = Part {
@@ -52,26 +47,35 @@ fn part(system: &System, block: &TimeBlock) -> Part {
     part
 }
 
+impl System {
+    /// The blocks of time that the jackknife leaves out, and what each contributes: the same for every parameter.
+    fn parts(&self) -> (Vec<TimeBlock>, &[Part]) {
+        let rows: Vec<usize> = self.blocks.iter().map(|b| b[0].residual.len()).collect();
+        let blocks = time_blocks(&rows, SETTINGS.jackknife_blocks);
+        let parts = self.parts.get(|| blocks.par_iter().map(|b| part(self, b)).collect());
+        (blocks, parts)
+    }
+}
+
 /// Blocks of a system, and for each the change of the parameters when it is left out of the (linearised) fit.
 pub(crate) fn left_out(data: &Data, system: &System) -> Vec<(TimeBlock, DVector<f64>)> {
-    let rows: Vec<usize> = system.blocks.iter().map(|b| b[0].residual.len()).collect();
     let root = pseudo_root(&data.normal(system), SETTINGS.rank_tolerance);
-    let of = |block: TimeBlock| {
+    let of = |(block, Part { normal, gradient }): (TimeBlock, &Part)| {
         // Rows that say nothing of any parameter change none.
         if root.ncols() == 0 {
             return (block, DVector::zeros(root.nrows()));
         }
-        let Part { normal, gradient } = part(system, &block);
-        let inside = (root.tr_mul(&(&normal * &root))).symmetric_eigen();
+        let inside = (root.tr_mul(&(normal * &root))).symmetric_eigen();
         // All rows together leave the gradient zero: without the block it is minus the block's own.
-        let along = inside.eigenvectors.tr_mul(&root.tr_mul(&gradient));
+        let along = inside.eigenvectors.tr_mul(&root.tr_mul(gradient));
         let step = DVector::from_fn(along.len(), |i, _| {
             -along[i] / (1.0 - inside.eigenvalues[i]).max(SETTINGS.jackknife_least_outside)
         });
         let change = &root * (&inside.eigenvectors * step);
         (block, change)
     };
-    time_blocks(&rows, SETTINGS.jackknife_blocks).into_iter().map(of).collect()
+    let (blocks, parts) = system.parts();
+    blocks.into_par_iter().zip(parts).map(of).collect()
 }
 
 /// Covariance of the parameters from what they become without each block: `(B − 1)/B Σ (θᵦ − θ̄)(θᵦ − θ̄)ᵀ`.
@@ -97,18 +101,13 @@ impl System {
     pub fn jackknife(&self, at: usize) -> DMatrix<f64> {
         let (from, k) = (self.model.offset_of(at), self.model.terms[at].parameters());
         let p = self.covariance.nrows();
-        let rows: Vec<usize> = self.blocks.iter().map(|b| b[0].residual.len()).collect();
-        let without = |block: TimeBlock| {
-            let Part { normal, gradient } = part(self, &block);
+        let without = |Part { normal, gradient }: &Part| {
             // What this block determines nearly alone is not extrapolated from the others without bound.
             let others = DMatrix::identity(p, p) * (1.0 + SETTINGS.jackknife_ridge) - normal * &self.covariance;
-            let pull = others.lu().solve(&gradient).unwrap_or(gradient);
+            let pull = others.lu().solve(gradient).unwrap_or_else(|| gradient.clone());
             -(&self.covariance * pull).rows(from, k).into_owned()
         };
-        let moved: Vec<DVector<f64>> = time_blocks(&rows, SETTINGS.jackknife_blocks)
-            .into_iter()
-            .map(without)
-            .collect();
+        let moved: Vec<DVector<f64>> = self.parts().1.par_iter().map(without).collect();
         self.no_less_than_independent(at, &jackknife_sum(&moved))
     }
 

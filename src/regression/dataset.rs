@@ -2,7 +2,7 @@
 
 use super::recorded_filter::RecordedFilter;
 use super::rows::clear_of_reversals;
-use crate::dynamics::{Channel, Motion};
+use crate::dynamics::{Channel, Motion, RowBlocks};
 use crate::effects::{Column, Span};
 use crate::preparation::{Exclusion, MotionError, PreparedLog};
 use std::sync::Arc;
@@ -128,6 +128,17 @@ impl Stretch {
             Some(filter) => filter(&slices(&values)),
             None => values,
         }
+    }
+
+    /// Columns of a block of rows of the regressor with their numbers, as they enter the rows.
+    pub(crate) fn shaped_block(&self, rows: &RowBlocks, joint: usize, columns: &[usize]) -> Vec<(usize, Vec<f64>)> {
+        let values = rows.block(joint).chunks_exact(rows.stride()).map(|v| &v[..rows.samples()]);
+        let values: Vec<&[f64]> = values.collect();
+        let shaped = match &self.filter {
+            Some(filter) => filter(&values),
+            None => values.into_iter().map(<[f64]>::to_vec).collect(),
+        };
+        columns.iter().copied().zip(shaped).collect()
     }
 
     /// Values with a key each, as they enter the rows.

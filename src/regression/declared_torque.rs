@@ -28,8 +28,8 @@ impl AugmentedModel {
             let mut rows = RowBlocks::new(&set, stretch.motion.samples());
             rows.fill(&chain, &set, &stretch.motion, Coulomb::Sign);
             for (j, own) in shaped.iter_mut().enumerate() {
-                let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
-                own.extend(stretch.shaped_with(blocks.map(|(values, &at)| (first + at, values[..rows.samples()].to_vec()))));
+                let shaped = stretch.shaped_block(&rows, j, set.row(j)).into_iter();
+                own.extend(shaped.map(|(at, values)| (first + at, values)));
             }
         }
         shaped

@@ -4,20 +4,18 @@ use super::dataset::Stretch;
 use super::declared_torque::Torques;
 use super::jacobian::ShapedRows;
 use super::model::{AugmentedModel, Term};
+use super::present::KnownTorque;
 use crate::dynamics::{Coulomb, Motion};
 use crate::effects::{Scene, World};
 use crate::regression::settings::SETTINGS;
-use nalgebra::Vector3;
 use rayon::prelude::*;
-
-/// A motion, gravity, and the declared torque that goes with them.
-pub(crate) type KnownTorque<'a> = (&'a Motion, Vector3<f64>, &'a [Vec<f64>]);
+use std::borrow::Cow;
 
 impl AugmentedModel {
     pub(crate) fn push_distortions(&self, jacobian: &mut ShapedRows, stretch: &Stretch, plain: &Torques, known: KnownTorque) {
         let distortions: Vec<usize> = (0..self.terms.len()).filter(|&t| self.terms[t].is_distortion()).collect();
         let of = |&t: &usize| {
-            let columns = self.distortion_columns(stretch, plain, &self.terms[t], Some(t), known);
+            let columns = self.distortion_columns(stretch, plain, &self.terms[t], Some(t), Some(known));
             columns.into_par_iter().map(|rows| stretch.shaped(rows)).collect::<Vec<_>>()
         };
         let columns: Vec<_> = distortions.par_iter().map(of).collect();
@@ -28,16 +26,16 @@ impl AugmentedModel {
         }
     }
 
-    /// Derivative of the declared torque by every parameter of a distortion, n × N each, by central differences around its
-    /// present value (zero for a distortion that is not in the model). Where the motion and gravity are those of `known`, so is
-    /// the torque.
+    /// Derivative of the declared torque by every parameter of a distortion, n × N each, by differences from its present value
+    /// (zero for a distortion that is not in the model). `known` is the model's world with the distortion at that value; where
+    /// motion and gravity are the same in another, so is the torque.
     pub(crate) fn distortion_columns(
         &self,
         stretch: &Stretch,
         plain: &Torques,
         term: &Term,
         at: Option<usize>,
-        known: KnownTorque,
+        known: Option<KnownTorque>,
     ) -> Vec<Vec<Vec<f64>>> {
         // Without a filter, rows at a reversal are left out.
         let least = stretch
@@ -45,29 +43,34 @@ impl AugmentedModel {
             .as_ref()
             .map_or(0.0, |_| term.effect.least_step(stretch.interval));
         let steps: Vec<f64> = term.effect.steps().iter().map(|step| step.max(least)).collect();
+        let torque = |term: &Term| {
+            let world = self.world_beside(stretch, plain, (at, term), known.map(|k| &k.world.motion));
+            let same = known.filter(|k| (&world.motion, world.gravity) == (&k.world.motion, k.world.gravity));
+            let declared = match same {
+                Some(known) => Cow::Borrowed(known.declared),
+                None => {
+                    let robot = self.robot.with_gravity(world.gravity);
+                    Cow::Owned(self.torques(&world.motion, &robot, None).declared)
+                }
+            };
+            gained(&declared, &world.gain)
+        };
+        let moved = |i: usize, by: f64| {
+            let mut moved = term.clone();
+            moved.shape[i] += by;
+            torque(&moved)
+        };
+        let present = || known.map_or_else(|| torque(term), |k| gained(k.declared, &k.world.gain));
+        // Of a smooth distortion, half of the differences are spared.
+        let here = (!term.effect.is_differenced_both_ways()).then(present);
         (0..steps.len())
             .into_par_iter()
-            .map(|i| {
-                let side = |sign: f64| {
-                    let mut moved = term.clone();
-                    moved.shape[i] += sign * steps[i];
-                    let world = self.world_beside(stretch, plain, (at, &moved), known.0);
-                    let mut tau = match (&world.motion, world.gravity) == (known.0, known.1) {
-                        true => known.2.to_vec(),
-                        false => {
-                            self.torques(&world.motion, &self.robot.with_gravity(world.gravity), None)
-                                .declared
-                        }
-                    };
-                    tau.iter_mut()
-                        .zip(&world.gain)
-                        .for_each(|(row, g)| row.iter_mut().for_each(|v| *v *= g));
-                    tau
-                };
-                let (up, down) = rayon::join(|| side(1.0), || side(-1.0));
-                let difference =
-                    |(u, d): (&Vec<f64>, &Vec<f64>)| u.iter().zip(d).map(|(u, d)| (u - d) / (2.0 * steps[i])).collect();
-                up.iter().zip(&down).map(difference).collect()
+            .map(|i| match &here {
+                Some(here) => quotient(&moved(i, steps[i]), here, steps[i]),
+                None => {
+                    let (up, down) = rayon::join(|| moved(i, steps[i]), || moved(i, -steps[i]));
+                    quotient(&up, &down, 2.0 * steps[i])
+                }
             })
             .collect()
     }
@@ -95,16 +98,24 @@ impl AugmentedModel {
         world
     }
 
-    /// The world with `changed`; `motion` is that of the model's world, which a change that keeps it need not bend again. Of a
-    /// candidate beside the model, it is the measured one.
-    fn world_beside(&self, stretch: &Stretch, plain: &Torques, changed: (Option<usize>, &Term), motion: &Motion) -> World {
+    /// The world with `changed`; `motion` is that of the model's world, where it is known: a change that keeps it need not bend
+    /// it again, unless the load bends it.
+    fn world_beside(
+        &self,
+        stretch: &Stretch,
+        plain: &Torques,
+        changed: (Option<usize>, &Term),
+        motion: Option<&Motion>,
+    ) -> World {
         let mut list = self.distortions(Some(changed));
-        let bends = |t: &&Term| !t.effect.keeps_motion() && (changed.0.is_none() || t.effect.distorts_by_load());
-        if !changed.1.effect.keeps_motion() || list.iter().any(bends) {
-            return self.world(stretch, plain, Some(changed));
+        let by_load = list.iter().any(|t| t.effect.distorts_by_load());
+        match motion.filter(|_| changed.1.effect.keeps_motion() && !by_load) {
+            None => self.world(stretch, plain, Some(changed)),
+            Some(motion) => {
+                list.retain(|t| t.effect.keeps_motion());
+                self.distorted(stretch, plain, &list, motion)
+            }
         }
-        list.retain(|t| t.effect.keeps_motion());
-        self.distorted(stretch, plain, &list, motion)
     }
 
     /// The distortions with `changed`, those that depend on the load last.
@@ -144,4 +155,16 @@ impl AugmentedModel {
         }
         world
     }
+}
+
+/// Torques times the gain of every joint.
+fn gained(torque: &[Vec<f64>], gain: &[f64]) -> Vec<Vec<f64>> {
+    let row = |(row, g): (&Vec<f64>, &f64)| row.iter().map(|v| v * g).collect();
+    torque.iter().zip(gain).map(row).collect()
+}
+
+/// `(up − down)/step`, joint by joint.
+fn quotient(up: &[Vec<f64>], down: &[Vec<f64>], step: f64) -> Vec<Vec<f64>> {
+    let row = |(u, d): (&Vec<f64>, &Vec<f64>)| u.iter().zip(d).map(|(u, d)| (u - d) / step).collect();
+    up.iter().zip(down).map(row).collect()
 }

@@ -13,17 +13,21 @@ impl Data<'_> {
         let mut here = self.linearise(model);
         let mut cost = self.cost(&here);
         let rows = self.all_rows(&here) as f64;
+        let enough = match self.compared {
+            true => SETTINGS.settled_to_compare,
+            false => SETTINGS.settled_to_report,
+        };
         for _ in 0..SETTINGS.gauss_newton_steps {
             let step = &here.covariance * &here.gradient;
             let decrease = here.gradient.dot(&step);
             let linear = here.model.terms.is_empty();
-            if decrease < self.settled && !linear {
+            if decrease < enough && !linear {
                 break;
             }
             let Some((there, lower)) = self.shortened(&here, &step, cost) else {
                 break;
             };
-            let settled = (cost - lower).abs() < (1e-7 * cost).max(self.settled / rows);
+            let settled = (cost - lower).abs() < (1e-7 * cost).max(enough / rows);
             (here, cost) = (there, lower);
             if settled || linear && decrease < 1.0 {
                 break;

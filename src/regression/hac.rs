@@ -12,6 +12,7 @@ use super::rank::directions;
 use super::tail::f_tail;
 use crate::regression::settings::SETTINGS;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Degrees of freedom of a covariance from `SETTINGS.score_blocks` sums with Bartlett's weights 1 and 1/2 on neighbours: `3/2` of
 /// their number over the two.
@@ -59,7 +60,7 @@ fn scores(system: &System, columns: &Whitened, base: &DMatrix<f64>, along: &DVec
         (log, sum)
     };
     let rows: Vec<usize> = system.blocks.iter().map(|b| b[0].residual.len()).collect();
-    time_blocks(&rows, SETTINGS.score_blocks).into_iter().map(of).collect()
+    time_blocks(&rows, SETTINGS.score_blocks).into_par_iter().map(of).collect()
 }
 
 /// Coefficient of a single column on the row of `joint` beside the model, and its standard deviation; `None` where the model
@@ -112,6 +113,15 @@ pub(crate) fn misfit_from(rows: usize) -> f64 {
 impl System {
     /// Independent values that the rows of a joint are worth for a question about variance: `n / (1 + 2 Σ ρ²)`.
     pub fn effective_rows(&self, joint: usize) -> f64 {
+        let all = || {
+            (0..self.model.robot.joint_count())
+                .map(|j| self.count_effective_rows(j))
+                .collect()
+        };
+        self.effective_rows.get(all)[joint]
+    }
+
+    fn count_effective_rows(&self, joint: usize) -> f64 {
         let lags = (self.blocks.iter().map(|b| b[joint].residual.len()).sum::<usize>() / SETTINGS.score_blocks).max(1);
         let product = |lag: usize| {
             self.blocks

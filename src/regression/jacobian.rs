@@ -2,9 +2,11 @@
 
 use super::dataset::Stretch;
 use super::model::{AugmentedModel, Term};
+use super::present::KnownTorque;
 use crate::dynamics::{Coulomb, Motion};
 use crate::effects::{Column, Scene};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// A model's rows over one stretch.
 #[derive(Clone)]
@@ -65,11 +67,12 @@ impl AugmentedModel {
             Some(_) => {
                 let (set, rows) = self.fill(&robot, &world.motion);
                 let block = |j: usize| {
-                    let blocks = rows.block(j).chunks_exact(rows.stride()).zip(set.row(j));
-                    let scaled = |v: &f64| v * world.gain[j];
-                    stretch.shaped_with(blocks.map(|(values, &at)| (at, values[..rows.samples()].iter().map(scaled).collect())))
+                    let mut columns = stretch.shaped_block(&rows, j, set.row(j));
+                    let values = columns.iter_mut().flat_map(|c| &mut c.1);
+                    values.for_each(|v| *v *= world.gain[j]);
+                    columns
                 };
-                let jacobian = (0..self.robot.joint_count()).map(block).collect();
+                let jacobian = (0..self.robot.joint_count()).into_par_iter().map(block).collect();
                 (jacobian, self.torques(&world.motion, &robot, Some((&set, &rows))))
             }
             None if distorted => (Vec::new(), self.torques(&world.motion, &robot, None)),
@@ -97,7 +100,10 @@ impl AugmentedModel {
         let gained = torque.into_iter().zip(&world.gain);
         let torque = stretch.shaped(gained.map(|(row, g)| row.into_iter().map(|v| v * g).collect()).collect());
         if base.is_some() && distorted {
-            let known = (&world.motion, world.gravity, &here.declared[..]);
+            let known = KnownTorque {
+                world: &world,
+                declared: &here.declared,
+            };
             self.push_distortions(&mut jacobian, stretch, &plain, known);
         }
         Evaluated {
@@ -149,17 +155,20 @@ pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
                 let mut shape = term.shape.clone();
                 shape[i] += sign * step;
                 let columns = term.effect.columns(term.form, scene, &term.joints, &shape);
-                let mut sum = vec![vec![0.0; scene.samples()]; scene.robot.joint_count()];
-                add_columns(&mut sum, &columns, &term.coefficients);
-                (sum, columns)
+                let mut rows: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+                for (column, c) in columns.into_iter().zip(&term.coefficients) {
+                    for (j, values) in column.rows {
+                        let sum = rows.entry(j).or_insert_with(|| vec![0.0; values.len()]);
+                        sum.iter_mut().zip(values).for_each(|(t, v)| *t += c * v);
+                    }
+                }
+                rows
             };
-            let ((up, columns), (down, _)) = (torque(1.0), torque(-1.0));
-            let mut rows: Vec<usize> = columns.iter().flat_map(|c| c.rows.iter().map(|r| r.0)).collect();
-            rows.sort_unstable();
-            rows.dedup();
-            let values = |j: usize| up[j].iter().zip(&down[j]).map(|(u, d)| (u - d) / (2.0 * step)).collect();
+            let (up, down) = (torque(1.0), torque(-1.0));
+            let values = |(u, d): (Vec<f64>, Vec<f64>)| u.iter().zip(d).map(|(u, d)| (u - d) / (2.0 * step)).collect();
+            let rows = up.into_iter().zip(down.into_values());
             Column {
-                rows: rows.into_iter().map(|j| (j, values(j))).collect(),
+                rows: rows.map(|((j, u), d)| (j, values((u, d)))).collect(),
             }
         })
         .collect()

@@ -3,9 +3,10 @@
 use super::ar_noise::{NoiseModel, NoiseSource};
 use super::column_cache::ColumnStore;
 use super::dataset::Stretch;
-use super::declared_torque::Torques;
 use super::jacobian::{Evaluated, ShapedRows};
+use super::kept::Kept;
 use super::model::{AugmentedModel, Term};
+use super::present::Present;
 use super::product::transposed_product;
 use super::rank::pseudo_inverse;
 use crate::cancel::CancelFlag;
@@ -13,7 +14,7 @@ use crate::dynamics::Motion;
 use crate::regression::settings::SETTINGS;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// What an earlier identification knows about the first parameters of a model (its base parameters, then its own effects).
 #[derive(Debug, Clone)]
@@ -30,17 +31,17 @@ pub(crate) struct Data<'a> {
     /// Per joint.
     pub noise: Vec<NoiseModel>,
     pub prior: Option<&'a Prior>,
-    /// Decrease of the sum of squares that a fit stops at.
-    pub(crate) settled: f64,
+    /// Whether fits are only compared with each other: they stop earlier.
+    pub(crate) compared: bool,
     /// Rows of the base parameters along the undistorted motion, per stretch: they are the same in every fit.
-    base: Arc<OnceLock<Vec<ShapedRows>>>,
+    base: Arc<Kept<Vec<ShapedRows>>>,
     /// The same whitened by this noise, per stretch and joint.
-    white: OnceLock<Vec<Vec<Block>>>,
+    white: Kept<Vec<Vec<Block>>>,
     /// Columns of candidates along the undistorted motion.
     pub columns: Arc<ColumnStore>,
     /// The model to start from with smooth functions beside it and no effects; they are asked for again and again. For noise that
     /// is measured.
-    pub alone: Arc<OnceLock<Option<AugmentedModel>>>,
+    pub alone: Arc<Kept<Option<AugmentedModel>>>,
     /// Square roots of further weights of the rows, per stretch and joint; `None` where every row counts by its noise alone.
     pub(crate) row_weights: Option<RowWeights>,
     /// Ends fits and searches: they look at it with every linearisation and every set of columns.
@@ -62,6 +63,12 @@ pub(crate) struct Block {
     pub rows: Vec<bool>,
 }
 
+/// What a block of rows contributes to the normal equations.
+pub(crate) struct Part {
+    pub normal: DMatrix<f64>,
+    pub gradient: DVector<f64>,
+}
+
 /// A model linearised at its parameters.
 pub(crate) struct System {
     pub model: AugmentedModel,
@@ -75,9 +82,13 @@ pub(crate) struct System {
     /// Whether the noise comes from the scatter of periods, and not from the residual itself.
     pub noise_is_measured: bool,
     /// Motion and torques thinned out, per stretch: enough to find what is worth fitting.
-    pub(crate) coarse: OnceLock<Vec<Thinned>>,
-    /// Torques along the undistorted motion of the coarse forms, per stretch.
-    pub(crate) undistorted: OnceLock<Vec<Torques>>,
+    pub(crate) coarse: Kept<Vec<Thinned>>,
+    /// The world along the coarse forms, per stretch.
+    pub(crate) present: Kept<Vec<Present>>,
+    /// Normal matrices and gradients of the jackknife's blocks of time.
+    pub(crate) parts: Kept<Vec<Part>>,
+    /// Of every joint: the independent values that its rows are worth.
+    pub(crate) effective_rows: Kept<Vec<f64>>,
 }
 
 impl<'a> Data<'a> {
@@ -86,9 +97,9 @@ impl<'a> Data<'a> {
             stretches,
             noise,
             prior,
-            settled: SETTINGS.settled_to_report,
+            compared: false,
             base: Arc::default(),
-            white: OnceLock::new(),
+            white: Kept::default(),
             columns: Arc::default(),
             alone: Arc::default(),
             row_weights: None,
@@ -98,10 +109,7 @@ impl<'a> Data<'a> {
 
     /// The same data for fits that are only compared with each other.
     pub fn for_comparison(self) -> Self {
-        Self {
-            settled: SETTINGS.settled_to_compare,
-            ..self
-        }
+        Self { compared: true, ..self }
     }
 
     /// The same data, whose fits and searches end with `cancel`.
@@ -118,9 +126,9 @@ impl<'a> Data<'a> {
             stretches: self.stretches,
             noise,
             prior: self.prior,
-            settled: self.settled,
+            compared: self.compared,
             base: self.base.clone(),
-            white: OnceLock::new(),
+            white: Kept::default(),
             columns: self.columns.clone(),
             alone: self.alone.clone(),
             row_weights: None,
@@ -139,7 +147,7 @@ impl<'a> Data<'a> {
     /// Rows of the base parameters along the undistorted motion, per stretch.
     pub(crate) fn base_rows(&self, model: &AugmentedModel) -> &[ShapedRows] {
         self.base
-            .get_or_init(|| self.stretches.par_iter().map(|s| model.base_rows(s)).collect())
+            .get(|| self.stretches.par_iter().map(|s| model.base_rows(s)).collect())
     }
 
     /// The normal matrix of a system, with the prior's part.
@@ -172,7 +180,7 @@ impl<'a> Data<'a> {
             .map(|(s, rows)| model.evaluate(s, Some(if plain { &none } else { rows })))
             .collect();
         let p = model.parameters();
-        let white = plain.then(|| self.white.get_or_init(|| self.whitened_base(base, model.values.len())));
+        let white = plain.then(|| self.white.get(|| self.whitened_base(base, model.values.len())));
         let blocks: Vec<Vec<Block>> = self
             .stretches
             .iter()
@@ -208,8 +216,10 @@ impl<'a> Data<'a> {
             covariance,
             gradient,
             noise_is_measured,
-            coarse: OnceLock::new(),
-            undistorted: OnceLock::new(),
+            coarse: Kept::default(),
+            present: Kept::default(),
+            parts: Kept::default(),
+            effective_rows: Kept::default(),
         }
     }
 
@@ -302,7 +312,7 @@ fn whiten_into(
     repetitions: usize,
 ) {
     for (at, values) in columns {
-        let white = noise.whiten(values, rows, repetitions);
+        let white = noise.whitened(values, rows, repetitions);
         jacobian.column_mut(*at).iter_mut().zip(white).for_each(|(m, v)| *m += v);
     }
 }
@@ -367,8 +377,10 @@ impl System {
             covariance,
             gradient: DVector::zeros(size),
             noise_is_measured: self.noise_is_measured,
-            coarse: OnceLock::new(),
-            undistorted: OnceLock::new(),
+            coarse: Kept::default(),
+            present: Kept::default(),
+            parts: Kept::default(),
+            effective_rows: Kept::default(),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! What a further block of columns would gain beside a model: its own columns are projected out.
 
 use super::dataset::Stretch;
-use super::declared_torque::Torques;
 use super::jacobian::Evaluated;
 use super::normal_equations::{Data, System, Thinned};
+use super::present::Present;
 use super::product::transposed_product;
 use super::rank::directions;
 use crate::dynamics::Coulomb;
@@ -41,7 +41,7 @@ impl Thinned {
 impl System {
     /// Motion and torques on the samples of the coarse forms of the stretches.
     pub fn thinned(&self, data: &Data) -> &[Thinned] {
-        self.coarse.get_or_init(|| {
+        self.coarse.get(|| {
             let thin = |(stretch, e): (&Stretch, &Evaluated)| {
                 let pick = |rows: &[Vec<f64>]| rows.iter().map(|r| stretch.coarse_values(r)).collect();
                 Thinned {
@@ -55,11 +55,14 @@ impl System {
         })
     }
 
-    /// Torques of the declared model along the coarse forms of the stretches, as they were measured: what distortions are
-    /// compared with.
-    pub(crate) fn undistorted(&self, data: &Data) -> &[Torques] {
-        let of = |s: &Stretch| self.model.torques(&s.coarse_form().motion, &self.model.robot, None);
-        self.undistorted.get_or_init(|| data.stretches.iter().map(of).collect())
+    /// The model's world along the coarse forms of the stretches: what further distortions are compared with.
+    pub(crate) fn present(&self, data: &Data) -> &[Present] {
+        self.present.get(|| {
+            data.stretches
+                .iter()
+                .map(|s| Present::of(&self.model, s.coarse_form()))
+                .collect()
+        })
     }
 
     /// Whitens columns over the motion of `stretches` (not shaped yet), one list per stretch.

@@ -60,8 +60,7 @@ pub(crate) fn border(data: &Data, system: &System, term: &Term) -> (DMatrix<f64>
 
 fn distorted(system: &System, stretch: &Stretch, term: &Term) -> Vec<Column> {
     let plain = system.model.torques(&stretch.motion, &system.model.robot, None);
-    let known = (&stretch.motion, system.model.robot.gravity(), &plain.declared[..]);
-    let derivatives = system.model.distortion_columns(stretch, &plain, term, None, known);
+    let derivatives = system.model.distortion_columns(stretch, &plain, term, None, None);
     let column = |rows: Vec<Vec<f64>>| Column {
         rows: rows.into_iter().enumerate().collect(),
     };

@@ -6,7 +6,7 @@ use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::Layout;
 use crate::preparation::{exclusions, resolution};
-use crate::regression::{AugmentedModel, folds_in_time, pseudo_inverse, shares, with_constant};
+use crate::regression::{AugmentedModel, folds_in_time, pseudo_inverse, shares, transposed_product, with_constant};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -113,7 +113,9 @@ impl Projection {
                 m * weight[j]
             })
             .collect();
-        let normal = blocks.iter().map(|b| b.tr_mul(b)).fold(DMatrix::zeros(p, p), |a, b| a + b);
+        let normal = blocks
+            .iter()
+            .fold(DMatrix::zeros(p, p), |sum, b| sum + transposed_product(b, b));
         let inverse = pseudo_inverse(&normal, 1e-10);
         let tau = DMatrix::from_fn(samples, n, |s, j| if sampled.active[j] { torque[j][s] } else { 0.0 });
         let mut cross = DMatrix::zeros(p, n * n);

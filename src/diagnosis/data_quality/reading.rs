@@ -130,21 +130,23 @@ pub(crate) fn read_otherwise(sampled: &Sampled, order: Option<Vec<usize>>) -> Op
         .chain(all)
         .chain(order.map(Reading::Permuted))
         .collect();
-    let best = |reading: Reading| {
-        let projection = Projection::new(&sampled.with(reading.of(&sampled.motion)), &[]);
+    let projected = |motion: &Reading| Projection::new(&sampled.with(motion.of(&sampled.motion)), &[]);
+    let best = |motion: Reading| {
+        let projection = projected(&motion);
         // The motion of two positions exchanged is that of two joints exchanged.
-        let with_torques = match reading {
+        let with_torques = match motion {
             Reading::Exchanged(a, b) => Some(Reading::Permuted(swapped(n, a, b))),
             _ => None,
         };
         let weighed = |reading: Reading| (projection.rest(&reading.torque_order(n), &vec![1.0; n]), reading);
-        let both = std::iter::once(reading).chain(with_torques).map(weighed);
+        let both = std::iter::once(motion.clone()).chain(with_torques).map(weighed);
         let (rest, reading) = both.min_by(|x, y| x.0.total_cmp(&y.0))?;
-        Some((rest, projection.explains(&reading.torque_order(n), &vec![1.0; n]), reading))
+        Some((rest, motion, reading))
     };
-    let tried: Vec<_> = readings.into_par_iter().filter_map(best).collect();
-    let explaining = tried.into_iter().filter(|(_, explains, _)| *explains);
-    explaining
-        .map(|(rest, _, reading)| (rest, reading))
-        .min_by(|x, y| x.0.total_cmp(&y.0))
+    let mut tried: Vec<_> = readings.into_par_iter().filter_map(best).collect();
+    // The best that explains the torques is asked for: hardly ever more than one has to be tried.
+    tried.sort_by(|x, y| x.0.total_cmp(&y.0));
+    let explains =
+        |(_, motion, reading): &(f64, Reading, Reading)| projected(motion).explains(&reading.torque_order(n), &vec![1.0; n]);
+    tried.into_iter().find(explains).map(|(rest, _, reading)| (rest, reading))
 }

@@ -3,6 +3,7 @@
 use super::form::Form;
 use crate::diagnosis::settings::SETTINGS;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 /// A direction with the signs of the torque columns that fit best.
 #[derive(Debug, Clone)]
@@ -56,10 +57,9 @@ impl Fitted {
     fn within(mut self, form: &Form, allowed: impl Fn(&Vector3<f64>) -> bool) -> Self {
         let mut step = 0.25;
         while step > 2e-5 {
-            let tried = around(&self.direction, step)
-                .filter(&allowed)
-                .map(|u| (form.rest(u, &self.signs), u));
-            match tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            let near: Vec<Vector3<f64>> = around(&self.direction, step).filter(&allowed).collect();
+            let tried: Vec<(f64, Vector3<f64>)> = near.into_par_iter().map(|u| (form.rest(u, &self.signs), u)).collect();
+            match tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((rest, direction)) if rest < self.rest => (self.rest, self.direction) = (rest, direction),
                 _ => step *= 0.5,
             }

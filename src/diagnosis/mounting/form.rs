@@ -9,8 +9,9 @@ use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;
 use crate::parameters::{Layout, ParameterKind};
 use crate::preparation::{Exclusion, exclusions};
-use crate::regression::{AugmentedModel, pseudo_inverse};
+use crate::regression::{AugmentedModel, pseudo_inverse, transposed_product};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
+use rayon::prelude::*;
 
 /// The quadratic form.
 pub(crate) struct Form {
@@ -91,9 +92,12 @@ impl Form {
             }
             parts.map(|m| m * weight[j])
         };
-        let rows: Vec<[DMatrix<f64>; 4]> = (0..n).map(block).collect();
-        let sum = |a: usize, b: usize| rows.iter().fold(DMatrix::zeros(p, p), |m, r| m + r[a].tr_mul(&r[b]));
-        let normal = (0..4).map(|a| (0..4).map(|b| sum(a, b)).collect()).collect();
+        let rows: Vec<[DMatrix<f64>; 4]> = (0..n).into_par_iter().map(block).collect();
+        let sum = |a: usize, b: usize| {
+            let product = |r: &[DMatrix<f64>; 4]| transposed_product(&r[a], &r[b]);
+            rows.iter().map(product).fold(DMatrix::zeros(p, p), |m, own| m + own)
+        };
+        let normal = (0..4).into_par_iter().map(|a| (0..4).map(|b| sum(a, b)).collect()).collect();
         let tau = DMatrix::from_fn(samples, n, |s, j| torque[j][s]);
         let right = std::array::from_fn(|a| {
             let mut cross = DMatrix::zeros(p, n * n);

@@ -9,6 +9,7 @@ use crate::diagnosis::settings::SETTINGS;
 use crate::dynamics::Motion;
 use crate::model::Robot;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 /// A direction of gravity that is not the declared one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,18 +39,21 @@ pub fn mounting_until(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &C
     let declared = robot.gravity() / size;
     let form = Form::new(robot, logs, cancel)?;
     let level = Fitted::near(&form, declared);
-    let mut found: Vec<Fitted> = starts().iter().map(|&u| Fitted::at(&form, u)).collect();
+    let mut found: Vec<Fitted> = starts().par_iter().map(|&u| Fitted::at(&form, u)).collect();
     found.sort_by(|a, b| a.rest.total_cmp(&b.rest));
     found.truncate(SETTINGS.mounting.refined);
     found.push(Fitted::at(&form, declared));
-    let mut found: Vec<Fitted> = found.into_iter().map(|f| f.refined(&form)).collect();
+    let mut found: Vec<Fitted> = found.into_par_iter().map(|f| f.refined(&form)).collect();
     found.sort_by(|a, b| a.rest.total_cmp(&b.rest));
     let least = found[0].rest;
     if least > SETTINGS.mounting.least_explained * form.without_body() {
         return None;
     }
     // The opposite of every candidate is one as well: it may leave hardly more.
-    let opposite: Vec<Fitted> = found.iter().map(|f| Fitted::at(&form, -f.direction).refined(&form)).collect();
+    let opposite: Vec<Fitted> = found
+        .par_iter()
+        .map(|f| Fitted::at(&form, -f.direction).refined(&form))
+        .collect();
     found.extend(opposite);
     let near = found
         .into_iter()

@@ -66,7 +66,7 @@ fn beside(data: &Data, selected: &Selected, fixed: usize, k: usize, candidates: 
         false => with_functions(data, &prefix(data, selected, fixed + k)),
     };
     let model = match k {
-        0 => data.alone.get_or_init(|| made().map(|s| s.model)).clone(),
+        0 => data.alone.get(|| made().map(|s| s.model)).clone(),
         _ => made().map(|s| s.model),
     }?;
     let system = data.linearise(model);

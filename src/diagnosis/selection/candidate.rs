@@ -1,7 +1,7 @@
 //! Every effect on every place it can sit, and its columns there.
 
 use crate::effects::{self, AnyEffect, Column, Effect, EffectKind, OwnEffect, Shape, Span};
-use crate::regression::{AugmentedModel, ColumnKey, Data, Shaped, Stretch, System, Term, Thinned, Torques, Whitened};
+use crate::regression::{AugmentedModel, ColumnKey, Data, Present, Shaped, Stretch, System, Term, Thinned, Whitened};
 use std::sync::Arc;
 
 /// An effect on a place, in one of its forms.
@@ -169,7 +169,7 @@ fn side_by_side<'a>(shapes: impl Iterator<Item = &'a Shaped> + Clone, stretches:
 fn shaped(data: &Data, system: &System, coarse: &[&Stretch], candidate: &Candidate, shape: &[f64]) -> Shaped {
     let of = |(i, (stretch, e)): (usize, (&&Stretch, &Thinned))| {
         let columns = if candidate.is_distortion() {
-            distortion(system, stretch, &system.undistorted(data)[i], candidate)
+            distortion(system, stretch, &system.present(data)[i], candidate)
         } else {
             let scene = e.scene(system, stretch);
             candidate.effect.columns(candidate.form, &scene, &candidate.joints, shape)
@@ -179,10 +179,12 @@ fn shaped(data: &Data, system: &System, coarse: &[&Stretch], candidate: &Candida
     coarse.iter().zip(system.thinned(data)).enumerate().map(of).collect()
 }
 
-fn distortion(system: &System, stretch: &Stretch, plain: &Torques, candidate: &Candidate) -> Vec<Column> {
+fn distortion(system: &System, stretch: &Stretch, present: &Present, candidate: &Candidate) -> Vec<Column> {
     let zero = candidate.term(&vec![0.0; candidate.effect.steps().len()], &[]);
-    let known = (&stretch.motion, system.model.robot.gravity(), &plain.declared[..]);
-    let derivative = system.model.distortion_columns(stretch, plain, &zero, None, known);
+    let known = Some(present.known());
+    let derivative = system
+        .model
+        .distortion_columns(stretch, &present.undistorted, &zero, None, known);
     let column = |rows: Vec<Vec<f64>>| Column {
         rows: rows
             .into_iter()

@@ -5,8 +5,8 @@ use super::score::{Scored, appraise};
 use crate::diagnosis::golden_section::golden_section;
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::Shape;
-use crate::regression::{Data, System, reduce};
-use nalgebra::{DMatrix, DVector};
+use crate::regression::{Data, Reduced, System, reduce};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Scores of all candidates that the model does not have already, best evidence first.
@@ -39,34 +39,36 @@ pub(crate) fn scan_on_grid(data: &Data, system: &System, candidates: &[Candidate
 /// The best shape of a candidate on its grid; the candidate is one of `tried`.
 pub(crate) fn best_on_grid(data: &Data, system: &System, candidate: &Candidate, tried: usize) -> Option<Scored> {
     let grid = candidate.grid();
-    let mut best: Option<(f64, usize, DVector<f64>, &Vec<f64>)> = None;
-    for batch in grid.chunks(SETTINGS.selection.batch) {
-        let columns = columns_on_grid(data, system, candidate, batch);
-        let (own, rest, right) = system.projected(&columns);
-        let k = own.nrows() / batch.len();
-        if k == 0 {
-            return None;
-        }
-        for (i, shape) in batch.iter().enumerate() {
-            let part = |m: &DMatrix<f64>| m.view((i * k, i * k), (k, k)).into_owned();
-            let reduced = reduce(&part(&own), &part(&rest), &right.rows(i * k, k).into_owned());
-            if best.as_ref().is_none_or(|b| reduced.gain > b.0) {
-                best = Some((reduced.gain, reduced.rank, reduced.coefficients, shape));
-            }
-        }
-    }
-    let (gain, rank, coefficients, shape) = best?;
-    (rank > 0).then(|| {
+    let batches: Vec<Vec<Reduced>> = grid
+        .par_chunks(SETTINGS.selection.batch)
+        .map(|batch| reduced_on_grid(data, system, candidate, batch))
+        .collect();
+    let reduced = batches.into_iter().flatten().zip(&grid);
+    let (best, shape) = reduced.reduce(|best, next| if next.0.gain > best.0.gain { next } else { best })?;
+    (best.rank > 0).then(|| {
         appraise(
             system,
             candidate,
-            candidate.term(coefficients.as_slice(), shape),
-            gain,
-            rank,
+            candidate.term(best.coefficients.as_slice(), shape),
+            best.gain,
+            best.rank,
             tried,
             None,
         )
     })
+}
+
+/// What a candidate would explain at each of some shapes; nothing of a candidate without columns.
+fn reduced_on_grid(data: &Data, system: &System, candidate: &Candidate, shapes: &[Vec<f64>]) -> Vec<Reduced> {
+    let columns = columns_on_grid(data, system, candidate, shapes);
+    let (own, rest, right) = system.projected(&columns);
+    let k = own.nrows() / shapes.len();
+    let of = |i: usize| {
+        let part = |m: &DMatrix<f64>| m.view((i * k, i * k), (k, k)).into_owned();
+        reduce(&part(&own), &part(&rest), &right.rows(i * k, k).into_owned())
+    };
+    let count = if k == 0 { 0 } else { shapes.len() };
+    (0..count).map(of).collect()
 }
 
 /// Golden-section steps of a shape: sixteen narrow the bracket to a two-thousandth; Gauss-Newton does the rest.

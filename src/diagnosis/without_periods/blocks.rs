@@ -2,6 +2,7 @@
 
 use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, TimeBlock, pseudo_root, time_blocks, transposed_product};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 
 /// The blocks of a fitted system, in coordinates z in which all of them together have the unit matrix for their information:
 /// `θ = H z`, `Hᵀ G H = 1`.
@@ -45,10 +46,10 @@ impl Blocks {
             let joint = |j: usize| system.blocks[time.stretch][j].jacobian.rows(time.rows.start, time.rows.len()) * &root;
             (0..data.noise.len()).map(joint).collect()
         };
-        let rows: Vec<Vec<DMatrix<f64>>> = times.iter().map(turned).collect();
+        let rows: Vec<Vec<DMatrix<f64>>> = times.par_iter().map(turned).collect();
         let size = root.ncols();
         let inside = rows
-            .iter()
+            .par_iter()
             .map(|joints| {
                 joints
                     .iter()

@@ -4,6 +4,7 @@ use super::blocks::{Blocks, Partial, residual};
 use crate::diagnosis::selection::{Scored, columns_of, reach};
 use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, jackknife_sum, reduce};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// Effects that come together, with their columns.
 pub(crate) struct Contender<'a> {
@@ -180,21 +181,22 @@ impl<'a> Contender<'a> {
     /// Gains of every joint on the blocks left out, one list per joint.
     pub fn gains_by_joint(&self, system: &System, blocks: &Blocks, folds: &[Partial]) -> Vec<Vec<f64>> {
         let joints = system.model.robot.joint_count();
-        let mut gains = vec![vec![0.0; folds.len()]; joints];
-        for (b, partial) in folds.iter().enumerate() {
+        let of = |(b, partial): (usize, &Partial)| -> Vec<f64> {
             let (beside, _, _) = self.beside(blocks, partial, &[b]);
             let time = &blocks.times[b];
-            for (j, gain) in gains.iter_mut().enumerate() {
+            let gain = |j: usize| {
                 let r = residual(system, time, j);
                 let before = &r - &blocks.rows[b][j] * &partial.change;
                 let mut after = r - &blocks.rows[b][j] * (&beside.change - &self.along * &beside.coefficients);
                 if let Some((_, m)) = self.columns[time.stretch].iter().find(|(own, _)| *own == j) {
                     after -= m.rows(time.rows.start, time.rows.len()) * &beside.coefficients;
                 }
-                gain[b] = before.norm_squared() - after.norm_squared();
-            }
-        }
-        gains
+                before.norm_squared() - after.norm_squared()
+            };
+            (0..joints).map(gain).collect()
+        };
+        let by_fold: Vec<Vec<f64>> = folds.par_iter().enumerate().map(of).collect();
+        (0..joints).map(|j| by_fold.iter().map(|gains| gains[j]).collect()).collect()
     }
 }
 

@@ -68,6 +68,7 @@ impl<'a> Field<'a> {
     ) -> Option<Self> {
         let blocks = Blocks::of(data, system);
         let folds = (0..blocks.times.len())
+            .into_par_iter()
             .map(|b| blocks.without(&[b]))
             .collect::<Option<Vec<_>>>()?;
         Some(Self {
@@ -296,7 +297,7 @@ impl<'a> Field<'a> {
     fn stability(&self, contenders: &[Weighed], i: usize) -> f64 {
         let Weighed { contender, own, .. } = &contenders[i];
         let rivals: Vec<&Contender> = contenders
-            .iter()
+            .par_iter()
             .enumerate()
             .filter(|(o, rival)| *o != i && self.is_rival(&rival.contender, rival.own.gain, contender, own.gain))
             .map(|(_, rival)| &rival.contender)

@@ -6,6 +6,7 @@ use crate::diagnosis::settings::SETTINGS;
 use rand::SeedableRng;
 use rand::seq::index;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 /// Fits of a model to some of the blocks.
 pub(crate) struct Subsamples(Vec<(Vec<usize>, Partial)>);
@@ -16,15 +17,11 @@ impl Subsamples {
         let count = blocks.times.len();
         let gone = ((SETTINGS.without_periods.left_out_share * count as f64).round() as usize).clamp(1, count);
         let mut rng = ChaCha8Rng::seed_from_u64(count as u64);
-        let one = |_| {
-            let left_out = index::sample(&mut rng, count, gone).into_vec();
-            Some((left_out.clone(), blocks.without(&left_out)?))
-        };
-        Some(Self(
-            (0..SETTINGS.without_periods.subsamples)
-                .map(one)
-                .collect::<Option<Vec<_>>>()?,
-        ))
+        let drawn: Vec<Vec<usize>> = (0..SETTINGS.without_periods.subsamples)
+            .map(|_| index::sample(&mut rng, count, gone).into_vec())
+            .collect();
+        let fitted = |left_out: Vec<usize>| blocks.without(&left_out).map(|partial| (left_out, partial));
+        drawn.into_par_iter().map(fitted).collect::<Option<Vec<_>>>().map(Self)
     }
 }
 
@@ -45,7 +42,7 @@ pub(crate) fn share_of_choices(
     subsamples: &Subsamples,
     contender: &Contender,
     rivals: &[&Contender],
-    evidence: impl Fn(&Contender, f64) -> f64,
+    evidence: impl Fn(&Contender, f64) -> f64 + Sync,
 ) -> f64 {
     let of = |c: &Contender| {
         let candidate = &c.members[0].candidate;
@@ -57,5 +54,5 @@ pub(crate) fn share_of_choices(
         let here = score(contender);
         here > 0.0 && rivals.iter().all(|r| of(r) == own || score(r) <= here)
     };
-    subsamples.0.iter().filter(chosen).count() as f64 / subsamples.0.len() as f64
+    subsamples.0.par_iter().filter(chosen).count() as f64 / subsamples.0.len() as f64
 }

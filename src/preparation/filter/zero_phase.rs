@@ -75,15 +75,37 @@ fn side_by_side(filter: &LowPass, records: &[&[f64]], pad: usize, rows: impl Ite
     let (samples, last) = (records[0].len(), records.len() - 1);
     assert!(records.iter().all(|x| x.len() == samples), "records of one length");
     let lanes: [&[f64]; LANES] = std::array::from_fn(|lane| &records[lane.min(last)][..samples]);
-    let at = |s: usize| Pack(lanes.map(|x| x[s]));
-    let beyond = |end: usize, s: usize| Pack(lanes.map(|x| 2.0 * x[end] - x[s]));
-    let mut y = Vec::with_capacity(samples + 2 * pad);
-    y.extend((1..=pad).rev().map(|s| beyond(0, s)));
-    y.extend((0..samples).map(at));
-    y.extend((1..=pad).map(|i| beyond(samples - 1, samples - 1 - i)));
+    let mut y = vec![Pack::zero(); samples + 2 * pad];
+    interleave(&lanes, &mut y[pad..pad + samples]);
+    let two = Pack::splat(2.0);
+    for i in 1..=pad {
+        y[pad - i] = two * y[pad] - y[pad + i];
+        let end = pad + samples - 1;
+        y[end + i] = two * y[end] - y[end - i];
+    }
     both_ways(&filter.sections, &mut y);
-    let lane = |lane: usize| rows.clone().map(|s| y[pad + s].0[lane]).collect();
-    (0..records.len()).map(lane).collect()
+    let mut filtered = vec![Vec::with_capacity(rows.size_hint().0); records.len()];
+    for s in rows {
+        let pack = y[pad + s].0;
+        filtered.iter_mut().zip(pack).for_each(|(own, v)| own.push(v));
+    }
+    filtered
+}
+
+/// Sample s of every record into pack s, by squares of eight samples of eight records: what is read and written lies together.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+fn interleave(records: &[&[f64]; LANES], packs: &mut [Pack]) {
+    let whole = packs.len() / LANES * LANES;
+    let (squares, rest) = packs.split_at_mut(whole);
+    for (k, square) in squares.chunks_exact_mut(LANES).enumerate() {
+        let own: [Pack; LANES] = records.map(|x| Pack::load(&x[k * LANES..]));
+        for (s, pack) in square.iter_mut().enumerate() {
+            *pack = Pack(std::array::from_fn(|lane| own[lane].0[s]));
+        }
+    }
+    for (s, pack) in rest.iter_mut().enumerate() {
+        *pack = Pack(records.map(|x| x[whole + s]));
+    }
 }
 
 fn repeating(filter: &LowPass, x: &[f64]) -> Vec<f64> {
