@@ -51,7 +51,7 @@ impl AugmentedModel {
     }
 
     /// Torque over the rows of a stretch, and, where the base parameters' rows along its undistorted motion are handed in, the
-    /// derivatives.
+    /// derivatives; without those of the base parameters where the rows are empty.
     pub(crate) fn evaluate(&self, stretch: &Stretch, base: Option<&ShapedRows>) -> Evaluated {
         let distorted = self.terms.iter().any(Term::is_distortion);
         // Along the measured motion of a distorted model they are asked for by what bends with the load alone.
@@ -96,6 +96,9 @@ impl AugmentedModel {
             for (j, at, values) in derivatives {
                 jacobian[j].push((at, values));
             }
+        }
+        if base.is_some_and(|rows| rows.iter().any(|r| !r.is_empty())) {
+            self.push_torque_derivatives(&mut jacobian, stretch, &scene, &world.gain);
         }
         let gained = torque.into_iter().zip(&world.gain);
         let torque = stretch.shaped(gained.map(|(row, g)| row.into_iter().map(|v| v * g).collect()).collect());

@@ -40,6 +40,7 @@ mod rows;
 mod settings;
 mod solution;
 mod tail;
+mod torque_derivatives;
 
 pub(crate) use ar_noise::deviation;
 pub use ar_noise::{NoiseModel, NoiseSource};

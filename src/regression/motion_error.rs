@@ -74,14 +74,14 @@ fn disturbed(motion: &Motion, joint: usize, order: usize, size: f64) -> Motion {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
     use crate::preparation::MotionError;
     use nalgebra::Vector3;
 
     /// A planar arm with friction.
-    fn two_links() -> Robot {
+    pub fn two_links() -> Robot {
         let joint = |name: &str, d: f64| {
             let mdh = Mdh {
                 alpha: 0.0,
