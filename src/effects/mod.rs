@@ -58,6 +58,7 @@ registry! {
     torque_delay::TorqueDelay,
     torque_gain::TorqueGain,
     torque_crosstalk::TorqueCrosstalk,
+    torque_saturation::TorqueSaturation,
     friction_drift::FrictionDrift,
     external_contact::ExternalContact,
 }
