@@ -11,6 +11,9 @@ use std::sync::Arc;
 /// columns of N samples to columns of M rows.
 pub type ColumnFilter = Arc<dyn Fn(&[&[f64]]) -> Vec<Vec<f64>> + Send + Sync>;
 
+/// Per joint, `(parameter, values over the rows)` of every column that is not zero there.
+pub(crate) type ShapedRows = Vec<Vec<(usize, Vec<f64>)>>;
+
 /// Rows of a matrix, borrowed.
 pub(crate) fn slices(rows: &[Vec<f64>]) -> Vec<&[f64]> {
     rows.iter().map(Vec::as_slice).collect()

@@ -1,7 +1,6 @@
 //! The declared model along a motion: rows of the base parameters, and the rigid and declared torque.
 
-use super::dataset::Stretch;
-use super::jacobian::ShapedRows;
+use super::dataset::{ShapedRows, Stretch};
 use super::model::AugmentedModel;
 use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
 use crate::model::Robot;

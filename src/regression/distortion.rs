@@ -1,8 +1,7 @@
 //! Effects that distort motion, gravity or gains: the world as the model sees it, and how the torque changes with them.
 
-use super::dataset::Stretch;
+use super::dataset::{ShapedRows, Stretch};
 use super::declared_torque::Torques;
-use super::jacobian::ShapedRows;
 use super::model::{AugmentedModel, Term};
 use super::present::KnownTorque;
 use crate::dynamics::{Coulomb, Motion};

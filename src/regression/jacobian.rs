@@ -1,6 +1,6 @@
 //! What the augmented model predicts along a motion, and how that changes with every parameter.
 
-use super::dataset::Stretch;
+use super::dataset::{ShapedRows, Stretch};
 use super::model::{AugmentedModel, Term};
 use super::present::KnownTorque;
 use crate::dynamics::{Coulomb, Motion};
@@ -21,9 +21,6 @@ pub(crate) struct Evaluated {
     /// Per joint, `(parameter, values)` of every column that is not zero there; shaped.
     pub jacobian: ShapedRows,
 }
-
-/// Per joint, `(parameter, values over the rows)` of every column that is not zero there.
-pub(crate) type ShapedRows = Vec<Vec<(usize, Vec<f64>)>>;
 
 impl AugmentedModel {
     /// Torque of every joint over the rows of a stretch; n × M [N·m or N].

@@ -32,8 +32,8 @@ mod tests {
     use rayon::prelude::*;
     use std::time::Duration;
 
-    /// What is made in parallel is asked for in parallel, beside tasks that do not ask: workers that have nothing else to do help to
-    /// make it, and whoever waits for them is handed tasks that ask for it.
+    /// What is made in parallel is asked for in parallel, beside tasks that do not ask: workers that have nothing else to do help
+    /// to make it, and whoever waits for them is handed tasks that ask for it.
     #[test]
     fn regress_tasks_that_ask_while_it_is_made_do_not_wait_for_themselves() {
         let nap = |microseconds| std::thread::sleep(Duration::from_micros(microseconds));

@@ -2,8 +2,8 @@
 
 use super::ar_noise::{NoiseModel, NoiseSource};
 use super::column_cache::ColumnStore;
-use super::dataset::Stretch;
-use super::jacobian::{Evaluated, ShapedRows};
+use super::dataset::{ShapedRows, Stretch};
+use super::jacobian::Evaluated;
 use super::kept::Kept;
 use super::model::{AugmentedModel, Term};
 use super::present::Present;

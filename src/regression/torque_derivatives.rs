@@ -5,8 +5,7 @@
 //! its covariance takes the columns of the effect for known, when they are as uncertain as β (Seber & Wild 1989, chapter 2): a
 //! cubic part of a torque came out five stated deviations off.
 
-use super::dataset::Stretch;
-use super::jacobian::ShapedRows;
+use super::dataset::{ShapedRows, Stretch};
 use super::model::{AugmentedModel, Term};
 use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
 use crate::effects::Scene;
