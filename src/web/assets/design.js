@@ -1,5 +1,6 @@
 // Design: the form, the search as it goes, the result.
 import { explain, follow, getJson, postJson, send, unmark, unmarkAround } from './api.js';
+import { moveTo } from './address.js';
 import { CellView } from './cell-view.js';
 import { CRITERIA } from './criteria.js';
 import { askedFor } from './decide.js';
@@ -202,7 +203,7 @@ find('#form').addEventListener('submit', async (event) => {
   go.disabled = true;
   try {
     const job = await postJson('/excitation', request());
-    history.pushState(null, '', `/design?id=${job.id}`);
+    moveTo(`/design?id=${job.id}`);
     watch(job.id);
   } catch (error) {
     explain(find('#form-trouble'), error, event.target);
@@ -210,7 +211,6 @@ find('#form').addEventListener('submit', async (event) => {
     go.disabled = false;
   }
 });
-addEventListener('popstate', () => location.reload());
 
 if (query.get('id')) plotly();
 

@@ -1,4 +1,5 @@
 // Identification: logs in, what was understood of them, the result.
+import { moveTo } from './address.js';
 import { Refused, explain, follow, getJson, send, unmark } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
@@ -191,7 +192,7 @@ find('#form').addEventListener('submit', async (event) => {
     if (columns.head && columns.missing().length) throw new Refused({ detail: `The columns are not complete: ${columns.missing().join('; ')}.`, hint: 'Choose them in the table of columns.' });
     localStorage.setItem(ROBOT, value('robot'));
     const job = await (await send('/identify', { method: 'POST', body: body() })).json();
-    history.pushState(null, '', `/identification?id=${job.id}`);
+    moveTo(`/identification?id=${job.id}`);
     columns.clear();
     await watch(job.id);
   } catch (error) {
@@ -200,7 +201,6 @@ find('#form').addEventListener('submit', async (event) => {
     go.disabled = false;
   }
 });
-addEventListener('popstate', () => location.reload());
 
 const query = new URLSearchParams(location.search);
 if (query.get('id')) plotly();
