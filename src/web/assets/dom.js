@@ -64,6 +64,9 @@ export function shortNames(names) {
   return parts.map((p) => p.slice(front, p.length - back).join('').replace(/[_\-. /]$/, ''));
 }
 
+/** A name that a narrow column breaks after its parts: `panda_` `joint1`. */
+export const breakable = (name) => name.split(/(?<=[_\-./])/).flatMap((part, i) => (i ? [h('wbr'), part] : [part]));
+
 /** Controllers count from their own start, or from 1970: series are drawn from the first sample. */
 export const sinceStart = (time) => time.map((t) => t - time[0]);
 

@@ -19,7 +19,7 @@ const POINTS = 6000;
 const files = { log: [], validation: [] };
 let robots = [];
 const columns = new LogColumns(find('#columns-place'), () => previewSoon());
-const own = new OwnEffects(find('#own-effects-list'), find('#own-effects-add'), find('#own-effects-choose'), () => robots.find((r) => r.id === value('robot'))?.joints ?? []);
+const own = new OwnEffects({ place: find('#own-effects-list'), add: find('#own-effects-add'), choose: find('#own-effects-choose'), joints: () => robots.find((r) => r.id === value('robot'))?.joints ?? [] });
 const ROBOT = 'dynident.robot';
 
 function request() {
@@ -167,6 +167,13 @@ async function prepare(query) {
   find('#excitation').append(...designs.map((j) => h('option', { value: j.id, selected: j.id === query.get('excitation') }, [time(j.finished_at), reached(j.progress)].filter(Boolean).join(', '))));
 }
 
+/** Effects and columns are of the joints of another robot; hands back whether the logs can be read. */
+async function changeRobot() {
+  localStorage.setItem(ROBOT, value('robot'));
+  own.draw();
+  return !(files.log.length || files.validation.length) || showColumns();
+}
+
 for (const kind of ['log', 'validation']) {
   const zone = find(`[data-drop=${kind}]`);
   find(`#${kind}`).addEventListener('change', (e) => take(kind, e.target.files));
@@ -176,7 +183,7 @@ for (const kind of ['log', 'validation']) {
 }
 find('#form').addEventListener('change', async (e) => {
   if (e.target.type === 'file') return;
-  if (e.target.id === 'robot' && (localStorage.setItem(ROBOT, e.target.value), files.log.length || files.validation.length) && !await showColumns()) return;
+  if (e.target.id === 'robot' && !await changeRobot()) return;
   previewSoon();
 });
 find('#form').addEventListener('submit', async (event) => {
