@@ -5,7 +5,7 @@ import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
 import { LogColumns } from './log-columns.js';
 import { readHead } from './log-file.js';
-import { showPreview } from './log-preview.js';
+import { inShort, showPreview } from './log-preview.js';
 import { showIdentification, showValidation } from './identify-result.js';
 import { OwnEffects } from './own-effects.js';
 import { plotly } from './plot.js';
@@ -46,12 +46,23 @@ async function take(kind, list) {
   await preview();
 }
 
+/** On a narrow screen: the result before the form, or the form before what it previews. */
+function arrange(shown) {
+  ['with-result', 'with-preview'].forEach((name) => find('#work').classList.toggle(name, name === shown));
+  if (shown === 'with-result') sayState();
+}
+
+/** Beside the button: what is known of the logs, and the way there. */
+function sayState(text, part) {
+  fill(find('#go-state'), text ? h('a', { href: part }, text) : null);
+}
+
 /** The columns of the first log; all logs of one request have the same. Hands back whether they can be read. */
 async function showColumns() {
   const first = files.log[0] ?? files.validation[0];
   const robot = robots.find((r) => r.id === value('robot'));
   if (!first || !robot) return Boolean(first);
-  find('#work').classList.add('with-result');
+  arrange('with-preview');
   try {
     columns.show(await readHead(first), robot);
     return true;
@@ -59,6 +70,7 @@ async function showColumns() {
     columns.clear();
     looking?.abort();
     fill(find('#result'));
+    sayState('The log cannot be read', '#trouble');
     explain(find('#trouble'), error);
     return false;
   }
@@ -82,20 +94,24 @@ async function preview() {
   looking?.abort();
   if (columns.head && columns.missing().length) {
     fill(find('#result'));
+    sayState('Assign the columns', '#columns-place');
     return;
   }
   looking = new AbortController();
   const { signal } = looking;
   unmark(find('#work'));
   fill(find('#form-trouble'));
-  find('#work').classList.add('with-result');
+  arrange('with-preview');
+  sayState('Reading the logs …', '#result');
   fill(find('#result'), h('section', { class: 'card' }, h('p', { class: 'soft' }, 'Reading the logs …'), h('progress')));
   try {
     const seen = await (await send('/identify/preview', { method: 'POST', body: body(), signal })).json();
     await showPreview(find('#result'), seen);
+    sayState(inShort(seen), '#result');
   } catch (error) {
     if (signal.aborted) return;
     fill(find('#result'));
+    sayState('The logs cannot be used', '#trouble');
     explain(find('#trouble'), error, find('#work'));
     return;
   }
@@ -110,7 +126,7 @@ function previewSoon() {
 
 async function watch(id) {
   const live = find('#live');
-  find('#work').classList.add('with-result');
+  arrange('with-result');
   fill(find('#trouble'));
   try {
     // Most often the job has ended, and its result is megabytes: it is on its way while the state is asked for.
@@ -140,7 +156,7 @@ const modelOf = async (id) => {
 };
 
 async function validation(id) {
-  find('#work').classList.add('with-result');
+  arrange('with-result');
   const job = await getJson(`/jobs/${id}`);
   if (['queued', 'running'].includes(job.state)) await follow(id, (now) => showStep(find('#live'), now));
   find('#live').hidden = true;
