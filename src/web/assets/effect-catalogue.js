@@ -23,6 +23,9 @@ export function typeset({ mathml, definition }) {
   return set ?? h('span', { class: 'mono' }, definition.expression);
 }
 
+/** Where a formula stands: a long one is scrolled. */
+export const formulaPlace = (...content) => h('div', { class: 'formula', tabindex: 0, role: 'group', 'aria-label': 'Formula' }, content);
+
 /** What a definition lacks that somebody is still writing, in words; nothing where the server can judge it. */
 export function unfinished({ expression, parameters = [], channels = [] }) {
   const text = expression.trim();
@@ -37,13 +40,14 @@ export function unfinished({ expression, parameters = [], channels = [] }) {
 /** Shows a definition as a formula at `place` a moment after it was last changed, or the first thing that is wrong with it. */
 export class Preview {
   constructor(definition) {
-    Object.assign(this, { definition, place: h('p', { class: 'formula' }), asked: 0, waiting: null });
+    Object.assign(this, { definition, place: formulaPlace(), asked: 0, waiting: null });
     this.show();
   }
 
   soon() {
     clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.show(), PAUSE);
+    // A form that was drawn anew has another preview.
+    this.waiting = setTimeout(() => this.place.isConnected && this.show(), PAUSE);
   }
 
   async show() {

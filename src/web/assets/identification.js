@@ -30,9 +30,9 @@ function request() {
   };
 }
 
-function body() {
+function body(asked) {
   const form = new FormData();
-  form.append('request', JSON.stringify(request()));
+  form.append('request', JSON.stringify(asked));
   for (const kind of ['log', 'validation']) files[kind].forEach((f) => form.append(kind, f, f.name));
   return form;
 }
@@ -105,7 +105,8 @@ async function preview() {
   sayState('Reading the logs …', '#result');
   fill(find('#result'), h('section', { class: 'card' }, h('p', { class: 'soft' }, 'Reading the logs …'), h('progress')));
   try {
-    const seen = await (await send('/identify/preview', { method: 'POST', body: body(), signal })).json();
+    // What is read of the logs does not depend on effects, which may be half written.
+    const seen = await (await send('/identify/preview', { method: 'POST', body: body({ ...request(), effects: undefined }), signal })).json();
     await showPreview(find('#result'), seen);
     sayState(inShort(seen), '#result');
   } catch (error) {
@@ -198,7 +199,7 @@ for (const kind of ['log', 'validation']) {
   zone.addEventListener('drop', (e) => { e.preventDefault(); zone.classList.remove('over'); take(kind, e.dataTransfer.files); });
 }
 find('#form').addEventListener('change', async (e) => {
-  if (e.target.type === 'file') return;
+  if (e.target.type === 'file' || e.target.closest('#own-effects')) return;
   if (e.target.id === 'robot' && !await changeRobot()) return;
   previewSoon();
 });
@@ -214,7 +215,7 @@ find('#form').addEventListener('submit', async (event) => {
     if (!files.log.length) throw new Refused({ detail: 'There is no log to identify from.', hint: 'Choose one above, or drop it there.' });
     if (columns.head && columns.missing().length) throw new Refused({ detail: `The columns are not complete: ${columns.missing().join('; ')}.`, hint: 'Choose them in the table of columns.' });
     localStorage.setItem(ROBOT, value('robot'));
-    const job = await (await send('/identify', { method: 'POST', body: body() })).json();
+    const job = await (await send('/identify', { method: 'POST', body: body(request()) })).json();
     moveTo(`/identification?id=${job.id}`);
     columns.clear();
     await watch(job.id);
