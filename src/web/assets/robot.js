@@ -6,6 +6,7 @@ import { meshesOf, meshPart } from './meshes.js';
 import { fill, find, h, measured, number, perSecond, said, sentence, table, term, time, unit, words } from './dom.js';
 import { editor } from './robot-edit.js';
 import { effectTable } from './robot-effects.js';
+import { searchEnd } from './job-words.js';
 import { sourceForm } from './robot-source.js';
 import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
@@ -135,7 +136,7 @@ async function showHistory(place, robot) {
   const [designs, identified] = await Promise.all([runs(robot, 'excitation'), runs(robot, 'identification')]);
   fill(place, identified.length ? across(identified) : h('p', { class: 'soft' }, 'No identifications yet.'), designs.length ? table([
     { head: 'Design', cell: (r) => h('a', { href: `/design?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Condition number', term: 'condition_number', number: true, cell: (r) => number(r.result.condition_number), sort: (r) => r.result.condition_number },
-    { head: 'Period', term: 'period', number: true, cell: (r) => `${number(r.result.period_s)} s`, sort: (r) => r.result.period_s }, { head: 'Limits', term: 'limits_form', cell: (r) => r.result.request.constraints?.form ?? 'paper' }, { head: 'Ended', term: 'search_end', cell: (r) => words(r.result.status) },
+    { head: 'Period', term: 'period', number: true, cell: (r) => `${number(r.result.period_s)} s`, sort: (r) => r.result.period_s }, { head: 'Limits', term: 'limits_form', cell: (r) => r.result.request.constraints?.form ?? 'paper' }, { head: 'Ended', term: 'search_end', cell: (r) => searchEnd(r.result.status) },
   ], designs, { caption: 'Designs' }) : null);
 }
 

@@ -4,7 +4,7 @@ import { CRITERIA } from './criteria.js';
 import { fill, h, measured, number, shortNames, table, term, time, unit, words } from './dom.js';
 import { nameOf } from './expression.js';
 import { effectName } from './finding.js';
-import { page } from './job-words.js';
+import { page, searchEnd } from './job-words.js';
 import { colour, plot, plotLater, plotly } from './plot.js';
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
@@ -30,8 +30,14 @@ document.addEventListener('theme', () => document.querySelectorAll('.swatch').fo
 const heads = (runs) => h('ul', { class: 'list' }, runs.map((run) => h('li', {}, h('span', { class: 'swatch', style: `background:${colour(run.index)}`, 'data-colour': run.index }), ' ', h('a', { href: page(run.job) }, run.label), ` for ${run.job.robot}`,
   run.result.log_report ? h('span', { class: 'soft' }, `, ${run.result.log_report.map((l) => l.file).join(', ')}`) : null, run.job.note ? h('div', { class: 'help note' }, run.job.note) : null)));
 
+/** Values of different robots say nothing of each other, whatever names their parameters share. */
+function ofOneRobot(runs) {
+  const robots = [...new Set(runs.map((run) => run.result.robot))];
+  return robots.length > 1 ? h('div', { class: 'notice' }, h('p', {}, h('strong', {}, 'Different robots: '), `${robots.join(', ')}. Parameters of the same name are not the same quantity.`)) : null;
+}
+
 function identifications(runs) {
-  return [section('compared', 'Comparison', heads(runs)), parameters(runs), overTime(runs), errors(runs), findings(runs)];
+  return [section('compared', 'Comparison', heads(runs), ofOneRobot(runs)), parameters(runs), overTime(runs), errors(runs), findings(runs)];
 }
 
 /** Parameters that all have, each scaled to its mean so that all fit on one axis. */
@@ -44,10 +50,10 @@ function parameters(runs) {
   plotLater(chart, () => ({
     traces: runs.map((run, i) => ({ type: 'scatter', mode: 'markers', name: run.label, x: rows.map((_, k) => k + 0.5 * (i / runs.length - 0.25)), y: rows.map((r) => scaled(r, i)[0]),
       error_y: { type: 'data', array: rows.map((r) => 2 * scaled(r, i)[1]), color: colour(i), thickness: 1.2, width: 3 }, marker: { color: colour(i), size: 6, symbol: ['circle', 'square', 'diamond', 'cross', 'x', 'triangle-up', 'star'][i % 7] }, hovertemplate: rows.map((r) => `${r.name}: ${r.all[i]?.value === null ? '–' : measured(r.all[i].value, r.all[i].std_dev)} ${unit(r.unit)}<extra>${run.label}</extra>`) })),
-    layout: { height: 380, hovermode: 'closest', xaxis: { title: 'parameter', tickvals: rows.map((_, k) => k), ticktext: rows.map((r) => r.name), tickangle: -60, range: [-0.7, Math.min(rows.length, innerWidth < 640 ? 10 : 24) - 0.3] }, yaxis: { title: 'difference from the first run<br>(largest standard deviation)' } },
+    layout: { height: 380, hovermode: 'closest', xaxis: { title: 'parameter', tickvals: rows.map((_, k) => k), ticktext: rows.map((r) => r.name), tickangle: -60, range: [-0.7, Math.min(rows.length, innerWidth < 640 ? 10 : 24) - 0.3] }, yaxis: { title: innerWidth < 640 ? 'difference from first run<br>(standard deviations)' : 'difference from the first run<br>(in the largest standard deviation)' } },
   }));
   const differ = rows.filter((r) => r.apart > APART).length;
-  return section('parameters', [term('base_parameters', 'Base parameters')], h('p', {}, differ ? `${differ} of ${rows.length} parameters differ by more than ${APART} standard deviations between some two runs.` : `No parameter differs by more than ${APART} standard deviations between any two runs.`), chart,
+  return section('parameters', [term('base_parameters', 'Base parameters')], h('p', {}, differ ? `${differ} of ${rows.length} parameters differ by more than ${APART} standard deviations between two of the runs.` : `No parameter differs by more than ${APART} standard deviations between any two runs.`), chart,
     table([{ head: 'Name', term: 'base_parameters', cell: (r) => nameOf(r.name), sort: (r) => r.name }, ...runs.map((run, i) => ({ head: run.label, own: true, number: true, cell: (r) => (r.all[i].value === null ? '–' : measured(r.all[i].value, r.all[i].std_dev)), sort: (r) => r.all[i].value })),
       { head: 'Unit', cell: (r) => unit(r.unit) }, { head: 'Largest difference (σ)', term: 'std_dev', number: true, cell: (r) => h('span', { class: r.apart > APART ? 'tag warn' : '' }, number(r.apart, 2)), sort: (r) => r.apart }], rows, { caption: 'Values ± standard deviation', sort: { column: runs.length + 2, way: 'descending' } }));
 }
@@ -104,7 +110,7 @@ function findings(runs) {
 
 function designs(runs) {
   const rows = Object.entries(CRITERIA).map(([key, c]) => ({ key, name: c.name, digits: c.digits, all: runs.map((r) => r.result.criteria?.[key] ?? (key === 'condition_number' ? r.result.condition_number : null)) })).filter((r) => r.all.some((v) => Number.isFinite(v)));
-  const facts = [['Period (s)', (r) => r.period_s], ['Outcome', (r) => words(r.status)], ['Optimality criterion', (r) => CRITERIA[r.request?.criterion]?.name ?? '–']];
-  return [section('compared', 'Comparison', heads(runs)), section('criteria', 'Criteria', table([{ head: 'Criterion', cell: (r) => term(r.key, r.name) }, ...runs.map((run, i) => ({ head: run.label, own: true, number: true, cell: (r) => number(r.all[i], r.digits), sort: (r) => r.all[i] }))], rows, { caption: 'Smaller is better' }),
+  const facts = [['Period (s)', (r) => r.period_s], ['Outcome', (r) => searchEnd(r.status)], ['Optimality criterion', (r) => CRITERIA[r.request?.criterion]?.name ?? '–']];
+  return [section('compared', 'Comparison', heads(runs), ofOneRobot(runs)), section('criteria', 'Criteria', table([{ head: 'Criterion', cell: (r) => term(r.key, r.name) }, ...runs.map((run, i) => ({ head: run.label, own: true, number: true, cell: (r) => number(r.all[i], r.digits), sort: (r) => r.all[i] }))], rows, { caption: 'Smaller is better' }),
     table([{ head: 'Design', cell: (r) => r[0] }, ...runs.map((run) => ({ head: run.label, own: true, cell: (r) => { const v = r[1](run.result); return typeof v === 'number' ? number(v) : v; } }))], facts, { caption: 'How they were made' }))];
 }
