@@ -150,7 +150,7 @@ def use(page, options, log):
 
 
 def of_robot(page, options):
-    """A robot has effects of its own: one of the catalogue, which stays as it was named, and one that is written in its editor."""
+    """A robot has an effect of the catalogue, which stays as it was named, and one that is written in its editor."""
     page.goto(f"{options.server}/robot?robot={ROBOT}")
     page.get_by_role("button", name="Edit a copy").click()
     page.locator("#own-effects > summary").click()
@@ -180,7 +180,7 @@ def of_robot(page, options):
 
 
 def rename(page, options, effects):
-    """What is edited elsewhere leaves the effects as they are, and a joint of another name is an error at the effect that acts on it."""
+    """Edits elsewhere leave the effects as they are; a joint of another name is an error at the effect that acts on it."""
     page.get_by_role("button", name="Edit", exact=True).click()
     page.fill("[data-pointer='/robot/joints/1/name']", "elbow")
     page.locator("#own-effects .field-error", has_text="no joint `J2`").nth(1).wait_for()

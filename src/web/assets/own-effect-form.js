@@ -32,7 +32,7 @@ export function jointAndPart(effect, at, id, names) {
 }
 
 export class OwnEffectForm {
-  /** `host`: what the list of effects tells and does — `at`, `joints()`, `redraw()`, `remove(i)`, `kept` (names of the catalogue), `saved()`. */
+  /** `host`, the list of effects, has `at`, `joints()`, `redraw()`, `remove(i)`, `kept` (names of the catalogue) and `saved()`. */
   constructor(effect, i, host) {
     Object.assign(this, { effect, i, host, at: `${host.at}/${i}`, state: h('span', { class: 'soft', role: 'status' }), trouble: h('div') });
     this.preview = new Preview(() => this.definition());

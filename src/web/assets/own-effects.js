@@ -11,8 +11,8 @@ const said = ({ name, joint, declared }) => JSON.stringify([name, joint, declare
 
 export class OwnEffects {
   /**
-   * `place`: where they stand; `add`: the button for a new one; `choose`: the drop-down of the catalogue; `joints()`: names of the robot's joints; `at`: pointer
-   * of the field in the document; `changed()` is called after every change.
+   * `place`: where they stand; `add`: the button for a new one; `choose`: the drop-down of the catalogue; `joints()`: names of the
+   * robot's joints; `at`: pointer of the field in the document; `changed()` is called after every change.
    */
   constructor({ place, add, choose, joints, at = '/effects', changed = () => {} }) {
     Object.assign(this, { place, choose, joints, at, changed, list: [], entries: [] });
