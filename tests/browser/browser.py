@@ -235,6 +235,17 @@ def contrast(one, other):
     return (light + 0.05) / (dark + 0.05)
 
 
+def check_in_reach(page, button):
+    """The button of a form is on the screen, and not below anything, wherever the page is scrolled to."""
+    for share in [0, 0.5, 1]:
+        reached = page.locator(button).evaluate("""(button, share) => { const all = document.documentElement;
+            window.scrollTo({top: share * (all.scrollHeight - innerHeight), behavior: 'instant'});
+            const at = button.getBoundingClientRect();
+            return document.elementFromPoint(at.x + at.width / 2, at.y + at.height / 2) === button; }""", share)
+        assert reached, f"{button}: out of reach at {share} of the page"
+    page.evaluate("window.scrollTo(0, 0)")
+
+
 def picture(page, options, name, at=None):
     """What is on the screen, or would be with the part `at` at its top."""
     if options.pictures:

@@ -6,7 +6,7 @@ import math
 import re
 import time
 
-from browser import arguments, browser_page, check, check_accessible, check_contrast, check_prints, picture, settle, simulate
+from browser import arguments, browser_page, check, check_accessible, check_contrast, check_in_reach, check_prints, picture, settle, simulate
 
 # Seconds of search, or as long as a busy machine needs to show it.
 SEARCH_S = 6
@@ -140,6 +140,8 @@ def identify(page, options, log, held_out):
     check(page, "preview")
     said = page.locator("#result").inner_text()
     assert "4 of 10 s" in said and "4 of 8 s" in said, said
+    assert page.locator("#go-state a").inner_text() == "2 logs read, no faults"
+    check_in_reach(page, "#go")
     picture(page, options, "preview")
     page.click("#go")
     page.locator("#to-loop").wait_for(timeout=120_000)
@@ -160,7 +162,7 @@ def identify(page, options, log, held_out):
 def check_model(page, options, later):
     identification = page.url
     page.set_input_files("#check-log", later)
-    page.get_by_role("button", name="Check", exact=True).click()
+    page.get_by_role("button", name="Check the model").click()
     page.locator("#changes [data-effect=payload]").wait_for(timeout=120_000)
     settle(page)
     check(page, "validation")

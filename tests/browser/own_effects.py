@@ -5,7 +5,7 @@ import json
 import math
 import urllib.request
 
-from browser import arguments, browser_page, check, picture, settle, simulate
+from browser import arguments, browser_page, check, check_in_reach, picture, settle, simulate
 
 # Torque per kelvin on the second joint, and the temperature without it.
 PER_KELVIN, COLD = 0.05, 22.0
@@ -76,6 +76,14 @@ def write_effect(page, options):
         page.get_by_role("button", name="Remove rho").or_(page.get_by_role("button", name="Remove q0")).first.click()
     field("parameters/0/name").fill("c")
     field("parameters/0/unit").fill("N m/K")
+    # What was removed is missed by the formula.
+    page.locator("#own-effects .formula", has_text="is neither").wait_for()
+    page.trouble.clear()
+    # Half a formula is not asked for: nothing in the console says that it was refused.
+    for half, said in [("", "No formula yet."), ("c*(temp", "A parenthesis is still open."), ("c *", "The formula is not complete yet.")]:
+        field("expression").fill(half)
+        page.locator("#own-effects .formula", has_text=said).wait_for()
+    assert not page.trouble, page.trouble
     field("expression").fill("c*(temperature - 22)")
     page.locator("#own-effects .formula", has_text="`temperature` is neither a variable nor a parameter").wait_for()
     page.trouble.clear()
@@ -141,6 +149,58 @@ def use(page, options, log):
     identify(page, options, [("warm", ["J2"])])
 
 
+def of_robot(page, options):
+    """A robot has an effect of the catalogue, which stays as it was named, and one that is written in its editor."""
+    page.goto(f"{options.server}/robot?robot={ROBOT}")
+    page.get_by_role("button", name="Edit a copy").click()
+    page.locator("#own-effects > summary").click()
+    page.select_option("#own-effects-choose", "warm")
+    page.get_by_role("button", name="Write an effect").click()
+    field = lambda pointer: page.locator(f"#own-effects [data-pointer='/robot/effects/1/{pointer}']")
+    field("joint").select_option("J2")
+    field("expression").fill("b*sin(q - q0)/sqrt(1 - rho*cos(q - q9))")
+    page.get_by_role("button", name="Save robot").click()
+    # At the field, and at the button.
+    page.locator("#own-effects .field-error", has_text="`q9` is neither").wait_for()
+    page.locator("#editor [role=alert]", has_text="The description has 1 problem").wait_for()
+    page.trouble.clear()
+    field("expression").fill("b*sin(q - q0)/sqrt(1 - rho*cos(q - q0))")
+    page.wait_for_function("() => !document.querySelector('.field-error')")
+    check_in_reach(page, "#editor > .actions .primary")
+    check(page, "robot's effects")
+    picture(page, options, "robot-effects", "#own-effects")
+    page.fill("#robot-id", "warm-arm")
+    page.get_by_role("button", name="Save robot").click()
+    page.locator("#own math").nth(1).wait_for()
+    assert page.locator("#own tbody tr").count() == 2
+    check(page, "robot with effects")
+    effects = robot(options)["effects"]
+    assert effects[0]["use"] == "warm" and effects[0]["joint"] == "J2" and effects[1]["name"] == "counterbalance", effects
+    rename(page, options, effects)
+
+
+def rename(page, options, effects):
+    """Edits elsewhere leave the effects as they are; a joint of another name is an error at the effect that acts on it."""
+    page.get_by_role("button", name="Edit", exact=True).click()
+    page.fill("[data-pointer='/robot/joints/1/name']", "elbow")
+    page.locator("#own-effects .field-error", has_text="no joint `J2`").nth(1).wait_for()
+    page.trouble.clear()
+    page.fill("[data-pointer='/robot/joints/1/name']", "J2")
+    page.wait_for_function("() => !document.querySelector('.field-error')")
+    page.fill("#robot-name", "Warm arm")
+    page.get_by_role("button", name="Save robot").click()
+    page.locator("#own math").nth(1).wait_for()
+    assert robot(options)["effects"] == effects
+    page.once("dialog", lambda dialog: dialog.accept())
+    page.get_by_role("button", name="Delete", exact=True).click()
+    page.locator("#recent").wait_for()
+
+
+def robot(options):
+    with urllib.request.urlopen(f"{options.server}/robots/warm-arm") as answer:
+        return json.load(answer)
+
+
 def remove(page, options):
     page.goto(options.server)
     row = page.locator("#effects tr", has_text="warm")
@@ -162,6 +222,7 @@ def main():
         write_effect(page, options)
         identify(page, options, [("warm", ["J2"])])
         use(page, options, log)
+        of_robot(page, options)
         remove(page, options)
 
 

@@ -61,6 +61,25 @@ def docs(page, options):
     picture(page, options, "docs")
 
 
+def turned(page, options):
+    """Plots of a phone that is turned, or of a narrow window, are as high as what they draw, and nothing is below them."""
+    grown = """() => [...document.querySelectorAll('.plot .svg-container')].filter(c => c.offsetHeight > c.closest('.plot').offsetHeight + 1).map(c => c.closest('.plot').dataset.label)"""
+    for width, height in [(844, 390), (390, 844), (options.width, options.height)]:
+        page.set_viewport_size({"width": width, "height": height})
+        page.wait_for_timeout(300)
+        settle(page)
+        assert not page.evaluate(grown), (width, page.evaluate(grown))
+
+
+def parts(page):
+    """A link to a part of the result scrolls, and the page stays what it is."""
+    page.locator("#errors").wait_for()
+    page.evaluate("window.same = true")
+    page.get_by_role("navigation", name="Parts of the result").get_by_role("link", name="Errors").click()
+    page.wait_for_timeout(500)
+    assert page.evaluate("window.same") and page.url.endswith("#errors"), page.url
+
+
 def main():
     options = arguments()
     with browser_page(options) as page:
@@ -80,12 +99,15 @@ def main():
         assert 0.8 < after / noise < 1.2, (after, noise)
         settle(page)
         check(page, "tour")
+        turned(page, options)
         picture(page, options, "tour")
         for step, place in [(2, "#parameters"), (3, "#form"), (4, "#source")]:
             page.locator("#tour a").click()
             page.wait_for_url(f"**tour={step}**")
             page.locator("#tour").get_by_text(f"Tour {step} of 4").wait_for()
             page.locator(place).wait_for()
+            if step == 2:
+                parts(page)
         page.locator("#tour a").click()
         # Once there is something else to see, the demo steps back; its run has a name.
         page.locator("#recent").get_by_role("link", name="Demo: iiwa 14 with a hidden spring").wait_for()

@@ -7,7 +7,7 @@ export function checkModel(result) {
   if (!result.physical_parameters) return null;
   const file = h('input', { type: 'file', id: 'check-log', multiple: true });
   const trouble = h('div');
-  const button = h('button', { type: 'submit' }, 'Check');
+  const button = h('button', { type: 'submit' }, 'Check the model');
   const form = h('form', { novalidate: true, onsubmit: async (event) => {
     event.preventDefault();
     button.disabled = true;
@@ -26,7 +26,7 @@ export function checkModel(result) {
     } finally {
       button.disabled = false;
     }
-  } }, h('div', { class: 'row' }, h('label', { for: 'check-log', class: 'inline' }, 'Log'), h('span', { style: 'flex:1;min-width:12rem' }, file), button), trouble);
+  } }, h('div', { class: 'row' }, h('label', { for: 'check-log', class: 'inline' }, 'Log'), h('span', { style: 'flex:1 1 15rem' }, file), button), trouble);
   return h('section', { class: 'card', id: 'check', 'aria-labelledby': 'check-title' }, h('h2', { id: 'check-title' }, 'Check the model on another log'),
     h('p', { class: 'soft' }, 'How well the model predicts another log, and what has changed since: a payload, a tilt after remounting, a drift of friction.'), form);
 }

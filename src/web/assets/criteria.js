@@ -14,7 +14,7 @@ export const CRITERIA = {
   },
   i_optimality: {
     name: 'Torque prediction error (I)', short: 'prediction error (N·m)', digits: 4, unit: 'N·m per unit of noise',
-    help: 'Expected error of predicted torques over the whole workspace. Choose it when the model will be used for control.',
+    help: 'Recommended (I-optimality): expected error of predicted torques over the whole workspace. Choose it when the model will be used for control.',
     meaning: 'expected error of torques that the identified model predicts, anywhere in the workspace',
   },
   d_optimality: {

@@ -6,6 +6,7 @@ import { CRITERIA, title } from './criteria.js';
 import { courses } from './design-live.js';
 import { fourierSeries } from './expression.js';
 import { fill, figure, h, number, odds, perSecond, said, seconds, sentence, table, term, unit, words } from './dom.js';
+import { searchEnd } from './job-words.js';
 import { meshesOf } from './meshes.js';
 import { on } from './known-form.js';
 import { detectable } from './detectable.js';
@@ -16,7 +17,7 @@ import { colour, plotLater, variable } from './plot.js';
 
 const STATUS = {
   Converged: ['good', 'The search converged: no improvement over many evaluations.'],
-  BudgetExhausted: ['', 'The time limit was reached while the criterion was still improving. A longer search gives a better trajectory.'],
+  BudgetExhausted: ['', 'The criterion was still improving. A longer search gives a better trajectory.'],
   Stalled: ['warn', 'The search stopped improving early.'],
   Cancelled: ['warn', 'Stopped early with the best trajectory found. It satisfies every limit.'],
   Infeasible: ['bad', 'No motion of this kind is possible.'],
@@ -30,7 +31,7 @@ const place = (label, flat) => h('div', { class: `plot${flat ? ' flat' : ''}`, '
 
 export async function showDesign(target, result) {
   if (!result.coefficients) {
-    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, words(result.status)), h('p', {}, said(sentence(result.reason)))), startPosture(result)), notes(result));
+    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, searchEnd(result.status)), h('p', {}, said(sentence(result.reason)))), startPosture(result)), notes(result));
     return;
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };
@@ -63,7 +64,7 @@ function summary(result) {
   const tightest = [...result.margins].sort((a, b) => a.margin - b.margin)[0];
   const used = result.search;
   return section('summary', result.robot,
-    h('p', {}, h('span', { class: `tag ${kind}` }, term('search_end', words(result.status))), ' ', meaning),
+    h('p', {}, h('span', { class: `tag ${kind}` }, term('search_end', searchEnd(result.status))), ' ', meaning),
     h('dl', { class: 'figures' }, figure(term('condition_number', 'Condition number'), number(c.condition_number)), figure(term('i_optimality', 'Prediction error'), number(c.i_optimality, 3), 'N·m per unit of noise'), figure(term('period', 'Period'), number(result.period_s), 's'),
       tightest ? figure(term('limit_margin', 'Smallest margin to a limit'), `${number(100 * tightest.margin, 2)} %`, `${tightest.joint}, ${tightest.quantity}`) : null),
     h('p', { class: 'soft' }, `${result.order} harmonics, ${used.evaluations.toLocaleString()} evaluations in ${seconds(used.elapsed_s)}, seed ${used.seed}. ${c.minimised === 'rival_evidence' ? 'Maximised: expected difference in BIC between the rivals' : `Minimised: ${title(c.minimised)}`}.`),
@@ -121,7 +122,7 @@ function criteria(result) {
   const advice = result.recommended_criterion;
   const rows = Object.entries(CRITERIA).filter(([key]) => c[key] !== null && c[key] !== undefined).map(([key, about]) => ({ key, ...about, value: c[key] }));
   const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'maximised' : 'minimised') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
-  return section('criteria', [term('criterion', 'Criteria')], h('p', { class: 'soft' }, 'Improving one criterion worsens another. To compare, design again with another criterion and compare the two at the end of this page.'),
+  return section('criteria', [term('criterion', 'Criteria')], h('p', { class: 'soft' }, 'Improving one criterion can worsen another. To compare, design again with another criterion and open the comparison at the end of this page.'),
     table([{ head: 'Criterion', cell: (r) => h('strong', {}, term(r.key, r.name)) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'Meaning', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
     advice ? h('p', { class: 'soft' }, said(`Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`)) : null);
 }

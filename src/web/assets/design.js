@@ -1,5 +1,6 @@
 // Design: the form, the search as it goes, the result.
 import { explain, follow, getJson, postJson, send, unmark, unmarkAround } from './api.js';
+import { moveTo } from './address.js';
 import { CellView } from './cell-view.js';
 import { CRITERIA } from './criteria.js';
 import { askedFor } from './decide.js';
@@ -58,12 +59,12 @@ function request() {
 /** What closed parts of the form hold, beside their names. */
 function sayWhatIsSet(asked) {
   const s = asked.constraints.space;
-  const count = (s?.half_spaces?.length ?? 0) + (s?.boxes?.length ?? 0);
+  const placed = [...(s?.half_spaces ?? []), ...(s?.boxes ?? [])].map((o) => o.name);
   const states = {
-    torque: asked.constraints.torque ? `over ${asked.constraints.torque.safety_factor ?? 1.25}` : '',
-    space: s ? [count ? `${count} placed` : null, s.self_collision ? 'itself' : null].filter(Boolean).join(', ') : '',
+    torque: asked.constraints.torque ? `safety factor ${asked.constraints.torque.safety_factor ?? 1.25}` : '',
+    space: s ? [placed.length > 2 ? `${placed.length} obstacles` : placed.join(', '), s.self_collision && 'self-collision'].filter(Boolean).join(', ') : '',
     backoff: asked.backoff ? `${number(100 * asked.backoff, 3)} %` : '',
-    known: [asked.warm_start && 'warm start', asked.model && 'model', asked.given && `${asked.given.length} given`].filter(Boolean).join(', '),
+    known: [asked.warm_start && 'warm start', asked.model && 'model', asked.given && `data of ${asked.given.length} run${asked.given.length > 1 ? 's' : ''}`].filter(Boolean).join(', '),
   };
   for (const [name, text] of Object.entries(states)) {
     const tag = find(`[data-state=${name}]`);
@@ -77,7 +78,7 @@ function explainForm() {
   const asked = request();
   find('#criterion-help').textContent = CRITERIA[value('criterion')].help;
   find('#period-help').textContent = period > 0 && order > 0
-    ? `Fastest harmonic ${Number((order / period).toPrecision(3))} Hz. Longer periods are slower and smoother; more harmonics reach lower numbers. Five in ten seconds suit seven joints.` : '';
+    ? `Fastest harmonic ${Number((order / period).toPrecision(3))} Hz. Longer periods are slower and smoother; more harmonics reach lower numbers. Five harmonics in ten seconds suit seven joints.` : '';
   if (value('criterion') === 'rival_evidence') find('#known-part').open = true;
   sayWhatIsSet(asked);
   showCell(asked);
@@ -202,7 +203,7 @@ find('#form').addEventListener('submit', async (event) => {
   go.disabled = true;
   try {
     const job = await postJson('/excitation', request());
-    history.pushState(null, '', `/design?id=${job.id}`);
+    moveTo(`/design?id=${job.id}`);
     watch(job.id);
   } catch (error) {
     explain(find('#form-trouble'), error, event.target);
@@ -210,7 +211,6 @@ find('#form').addEventListener('submit', async (event) => {
     go.disabled = false;
   }
 });
-addEventListener('popstate', () => location.reload());
 
 if (query.get('id')) plotly();
 

@@ -64,6 +64,9 @@ export function shortNames(names) {
   return parts.map((p) => p.slice(front, p.length - back).join('').replace(/[_\-. /]$/, ''));
 }
 
+/** A name that a narrow column breaks after its parts: `panda_` `joint1`. */
+export const breakable = (name) => name.split(/(?<=[_\-./])/).flatMap((part, i) => (i ? [h('wbr'), part] : [part]));
+
 /** Controllers count from their own start, or from 1970: series are drawn from the first sample. */
 export const sinceStart = (time) => time.map((t) => t - time[0]);
 
@@ -86,7 +89,7 @@ export const dotted = (text) => text.replace(/\bN m\b/g, 'N·m');
 
 /** A text of the interface: terms in it get help on their first mention. */
 export function said(text) {
-  const place = h('span', {}, text ?? '');
+  const place = h('span', {}, text?.replace(/\bcenter\b/g, 'centre') ?? '');
   if (text) import('./glossary.js').then((help) => help.mention(place));
   return place;
 }
@@ -106,6 +109,9 @@ export const labelled = (text, id, key) => h('span', { class: 'labelled' }, h('l
 /** A key figure: name over value. */
 export const figure = (name, value, note) =>
   h('div', { class: 'figure' }, h('dt', {}, name), h('dd', {}, value, note ? [' ', h('small', {}, note)] : null));
+
+/** Rows of a table beyond which it has a height of its own: on a phone two ways to scroll are in each other's way. */
+const MANY = 12;
 
 /** A table that sorts by its heads. `columns`: {head, cell(row), sort(row), number, term, hidden, own}; `term`: key in the glossary; `own`: the head is a name that the user gave. */
 export function table(columns, rows, { caption, sort } = {}) {
@@ -131,6 +137,6 @@ export function table(columns, rows, { caption, sort } = {}) {
   }
   show(rows);
   if (sort) order(columns[sort.column], heads[sort.column], sort.way);
-  return h('div', { class: 'scroll tall', tabindex: 0, role: 'region', 'aria-label': caption ?? 'Table' },
+  return h('div', { class: rows.length > MANY ? 'scroll tall' : 'scroll', tabindex: 0, role: 'region', 'aria-label': caption ?? 'Table' },
     h('table', { class: columns.length <= 3 ? 'few' : null }, caption ? h('caption', {}, h('span', {}, caption)) : null, h('thead', {}, h('tr', {}, heads)), body));
 }

@@ -1,10 +1,11 @@
 // Identification: logs in, what was understood of them, the result.
+import { moveTo } from './address.js';
 import { Refused, explain, follow, getJson, send, unmark } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
 import { LogColumns } from './log-columns.js';
 import { readHead } from './log-file.js';
-import { showPreview } from './log-preview.js';
+import { inShort, showPreview } from './log-preview.js';
 import { showIdentification, showValidation } from './identify-result.js';
 import { OwnEffects } from './own-effects.js';
 import { plotly } from './plot.js';
@@ -18,7 +19,7 @@ const POINTS = 6000;
 const files = { log: [], validation: [] };
 let robots = [];
 const columns = new LogColumns(find('#columns-place'), () => previewSoon());
-const own = new OwnEffects(find('#own-effects-list'), find('#own-effects-add'), find('#own-effects-choose'), () => robots.find((r) => r.id === value('robot'))?.joints ?? []);
+const own = new OwnEffects({ place: find('#own-effects-list'), add: find('#own-effects-add'), choose: find('#own-effects-choose'), joints: () => robots.find((r) => r.id === value('robot'))?.joints ?? [] });
 const ROBOT = 'dynident.robot';
 
 function request() {
@@ -29,9 +30,9 @@ function request() {
   };
 }
 
-function body() {
+function body(asked) {
   const form = new FormData();
-  form.append('request', JSON.stringify(request()));
+  form.append('request', JSON.stringify(asked));
   for (const kind of ['log', 'validation']) files[kind].forEach((f) => form.append(kind, f, f.name));
   return form;
 }
@@ -45,12 +46,23 @@ async function take(kind, list) {
   await preview();
 }
 
+/** On a narrow screen: the result before the form, or the form before what it previews. */
+function arrange(shown) {
+  ['with-result', 'with-preview'].forEach((name) => find('#work').classList.toggle(name, name === shown));
+  if (shown === 'with-result') sayState();
+}
+
+/** Beside the button: what is known of the logs, and the way there. */
+function sayState(text, part) {
+  fill(find('#go-state'), text ? h('a', { href: part }, text) : null);
+}
+
 /** The columns of the first log; all logs of one request have the same. Hands back whether they can be read. */
 async function showColumns() {
   const first = files.log[0] ?? files.validation[0];
   const robot = robots.find((r) => r.id === value('robot'));
   if (!first || !robot) return Boolean(first);
-  find('#work').classList.add('with-result');
+  arrange('with-preview');
   try {
     columns.show(await readHead(first), robot);
     return true;
@@ -58,6 +70,7 @@ async function showColumns() {
     columns.clear();
     looking?.abort();
     fill(find('#result'));
+    sayState('The log cannot be read', '#trouble');
     explain(find('#trouble'), error);
     return false;
   }
@@ -81,20 +94,25 @@ async function preview() {
   looking?.abort();
   if (columns.head && columns.missing().length) {
     fill(find('#result'));
+    sayState('Assign the columns', '#columns-place');
     return;
   }
   looking = new AbortController();
   const { signal } = looking;
   unmark(find('#work'));
   fill(find('#form-trouble'));
-  find('#work').classList.add('with-result');
+  arrange('with-preview');
+  sayState('Reading the logs …', '#result');
   fill(find('#result'), h('section', { class: 'card' }, h('p', { class: 'soft' }, 'Reading the logs …'), h('progress')));
   try {
-    const seen = await (await send('/identify/preview', { method: 'POST', body: body(), signal })).json();
+    // What is read of the logs does not depend on effects, which may be half written.
+    const seen = await (await send('/identify/preview', { method: 'POST', body: body({ ...request(), effects: undefined }), signal })).json();
     await showPreview(find('#result'), seen);
+    sayState(inShort(seen), '#result');
   } catch (error) {
     if (signal.aborted) return;
     fill(find('#result'));
+    sayState('The logs cannot be used', '#trouble');
     explain(find('#trouble'), error, find('#work'));
     return;
   }
@@ -109,7 +127,7 @@ function previewSoon() {
 
 async function watch(id) {
   const live = find('#live');
-  find('#work').classList.add('with-result');
+  arrange('with-result');
   fill(find('#trouble'));
   try {
     // Most often the job has ended, and its result is megabytes: it is on its way while the state is asked for.
@@ -139,7 +157,7 @@ const modelOf = async (id) => {
 };
 
 async function validation(id) {
-  find('#work').classList.add('with-result');
+  arrange('with-result');
   const job = await getJson(`/jobs/${id}`);
   if (['queued', 'running'].includes(job.state)) await follow(id, (now) => showStep(find('#live'), now));
   find('#live').hidden = true;
@@ -166,6 +184,13 @@ async function prepare(query) {
   find('#excitation').append(...designs.map((j) => h('option', { value: j.id, selected: j.id === query.get('excitation') }, [time(j.finished_at), reached(j.progress)].filter(Boolean).join(', '))));
 }
 
+/** Effects and columns are of the joints of another robot; hands back whether the logs can be read. */
+async function changeRobot() {
+  localStorage.setItem(ROBOT, value('robot'));
+  own.draw();
+  return !(files.log.length || files.validation.length) || showColumns();
+}
+
 for (const kind of ['log', 'validation']) {
   const zone = find(`[data-drop=${kind}]`);
   find(`#${kind}`).addEventListener('change', (e) => take(kind, e.target.files));
@@ -174,8 +199,8 @@ for (const kind of ['log', 'validation']) {
   zone.addEventListener('drop', (e) => { e.preventDefault(); zone.classList.remove('over'); take(kind, e.dataTransfer.files); });
 }
 find('#form').addEventListener('change', async (e) => {
-  if (e.target.type === 'file') return;
-  if (e.target.id === 'robot' && (localStorage.setItem(ROBOT, e.target.value), files.log.length || files.validation.length) && !await showColumns()) return;
+  if (e.target.type === 'file' || e.target.closest('#own-effects')) return;
+  if (e.target.id === 'robot' && !await changeRobot()) return;
   previewSoon();
 });
 find('#form').addEventListener('submit', async (event) => {
@@ -190,8 +215,8 @@ find('#form').addEventListener('submit', async (event) => {
     if (!files.log.length) throw new Refused({ detail: 'There is no log to identify from.', hint: 'Choose one above, or drop it there.' });
     if (columns.head && columns.missing().length) throw new Refused({ detail: `The columns are not complete: ${columns.missing().join('; ')}.`, hint: 'Choose them in the table of columns.' });
     localStorage.setItem(ROBOT, value('robot'));
-    const job = await (await send('/identify', { method: 'POST', body: body() })).json();
-    history.pushState(null, '', `/identification?id=${job.id}`);
+    const job = await (await send('/identify', { method: 'POST', body: body(request()) })).json();
+    moveTo(`/identification?id=${job.id}`);
     columns.clear();
     await watch(job.id);
   } catch (error) {
@@ -200,7 +225,6 @@ find('#form').addEventListener('submit', async (event) => {
     go.disabled = false;
   }
 });
-addEventListener('popstate', () => location.reload());
 
 const query = new URLSearchParams(location.search);
 if (query.get('id')) plotly();

@@ -99,13 +99,13 @@ function effectsFound(result) {
 
 function files(result) {
   const model = result.physical_parameters ? [['URDF', 'urdf'], ['MJCF', 'mjcf', 'xml'], ['SDF', 'sdf'], ['C', 'c'], ['Python', 'python', 'py'], ['CSV', 'csv'], ['Model (JSON)', 'json']].map(([label, format, ending = format]) => download(label, `/identify/${result.id}/model?format=${format}`, `model-${result.id}.${ending}`)) : null;
-  return h('div', { id: 'downloads' }, h('h3', {}, 'Download'), h('div', { class: 'row' }, reportLink(result), model, download('Result (JSON)', `/identify/${result.id}`, `identification-${result.id}.json`)));
+  return h('div', { id: 'downloads' }, h('h3', {}, 'Download'), h('div', { class: 'row' }, reportLink(result, 'Report (HTML)'), model, download('Result (JSON)', `/identify/${result.id}`, `identification-${result.id}.json`)));
 }
 
 /** The report opens in a tab of its own; with a token it is fetched with it and saved. */
-export function reportLink(result) {
+export function reportLink(result, label) {
   const address = `/identify/${result.id}/report`;
-  const link = h('a', { class: 'button', id: 'report', href: address, target: '_blank', rel: 'noopener' }, 'Report');
+  const link = h('a', { class: 'button', id: 'report', href: address, target: '_blank', rel: 'noopener' }, label);
   link.addEventListener('click', async (event) => {
     if (!token()) return;
     event.preventDefault();

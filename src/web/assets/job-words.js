@@ -1,5 +1,5 @@
 // How jobs are called, where they are shown, and how they stand.
-import { h } from './dom.js';
+import { h, words } from './dom.js';
 
 export const NAMES = { excitation: 'Design', identification: 'Identification', validation: 'Validation' };
 
@@ -15,3 +15,6 @@ export function state(job) {
   const text = job.state === 'finished' && job.outcome === 'Infeasible' ? 'infeasible' : job.state;
   return h('span', { class: `tag ${text === 'infeasible' ? 'bad' : kinds[job.state] ?? ''}` }, text);
 }
+
+/** How a search ended. */
+export const searchEnd = (status) => (status === 'BudgetExhausted' ? 'Time limit reached' : words(status));

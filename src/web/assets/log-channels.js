@@ -40,7 +40,8 @@ export class LogChannels {
     const at = this.list.indexOf(this.of(header));
     const input = (key, words, options) => h('input', { class: 'cell-name', id: `channel-${at}-${key}`, value: this.list[at][key], 'aria-label': `${header}: ${words}`, 'data-pointer': `/columns/channels/${at}/${key}`, autocomplete: 'off', spellcheck: 'false', ...options,
       onchange: (e) => { this.list[at][key] = e.target.value.trim(); this.changed(); } });
-    return h('div', { class: 'row field', style: 'flex-wrap:nowrap' }, input('name', 'name in formulas'), input('unit', 'unit', { class: 'cell-number', list: 'channel-units' }));
+    // What is wrong with one stands below both.
+    return h('div', { class: 'field' }, h('div', { class: 'row', style: 'flex-wrap:nowrap' }, input('name', 'name in formulas'), input('unit', 'unit', { class: 'cell-number', list: 'channel-units' })));
   }
 
   /** Units to choose from, once per table. */

@@ -1,5 +1,5 @@
 // Which column of a log is what, and what will be done to it: a table with a drop-down and a small picture of each series.
-import { fill, h, number, term } from './dom.js';
+import { breakable, fill, h, number, term } from './dom.js';
 import { CHANNEL, LogChannels } from './log-channels.js';
 import { guess, units } from './log-guess.js';
 
@@ -7,6 +7,9 @@ const UNITS = { position: ['rad', 'deg', 'rev', 'm', 'mm'], velocity: ['rad/s', 
 const SHOWN = { 'N m': 'N·m', 'mN m': 'mN·m', 'kN m': 'kN·m', us: 'µs' };
 const QUANTITIES = ['position', 'torque', 'velocity'];
 const STANDARD = { time: /^(time|t)$/i, position: /^q\d+$/i, velocity: /^qd\d+$/i, torque: /^tau\d+$/i };
+
+/** Letters of a name that needs a wide column. */
+const LONG = 14;
 
 /** Heads that are terms. */
 const HEADS = { 'Used as': 'column_use', 'Scale and sign': 'column_scale', Becomes: 'column_unit' };
@@ -108,7 +111,7 @@ export class LogColumns {
   table(columns, label) {
     const heads = ['Column', 'Used as', 'Series', 'Scale and sign', 'Becomes', 'First values'];
     return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, HEADS[t] ? term(HEADS[t], t) : t)))),
-      h('tbody', {}, columns.map((c) => h('tr', {}, h('th', { scope: 'row', class: 'mono' }, c.name), h('td', {}, this.role(c)), h('td', {}, spark(c)), h('td', {}, this.factor(c)), h('td', { class: 'soft nowrap' }, this.becomes(c)), h('td', { class: 'mono soft nowrap' }, c.shown.map(brief).join('  ')))))));
+      h('tbody', {}, columns.map((c) => h('tr', {}, h('th', { scope: 'row', class: c.name.length > LONG ? 'mono long' : 'mono' }, breakable(c.name)), h('td', {}, this.role(c)), h('td', {}, spark(c)), h('td', {}, this.factor(c)), h('td', { class: 'soft nowrap' }, this.becomes(c)), h('td', { class: 'mono soft nowrap' }, c.shown.map(brief).join('  ')))))));
   }
 
   role(column) {

@@ -7,6 +7,13 @@ export async function showPreview(target, seen) {
   fill(target, seen.notes.length ? h('div', { class: 'notice' }, seen.notes.map((n) => h('p', {}, said(sentence(n))))) : null, seen.logs.map(logCard));
 }
 
+/** In a few words, beside the button. */
+export function inShort({ logs }) {
+  const remarks = logs.reduce((sum, log) => sum + log.faults.length + log.findings.length + (log.periods < 2), 0);
+  const read = `${logs.length === 1 ? 'Log' : `${logs.length} logs`} read`;
+  return remarks ? `${read}, ${remarks} remark${remarks > 1 ? 's' : ''}` : `${read}, no faults`;
+}
+
 function logCard(log, index) {
   const trouble = [...log.faults, ...log.findings];
   const repeats = log.periods >= 2 ? `${log.periods} of ${number(log.period_s)} s` : 'none';

@@ -34,7 +34,7 @@ function summary({ result, report, effort: units }) {
     h('dl', { class: 'figures' }, figure(term('finding', 'Findings'), report.findings.length, `${report.findings.filter((f) => f.in_model).length} in the model`), figure(term('rms_error', 'Error without the effects'), number(sum(of(report.rms_before)), 3), `${effort}, summed over joints; ${heldOut ? 'held-out' : 'identification'} data`),
       figure('Error with the effects', number(sum(of(report.rms_after)), 3)), figure(term('noise_floor', 'Noise floor'), number(sum(report.noise_floor), 3))),
     heldOut ? null : h('div', { class: 'notice' }, h('p', {}, 'There is no validation log: these are errors on the data that chose the effects. Blocks of the log were held out in turn instead, which is weaker evidence.')),
-    h('div', { class: 'row' }, h('a', { class: 'button', href: `/identification?id=${result.id}` }, 'The identification'), reportLink(result)));
+    h('div', { class: 'row' }, h('a', { class: 'button', href: `/identification?id=${result.id}` }, 'Open the identification'), reportLink(result, 'Open the report')));
 }
 
 function findings(context) {
@@ -74,14 +74,20 @@ function finding(context, f, index) {
 function survivals(f) {
   if (!f.survivals?.length) return null;
   const lost = f.survivals.filter((s) => !s.survives).length;
-  return h('details', {}, h('summary', {}, lost ? `Not found in ${lost} of ${f.survivals.length} changed copies of the data` : `Found in all ${f.survivals.length} changed copies of the data`),
+  return h('details', {}, h('summary', {}, `Found again in ${f.survivals.length - lost} of ${f.survivals.length} changed copies of the data`),
     table([{ head: 'Change of the data', term: 'survival', cell: (s) => words(s.perturbation) }, { head: 'Finding', term: 'finding', cell: (s) => h('span', { class: `tag ${s.survives ? 'good' : 'warn'}` }, s.survives ? 'found again' : 'not found') }], f.survivals, { caption: 'The same diagnosis from changed data' }));
+}
+
+/** How the evidence stands between a finding and a rival. */
+function against(evidence) {
+  if (Math.abs(evidence) < 0.1) return ': fits equally well, but is the rarer cause.';
+  return evidence > 0 ? `: ${odds(evidence)} against it, which does not exclude it (difference in BIC ${number(evidence, 3)}; 20 to 1 is 6).` : `: fits better (difference in BIC ${number(-evidence, 3)}), but is the rarer cause.`;
 }
 
 function rivals(context, f, index) {
   if (!f.rivals.length) return null;
   const all = context.result.joints;
-  const one = (r, k) => h('li', {}, h('p', {}, h('strong', {}, words(called(r, all))), r.evidence > 0 ? `: ${odds(r.evidence)} against it, which does not exclude it (difference in BIC ${number(r.evidence, 3)}; 20 to 1 is 6).` : `: fits better (difference in BIC ${number(-r.evidence, 3)}), but is the rarer cause.`),
+  const one = (r, k) => h('li', {}, h('p', {}, h('strong', {}, words(called(r, all))), against(r.evidence)),
     context.result.provenance ? designButton(context, `Design the trajectory that decides: ${words(f.effect).toLowerCase()} or ${words(r.effect).toLowerCase()}`, { finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } }, `decide-${index}-${k}`) : null);
   return h('div', { class: 'rivals' }, h('h4', {}, term('rival', 'It could also be')), h('ul', { class: 'list' }, f.rivals.map(one)));
 }
@@ -168,8 +174,8 @@ async function begin() {
   const asked = new URLSearchParams(location.search).get('id');
   const which = find('#which');
   const chosen = asked ?? done[0]?.id;
-  if (asked && !done.some((j) => j.id === asked)) done.unshift({ id: asked, finished_at: new Date().toISOString() });
-  fill(which, done.map((j) => h('option', { value: j.id, selected: j.id === chosen }, `${time(j.finished_at)} · ${j.robot ?? ''} · ${j.id.slice(0, 8)}`)));
+  if (asked && !done.some((j) => j.id === asked)) done.unshift({ id: asked });
+  fill(which, done.map((j) => h('option', { value: j.id, selected: j.id === chosen }, [j.finished_at && time(j.finished_at), j.robot, j.id.slice(0, 8)].filter(Boolean).join(' · '))));
   which.addEventListener('change', () => { location.search = `?id=${which.value}`; });
   if (!chosen) {
     fill(find('#result'), section('none', 'Nothing yet', h('p', {}, 'There is no identification. '), h('a', { class: 'button primary', href: '/identification' }, 'Identify from a log')));

@@ -20,7 +20,7 @@ export function motionPlots({ joints, motion }) {
   plotLater(chart, make);
   const without = motion.torque ? null : h('p', { class: 'soft' }, 'No expected torque: the robot has no prior link parameters. A URDF file with inertials, or an identified model, brings them.');
   return h('section', { class: 'card', id: 'motion', 'aria-labelledby': 'motion-title' },
-    h('div', { class: 'row spread' }, h('h2', { id: 'motion-title' }, 'Motion against its limits'), h('span', { class: 'row' }, h('label', { class: 'inline', for: 'motion-joint' }, 'Show', choice), mark('limit_share', 'Share of a limit'))), without, chart);
+    h('div', { class: 'row spread' }, h('h2', { id: 'motion-title' }, 'Motion against its limits'), h('span', { class: 'labelled' }, h('label', { class: 'inline', for: 'motion-joint' }, 'Show', choice), mark('limit_share', 'Share of a limit'))), without, chart);
 }
 
 /** Stacked axes with one time axis: zooming one zooms all. */

@@ -19,20 +19,22 @@ export function definition(effect, joint) {
 export function entries(given) {
   const parameter = (p) => ({ name: p.name, unit: p.unit, low: text(p.low), high: text(p.high) });
   const channel = (c) => ({ name: c.name, unit: c.unit ?? '1', reference: text(c.reference) });
-  return { name: given.name, joint: given.joint ?? '', expression: given.expression, declared: given.declared ?? false, parameters: given.parameters.map(parameter), channels: (given.channels ?? []).map(channel) };
+  return { name: given.name ?? '', joint: given.joint ?? '', expression: given.expression ?? '', declared: given.declared ?? false, parameters: (given.parameters ?? []).map(parameter), channels: (given.channels ?? []).map(channel) };
 }
 
 /** A choice of a joint, and whether the effect is declared: of every effect, written out or of the catalogue. */
 export function jointAndPart(effect, at, id, names) {
-  const joint = h('select', { id: id('joint'), 'data-pointer': `${at}/joint`, onchange: (e) => { effect.joint = e.target.value; } }, names.map((n) => h('option', { value: n, selected: n === (effect.joint || names[0]) }, n)));
+  // A joint that the robot does not have stays chosen: what is wrong with it is said at its field.
+  const all = effect.joint && !names.includes(effect.joint) ? [effect.joint, ...names] : names;
+  const joint = h('select', { id: id('joint'), 'data-pointer': `${at}/joint`, onchange: (e) => { effect.joint = e.target.value; unmarkAround(e.target); } }, all.map((n) => h('option', { value: n, selected: n === (effect.joint || names[0]) }, n)));
   const declared = h('select', { id: id('declared'), 'data-pointer': `${at}/declared`, onchange: (e) => { effect.declared = e.target.value === 'yes'; } }, [['no', 'tested like every effect'], ['yes', 'declared: in the model']].map(([k, t]) => h('option', { value: k, selected: (k === 'yes') === effect.declared }, t)));
   return [h('div', { class: 'field' }, labelled('Joint', id('joint'), 'own_effect'), joint), h('div', { class: 'field' }, labelled('Part of the model', id('declared'), 'own_effect'), declared)];
 }
 
 export class OwnEffectForm {
-  /** `host`: what the list of effects tells and does — `joints()`, `draw()`, `remove(i)`, `kept` (names of the catalogue), `saved()`. */
+  /** `host`, the list of effects, has `at`, `joints()`, `redraw()`, `remove(i)`, `kept` (names of the catalogue) and `saved()`. */
   constructor(effect, i, host) {
-    Object.assign(this, { effect, i, host, at: `/effects/${i}`, state: h('span', { class: 'soft', role: 'status' }), trouble: h('div') });
+    Object.assign(this, { effect, i, host, at: `${host.at}/${i}`, state: h('span', { class: 'soft', role: 'status' }), trouble: h('div') });
     this.preview = new Preview(() => this.definition());
   }
 
@@ -48,20 +50,20 @@ export class OwnEffectForm {
   table(list, key, what, columns) {
     const cell = (entry, k, [field, , label]) => h('td', {}, h('div', { class: 'field' }, this.input(entry, field, `${this.at}/${key}/${k}/${field}`, { class: 'narrow', 'aria-label': `${label} of ${what} ${k + 1}` })));
     const row = (entry, k) => h('tr', {}, columns.map((column) => cell(entry, k, column)),
-      h('td', {}, h('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${entry.name || `${what} ${k + 1}`}`, onclick: () => { list.splice(k, 1); this.host.draw(); } }, '✕')));
+      h('td', {}, h('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${entry.name || `${what} ${k + 1}`}`, onclick: () => { list.splice(k, 1); this.host.redraw(); } }, '✕')));
     const head = (words) => h('th', { scope: 'col', 'data-own': '' }, words);
     return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': `${what}s of own effect ${this.i + 1}` }, h('table', { class: 'entry' },
       h('thead', {}, h('tr', {}, columns.map(([, words]) => head(words)), h('th', { scope: 'col', 'data-own': '' }, h('span', { class: 'unseen' }, 'Remove')))), h('tbody', {}, list.map(row))));
   }
 
   parameters() {
-    return h('div', { class: 'field', 'data-pointer': `${this.at}/parameters` }, this.table(this.effect.parameters, 'parameters', 'parameter', [['name', 'Parameter', 'Name'], ['unit', 'Unit', 'Unit'], ['low', 'from', 'Lowest value'], ['high', 'to', 'Highest value']]),
+    return h('div', { class: 'field', 'data-pointer': `${this.at}/parameters` }, this.table(this.effect.parameters, 'parameters', 'parameter', [['name', 'Parameter', 'Name'], ['unit', 'Unit', 'Unit'], ['low', 'From', 'Lowest value'], ['high', 'To', 'Highest value']]),
       h('p', { class: 'help' }, 'SI units side by side: N m/rad. A range is needed where the formula is not linear in the parameter.'));
   }
 
   channels() {
     const { channels } = this.effect;
-    return channels.length ? h('div', { class: 'field', 'data-pointer': `${this.at}/channels` }, this.table(channels, 'channels', 'quantity', [['name', 'Quantity', 'Name'], ['unit', 'Unit', 'Unit'], ['reference', 'elsewhere', 'Value elsewhere']]),
+    return channels.length ? h('div', { class: 'field', 'data-pointer': `${this.at}/channels` }, this.table(channels, 'channels', 'quantity', [['name', 'Quantity', 'Name'], ['unit', 'Unit', 'Unit'], ['reference', 'Elsewhere', 'Value elsewhere']]),
       h('p', { class: 'help' }, 'Further quantities of the log, named as in its table of columns. “Elsewhere” is the value along motions that have none: designs, exports.')) : null;
   }
 
@@ -94,7 +96,7 @@ export class OwnEffectForm {
     const save = h('button', { type: 'button', onclick: () => this.save(save) }, this.label());
     const renamed = { id: id('name'), oninput: () => { fill(save, this.label()); fill(this.state); } };
     const [joint, part] = jointAndPart(effect, at, id, this.host.joints());
-    const add = (list, entry) => () => { list.push(entry); this.host.draw(); };
+    const add = (list, entry) => () => { list.push(entry); this.host.redraw(); };
     this.element = h('fieldset', { 'data-pointer': at }, h('legend', {}, `Own effect ${i + 1}`),
       h('div', { class: 'halves' }, h('div', { class: 'field' }, labelled('Name', id('name'), 'own_effect'), this.input(effect, 'name', `${at}/name`, renamed)), joint),
       h('div', { class: 'field' }, labelled('Torque that it adds', id('expression'), 'own_effect'), this.input(effect, 'expression', `${at}/expression`, { id: id('expression'), class: 'mono' }), this.preview.place,

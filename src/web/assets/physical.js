@@ -46,6 +46,15 @@ function bent(joint, j) {
   return Math.min(high, Math.max(low, wanted));
 }
 
+/** `pseudo inertia positive definite on links 2, 4 and 5`. */
+function byConstraint(active) {
+  return [...new Set(active.map((m) => m.constraint))].map((name) => {
+    const links = active.filter((m) => m.constraint === name).map((m) => m.link);
+    const named = links.length > 1 ? `links ${links.slice(0, -1).join(', ')} and ${links.at(-1)}` : `link ${links[0]}`;
+    return `${words(name).toLowerCase()} on ${named}`;
+  });
+}
+
 function margins(feasibility) {
   const chart = h('div', { class: 'plot flat', 'data-label': 'Margins of physical consistency, per link' });
   const names = [...new Set(feasibility.margins.map((m) => m.constraint))];
@@ -62,6 +71,6 @@ function margins(feasibility) {
     { head: 'Cost in fit', number: true, cell: (m) => (m.active ? `active, ${m.cost_percent < 0.01 ? '< 0.01' : number(m.cost_percent, 2)} %` : '–'), sort: (m) => m.cost_percent ?? -1, term: 'active' },
   ], feasibility.margins, { caption: 'Margins of physical consistency; zero: active', sort: { column: 2, way: 'ascending' } });
   const active = feasibility.margins.filter((m) => m.active);
-  const held = active.length ? h('p', { id: 'active-bounds' }, `Active: ${active.map((m) => `${words(m.constraint).toLowerCase()} on link ${m.link}`).join(', ')}. These bounds, and not only the log, determine these bodies; the table gives the cost of each in fit.`) : null;
+  const held = active.length ? h('p', { id: 'active-bounds' }, `Active: ${byConstraint(active).join('; ')}. These bounds, and not only the log, determine these bodies; the table gives the cost of each in fit.`) : null;
   return h('div', {}, h('h3', {}, term('physical_margin', 'Margins of physical consistency')), held, chart, h('details', {}, h('summary', {}, 'As a table'), table_));
 }

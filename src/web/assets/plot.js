@@ -38,6 +38,11 @@ addEventListener('beforeprint', () => {
 addEventListener('afterprint', () => drawn.forEach((_, place) => place.isConnected && place.data && window.Plotly.relayout(place, { width: null, autosize: true })));
 document.addEventListener('theme', () => drawn.forEach((draw) => draw()));
 
+/** Whether a plot is as narrow as on a phone: its legend is below, and it is higher. */
+const isNarrow = (place) => place.clientWidth < 520;
+/** A phone that is turned has plots of the other kind. */
+addEventListener('resize', () => drawn.forEach((draw, place) => place.dataset.narrow !== String(isNarrow(place)) && place.clientWidth > 0 && draw()));
+
 /**
  * Draws a plot into `place`, again after a change of theme. `make()` hands back `{traces, layout}`: called anew, because colours
  * belong to the theme.
@@ -48,7 +53,11 @@ export async function plot(place, make, options = {}) {
   const draw = () => {
     const { traces, layout } = make();
     shortenPlaces(traces, layout);
-    return Plotly.react(place, traces, dressed(layout, place), { responsive: true, displaylogo: false, modeBarButtonsToRemove: ['lasso2d', 'select2d'], ...options });
+    const full = dressed(layout, place, traces);
+    // Otherwise plotly.js leaves the place as high as it was first.
+    place.style.height = full.height ? `${full.height}px` : null;
+    place.dataset.narrow = isNarrow(place);
+    return Plotly.react(place, traces, full, { responsive: true, displaylogo: false, modeBarButtonsToRemove: ['lasso2d', 'select2d'], ...options });
   };
   if (place.dataset.label) {
     place.setAttribute('role', 'img');
@@ -80,9 +89,10 @@ function shortenPlaces(traces, layout) {
   if (short !== names) layout.xaxis = { ...layout.xaxis, tickvals: names, ticktext: short };
 }
 
-function dressed(layout, place) {
+function dressed(layout, place, traces) {
   const [ink, soft, grid] = ['--ink', '--soft', '--grid'].map(variable);
-  const narrow = place.clientWidth < 520;
+  const narrow = isNarrow(place);
+  const explained = traces.length > 1 || traces.some((t) => t.showlegend);
   const axis = { gridcolor: grid, linecolor: soft, zerolinecolor: grid, ticks: 'outside', ticklen: 4, exponentformat: 'power', tickcolor: grid, automargin: true, title: { standoff: 8 } };
   // On a phone the top belongs to the buttons that zoom, the legend goes below.
   const legend = narrow ? { orientation: 'h', y: 0, yref: 'container', yanchor: 'bottom', x: 0 } : { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 };
@@ -93,7 +103,8 @@ function dressed(layout, place) {
     ...layout,
   };
   full.legend = { ...legend, ...layout.legend };
-  if (narrow) Object.assign(full, { height: (layout.height ?? 300) + 60, margin: { ...full.margin, b: 96 } });
+  // Room for a legend below, where there is one.
+  if (narrow) Object.assign(full, { height: (layout.height ?? 300) + (explained ? 60 : 10), margin: { ...full.margin, b: explained ? 96 : 46 } });
   for (const name of Object.keys(full).concat(['xaxis', 'yaxis']).filter((k) => /^[xy]axis/.test(k))) {
     const own = full[name] ?? {};
     // Few figures on logarithmic axes: 1, 2, 5 at most.

@@ -1,5 +1,5 @@
 // The residual against the variable that explains it: before and after.
-import { fill, h, perSecond, sinceStart, term } from './dom.js';
+import { fill, h, perSecond, sentence, sinceStart, term } from './dom.js';
 import { colour, isDark, plot, variable } from './plot.js';
 
 export function residualPlot(context) {
@@ -24,7 +24,7 @@ export function residualPlot(context) {
     const [one, other] = narrow() ? ['Above', 'below'] : ['Left', 'right'];
     about.textContent = data.second
       ? `${one}, as colour, the residual of the declared model; ${other} ${inModel(context) ? 'what the effects found add to its prediction. The same pattern, less the noise, is theirs.' : 'the same with the effects found.'}`
-      : `${one} the residual of the declared model, with what the effects found add to its prediction as small dots; ${other} the residual with them.`;
+      : `${one}: residual of the declared model; the small dots are what the effects found add to its prediction. ${sentence(other).slice(0, -1)}: residual with the effects found.`;
     plot(place, () => (data.second ? map(context, data) : scatter(context, data)));
   };
   [log, joint, across, along].forEach((c) => c.addEventListener('change', draw));

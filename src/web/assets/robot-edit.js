@@ -2,8 +2,9 @@
 import { ArmView, HOW_TO_TURN } from './arm.js';
 import { explain, getJson, postJson, send, unmark } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
-import { fill, find, h, labelled, said, sentence, term } from './dom.js';
+import { breakable, fill, find, h, labelled, said, sentence, term } from './dom.js';
 import { jointDetails, suggestShape } from './robot-joint.js';
+import { RobotEffects } from './robot-effects.js';
 import { Fields } from './robot-fields.js';
 import { tipChoice } from './robot-source.js';
 import { toolForm } from './robot-tool.js';
@@ -22,10 +23,11 @@ export function editor({ id, start, saved, cancel }) {
   const trouble = h('div', { 'data-role': 'trouble' });
   const name = h('input', { id: 'robot-id', value: id ?? slug(fields.doc.name), autocomplete: 'off', spellcheck: 'false' });
   const picture = preview();
-  const draw = () => fill(form, h('h2', { id: 'editor-title' }, id ? `Edit ${fields.doc.name}` : 'Describe the robot'), notes, start.ends?.length ? tipChoice(start.ends, start.tip, start.again) : null,
-    general(fields), joints(fields, draw), h('div', { class: 'row spread' }, h('h3', {}, 'Links, ', term('capsule', 'shapes'), ' and bounds'), h('button', { type: 'button', onclick: () => { suggestShape(fields.doc); draw(); fields.changed(); } }, 'Suggest a shape')), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), asJson(fields, draw), trouble,
-    h('div', { class: 'row field' }, labelled('ID', 'robot-id', 'id'), (name.disabled = Boolean(id), name), h('span', { class: 'help' }, 'In requests and addresses: letters, digits, - and _.')),
-    h('div', { class: 'actions' }, h('button', { class: 'primary' }, 'Save robot'), h('button', { type: 'button', onclick: cancel }, 'Cancel')));
+  const effects = new RobotEffects(fields);
+  const draw = () => keepOpen(form, () => fill(form, h('h2', { id: 'editor-title' }, id ? `Edit ${fields.doc.name}` : 'Describe the robot'), notes, start.ends?.length ? tipChoice(start.ends, start.tip, start.again) : null,
+    general(fields), joints(fields, draw), h('div', { class: 'row spread' }, h('h3', {}, 'Links, ', term('capsule', 'shapes'), ' and bounds'), h('button', { type: 'button', onclick: () => { suggestShape(fields.doc); draw(); fields.changed(); } }, 'Suggest a shape')), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), (effects.read(), effects.element), asJson(fields, draw),
+    h('div', { class: 'field' }, labelled('ID', 'robot-id', 'id'), (name.disabled = Boolean(id), name), h('p', { class: 'help' }, 'Names the robot in requests and addresses: letters, digits, - and _.')), trouble,
+    h('div', { class: 'actions' }, h('button', { class: 'primary' }, 'Save robot'), h('button', { type: 'button', onclick: cancel }, 'Cancel'))));
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     unmark(form);
@@ -36,13 +38,14 @@ export function editor({ id, start, saved, cancel }) {
       await keep(path, fields.doc, Boolean(id));
       saved(name.value);
     } catch (error) {
-      explain(trouble, error, form);
+      explain(trouble, described(error), form);
     }
   });
   const say = (more) => fill(notes, [...new Set([...remarks, ...more])].map((n) => h('div', { class: 'notice' }, h('p', {}, said(sentence(n))))));
   let waiting = null;
   const soon = () => { clearTimeout(waiting); waiting = setTimeout(check, 350); };
   async function check() {
+    effects.follow();
     try {
       const drawn = await postJson('/motion', { robot: fields.doc });
       unmark(form);
@@ -51,13 +54,26 @@ export function editor({ id, start, saved, cancel }) {
       await picture.show(fields.doc, drawn);
     } catch (error) {
       unmark(form);
-      explain(trouble, error, form, { quiet: true });
+      explain(trouble, described(error), form, { quiet: true });
     }
   }
   draw();
   say([]);
   check();
   return h('div', { class: 'editor' }, form, picture.element);
+}
+
+/** Draws a form anew; the parts that were open stay so. */
+function keepOpen(form, draw) {
+  const open = [...form.querySelectorAll('details[open][id]')].map((part) => part.id);
+  draw();
+  open.forEach((part) => find(`#${part}`, form)?.setAttribute('open', ''));
+}
+
+/** A description is asked for as a part of another request: what is said of that is said of the description. */
+function described(error) {
+  const count = error.problem?.errors?.filter((e) => e.pointer.startsWith('/robot')).length;
+  return count ? Object.assign(error, { problem: { ...error.problem, detail: `The description has ${count} problem${count > 1 ? 's' : ''}` } }) : error;
 }
 
 /** Keeps a robot; a new one does not take the place of another without a word. */
@@ -118,7 +134,7 @@ function joints(fields, draw) {
   const limits = (joint, j) => {
     joint.limits ??= {};
     const turn = { angle: joint.kind !== 'prismatic' };
-    return h('tr', {}, h('th', { scope: 'row' }, joint.name), [0, 1].map((end) => number(j, ['limits', 'position', end], ['lowest position', 'highest position'][end], { ...turn, pair: true })), LIMITS.map(([key, words]) => number(j, ['limits', key], words, turn)), number(j, ['limits', 'effort'], joint.kind === 'prismatic' ? 'force' : 'torque', {}));
+    return h('tr', {}, h('th', { scope: 'row' }, breakable(joint.name ?? '')), [0, 1].map((end) => number(j, ['limits', 'position', end], ['lowest position', 'highest position'][end], { ...turn, pair: true })), LIMITS.map(([key, words]) => number(j, ['limits', key], words, turn)), number(j, ['limits', 'effort'], joint.kind === 'prismatic' ? 'force' : 'torque', {}));
   };
   const table = (label, head, rows) => h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, head.map((t) => h('th', { scope: 'col' }, t === 'Remove' ? h('span', { class: 'unseen' }, t) : termOf(t) ? term(termOf(t), t) : t)))), h('tbody', {}, rows)));
   const add = () => {

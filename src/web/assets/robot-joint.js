@@ -67,7 +67,7 @@ export function suggestShape(doc) {
 function bounds(fields, joint, { group, number, labelled, slides, draw }) {
   const pair = (path, words) => h('div', { class: 'pair-of' }, [0, 1].map((end) => labelled(`${words}, ${['lowest', 'highest'][end]}`, number(['bounds', ...path, end], `${words} ${['lowest', 'highest'][end]}`, { pair: true }))));
   const per = slides ? ['N·s/m', 'N'] : ['N·m·s/rad', 'N·m'];
-  return switched(fields, joint, 'bounds', 'Bounds for identified parameters', () => ({ mass: [0.1, 10] }), draw, () => [
+  return switched(fields, joint, 'bounds', 'Bounds of its parameters', () => ({ mass: [0.1, 10] }), draw, () => [
     pair(['mass'], 'Mass (kg)'),
     group('Centre of mass (m)', [0, 1, 2].map((i) => boundOfCentre(fields, joint, number, labelled, i))),
     group('Inertia about the centre of mass (kg·m²)', INERTIA.map((k) => pair(['inertia', k], k))),

@@ -71,7 +71,7 @@ async function show(place, robot, remarks, take, tip) {
   try {
     const { description, notes } = await postJson('/motion', { robot: tip ? { ...robot, tip } : robot });
     fill(place);
-    take({ description: robot.joints ? robot : description, notes: [...remarks, ...notes], ends, tip, again });
+    take({ description: robot.joints ? robot : { ...description, effects: robot.effects }, notes: [...remarks, ...notes], ends, tip, again });
   } catch (error) {
     explain(place, error);
     if (ends.length > 1) place.append(tipChoice(ends, tip, again));

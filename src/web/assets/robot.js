@@ -5,6 +5,8 @@ import { shapeOf } from './cell-view.js';
 import { meshesOf, meshPart } from './meshes.js';
 import { fill, find, h, measured, number, perSecond, said, sentence, table, term, time, unit, words } from './dom.js';
 import { editor } from './robot-edit.js';
+import { effectTable } from './robot-effects.js';
+import { searchEnd } from './job-words.js';
 import { sourceForm } from './robot-source.js';
 import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
@@ -28,7 +30,7 @@ async function editKept(robot) {
   const document = await getJson(`/robots/${encodeURIComponent(robot.id)}`);
   const { description, notes } = await postJson('/motion', { robot: document });
   const remarks = document.urdf || document.mjcf ? ['This robot was given as a URDF or MJCF file. Saved here, it is kept by its joints, with all that was read of the file.', ...notes] : notes;
-  const own = document.joints ? document : description;
+  const own = document.joints ? document : { ...description, effects: document.effects };
   if (!robot.shipped) return edit(robot.id, { description: own, notes: remarks });
   return edit(null, { description: { ...own, name: `${own.name} (copy)` }, notes: ['Robots that come with the program stay as they are; this is a copy.', ...remarks] });
 }
@@ -40,12 +42,20 @@ async function show(robot) {
   const drawn = await postJson('/motion', { robot: robot.id });
   const base = h('div', {}, h('p', { class: 'soft' }, 'Computing …'));
   const history = h('div', {}, h('p', { class: 'soft' }, 'Looking …'));
+  const own = h('div');
   const parts = [['kinematics', 'Kinematics'], ['limits', 'Limits'], ['base', 'Base parameters'], ['history', 'History']];
   fill(target, h('nav', { class: 'toc', 'aria-label': 'Parts' }, parts.map(([id, name]) => h('a', { href: `#${id}` }, name))),
     drawn.notes.length ? h('div', { class: 'notice' }, drawn.notes.map((n) => h('p', {}, said(sentence(n))))) : null,
-    kinematics(robot, drawn), limits(drawn), section('base', [term('base_parameters', 'Base parameters')], base), section('history', 'Designs and identifications', history));
+    kinematics(robot, drawn), limits(drawn), own, section('base', [term('base_parameters', 'Base parameters')], base), section('history', 'Designs and identifications', history));
   getJson(`/robots/${encodeURIComponent(robot.id)}/base-parameters`).then((b) => fill(base, baseTable(b))).catch((e) => explain(base, e));
+  showEffects(own, robot).catch((e) => explain(own, e));
   showHistory(history, robot).catch((e) => explain(history, e));
+}
+
+/** Own effects of the robot, where it has some. */
+async function showEffects(place, robot) {
+  const shown = robot.shipped ? null : await effectTable(await getJson(`/robots/${encodeURIComponent(robot.id)}`));
+  fill(place, shown ? section('own', [term('own_effect', 'Own effects')], shown) : null);
 }
 
 function kinematics(robot, drawn) {
@@ -65,10 +75,10 @@ function kinematics(robot, drawn) {
   const sliders = drawn.joints.map((joint, j) => slider(joint, q[j], (v) => { q[j] = v; update(); }));
   const zero = h('button', { type: 'button', onclick: () => sliders.forEach((s, j) => s.set(start(drawn.joints[j]))) }, 'Back to zero');
   queueMicrotask(update);
-  const actions = h('div', { class: 'actions' }, zero, h('a', { class: 'button primary', href: `/design?robot=${encodeURIComponent(robot.id)}` }, 'Design a trajectory'), h('a', { class: 'button', href: `/identification?robot=${encodeURIComponent(robot.id)}` }, 'Identify'),
+  const actions = h('div', { class: 'row field' }, h('a', { class: 'button primary', href: `/design?robot=${encodeURIComponent(robot.id)}` }, 'Design a trajectory'), h('a', { class: 'button', href: `/identification?robot=${encodeURIComponent(robot.id)}` }, 'Identify'),
     h('button', { type: 'button', onclick: () => editKept(robot).catch((e) => explain(find('#trouble'), e)) }, robot.shipped ? 'Edit a copy' : 'Edit'),
     download('Description (JSON)', `/robots/${robot.id}`, `${robot.id}.json`), robot.shipped ? null : forget(robot));
-  return section('kinematics', drawn.robot, h('div', { class: 'columns', style: 'grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))' }, h('div', {}, canvas, h('p', { class: 'help' }, `Grid 0.25 m; the arrow g is gravity; arcs are the ranges of the joints. ${HOW_TO_TURN}`)), h('div', {}, h('div', { class: 'sliders' }, sliders.map((s) => s.element)), place)), actions, meshPart(robot, drawn, clothe));
+  return section('kinematics', drawn.robot, actions, h('div', { class: 'columns', style: 'grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))' }, h('div', {}, canvas, h('p', { class: 'help' }, `Grid 0.25 m; the arrow g is gravity; arcs are the ranges of the joints. ${HOW_TO_TURN}`)), h('div', {}, h('div', { class: 'sliders' }, sliders.map((s) => s.element)), h('div', { class: 'row spread' }, place, zero))), meshPart(robot, drawn, clothe));
 }
 
 function forget(robot) {
@@ -111,7 +121,7 @@ function limits(drawn) {
 function baseTable(base) {
   return [h('p', { class: 'soft' }, `${base.count} combinations of ${base.standard_parameters.length} `, term('standard_parameters', 'standard parameters'), ': all that joint torques can identify of this arm. R in a name means that other parameters are grouped into it.'), table([
     { head: 'Name', term: 'base_parameters', cell: (p) => nameOf(p.name), sort: (p) => p.name }, { head: 'Expression', term: 'standard_parameters', cell: (p) => typeset(p.expression, p.name) }, { head: 'Unit', cell: (p) => unit(p.unit), sort: (p) => p.unit },
-  ], base.base_parameters, { caption: 'By name' })];
+  ], base.base_parameters, { caption: 'Base parameters by name' })];
 }
 
 /** Runs of this robot, oldest first; of each its result. */
@@ -126,7 +136,7 @@ async function showHistory(place, robot) {
   const [designs, identified] = await Promise.all([runs(robot, 'excitation'), runs(robot, 'identification')]);
   fill(place, identified.length ? across(identified) : h('p', { class: 'soft' }, 'No identifications yet.'), designs.length ? table([
     { head: 'Design', cell: (r) => h('a', { href: `/design?id=${r.job.id}` }, time(r.job.finished_at)), sort: (r) => r.job.finished_at }, { head: 'Condition number', term: 'condition_number', number: true, cell: (r) => number(r.result.condition_number), sort: (r) => r.result.condition_number },
-    { head: 'Period', term: 'period', number: true, cell: (r) => `${number(r.result.period_s)} s`, sort: (r) => r.result.period_s }, { head: 'Limits', term: 'limits_form', cell: (r) => r.result.request.constraints?.form ?? 'paper' }, { head: 'Ended', term: 'search_end', cell: (r) => words(r.result.status) },
+    { head: 'Period', term: 'period', number: true, cell: (r) => `${number(r.result.period_s)} s`, sort: (r) => r.result.period_s }, { head: 'Limits', term: 'limits_form', cell: (r) => r.result.request.constraints?.form ?? 'paper' }, { head: 'Ended', term: 'search_end', cell: (r) => searchEnd(r.result.status) },
   ], designs, { caption: 'Designs' }) : null);
 }
 
@@ -157,6 +167,7 @@ async function begin() {
   const which = find('#which');
   fill(which, adding ? h('option', { value: '', selected: true }, 'a new one') : null, robots.map((r) => h('option', { value: r.id, selected: !adding && r.id === asked }, r.name)));
   which.addEventListener('change', () => { location.href = address(which.value); });
+  find('#add').hidden = adding;
   if (adding) return addRobot();
   const robot = robots.find((r) => r.id === asked);
   if (!robot) throw Object.assign(new Error(), { problem: { detail: `There is no robot ${asked}.`, hint: 'Add it with the button above.' } });

@@ -43,7 +43,7 @@ export function torquePlots(result, effort, { models: called = MODELS, first = 0
   };
   const holder = h('div');
   [log, joint, model].forEach((c) => c.addEventListener('change', draw));
-  card.append(h('div', { class: 'row' }, h('label', { class: 'inline' }, 'Log', log), h('label', { class: 'inline' }, 'Joint', joint), h('label', { class: 'inline' }, 'Predicted by', model), mark('model_kind', 'Model that predicts')), holder, text);
+  card.append(h('div', { class: 'row' }, h('label', { class: 'inline' }, 'Log', log), h('label', { class: 'inline' }, 'Joint', joint), h('span', { class: 'labelled' }, h('label', { class: 'inline' }, 'Predicted by', model), mark('model_kind', 'Model that predicts'))), holder, text);
   queueMicrotask(draw);
   return card;
 }
