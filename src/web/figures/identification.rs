@@ -88,7 +88,7 @@ pub fn error_figure(document: &IdentifyDocument) -> Figure {
         x: "joint".into(),
         places: document.joints.clone(),
         panels: vec![Panel {
-            y: "RMS error (N m or N)".into(),
+            y: "RMS error (N·m or N)".into(),
             series: all.iter().enumerate().map(bars).collect(),
         }],
         size: (900, 300),

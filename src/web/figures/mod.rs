@@ -74,10 +74,10 @@ pub enum Mark {
     Point,
 }
 
-/// Where a unit is written for people: `kg m^2` becomes `kg m²`, and that of pure numbers nothing.
+/// Where a unit is written for people: `kg m^2` becomes `kg·m²`, and that of pure numbers nothing.
 pub(super) fn unit(text: &str) -> String {
     if text == "1" {
         return String::new();
     }
-    text.replace("^2", "²").replace("^3", "³")
+    text.replace(' ', "·").replace("^2", "²").replace("^3", "³")
 }

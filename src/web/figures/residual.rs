@@ -36,7 +36,7 @@ fn panel(residual: &ResidualDocument, name: &str, [before, after]: [&Vec<Option<
         points: by_joint(values),
     };
     Panel {
-        y: format!("{name}: RMS (N m or N)"),
+        y: format!("{name}: RMS (N·m or N)"),
         series: vec![
             series("declared model", Mark::Bar { at: 0, of: 2 }, 1, before),
             series("with effects", Mark::Bar { at: 1, of: 2 }, 0, after),

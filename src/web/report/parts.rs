@@ -46,7 +46,7 @@ pub(super) fn summary(page: &mut Html, result: &IdentifyDocument) {
     );
     rows.extend([
         row("Condition number, columns scaled", text(&q.condition_number)),
-        row("Estimator", text(&result.estimator)),
+        row("Estimator", estimator(&result.estimator).into()),
         row(
             "Physical fit: residual of the physical over that of the base parameters",
             text(&result.feasibility.as_ref().map(|f| f.rms_ratio)),
@@ -54,6 +54,16 @@ pub(super) fn summary(page: &mut Html, result: &IdentifyDocument) {
     ]);
     page.table("Key figures", &["Quantity", "#Value"], rows.into_iter());
     result.notes.iter().for_each(|note| page.paragraph("soft", note));
+}
+
+/// The method behind the code of an estimator.
+fn estimator(code: &str) -> &str {
+    match code {
+        "wls" => "least squares weighted by each joint's noise",
+        "ols" => "ordinary least squares",
+        "robust" => "least squares robust against outliers",
+        other => other,
+    }
 }
 
 /// How many base parameters the logs determine, and how many parameters beside them, where the fit has some.
@@ -187,7 +197,7 @@ pub(super) fn errors(page: &mut Html, result: &IdentifyDocument) {
         }
     }
     page.table(
-        "RMS error: measured less predicted torque (N m, or N for prismatic joints) of single measurements, for the model with the effects found",
+        "RMS error: measured less predicted torque (N·m, or N for prismatic joints) of single measurements, for the model with the effects found",
         &heads,
         rows.into_iter(),
     );

@@ -26,7 +26,7 @@ pub(super) fn physical(page: &mut Html, result: &IdentifyDocument) {
         std::iter::once(link(l)).chain(numbers).collect::<Vec<_>>()
     };
     page.table(
-        "Inertia about the centre of mass (kg m²)",
+        "Inertia about the centre of mass (kg·m²)",
         &["Link", "#Ixx", "#Iyy", "#Izz", "#Ixy", "#Ixz", "#Iyz"],
         bodies.iter().map(inertia),
     );

@@ -72,7 +72,7 @@ fn held_out(page: &mut Html, held_out: &HeldOutDocument) {
     };
     page.heading(3, "Held-out errors");
     let caption = format!(
-        "Held-out RMS error per joint (N m, or N for prismatic joints): {}. Held-out data: {}",
+        "Held-out RMS error per joint (N·m, or N for prismatic joints): {}. Held-out data: {}",
         words(held_out.verdict.code()),
         text(&held_out.source)
     );
