@@ -171,8 +171,8 @@ impl<'a> Data<'a> {
         let base = self.base_rows(&model);
         // As long as nothing bends the motion, only the columns of the effects are new.
         let bent = model.terms.iter().any(Term::is_distortion);
-        // Fits that are only compared do without what base parameters change through effects that read torques.
-        let through_effects = !self.compared && model.reads_torques();
+        // Fits that are only compared do without what base parameters change through effects.
+        let through_effects = !self.compared && model.reads_own_torques();
         let plain = !bent && !through_effects && self.row_weights.is_none();
         let none = vec![Vec::new(); model.robot.joint_count()];
         let evaluated: Vec<Evaluated> = self
