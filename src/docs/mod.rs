@@ -9,6 +9,9 @@ pub mod method {}
 #[doc = include_str!("closing-the-loop.md")]
 pub mod closing_the_loop {}
 
+#[doc = include_str!("worked-example.md")]
+pub mod worked_example {}
+
 #[doc = include_str!("own-effects.md")]
 pub mod own_effects {}
 
@@ -23,3 +26,6 @@ pub mod service {}
 
 #[doc = include_str!("performance.md")]
 pub mod performance {}
+
+#[doc = include_str!("bibliography.md")]
+pub mod bibliography {}

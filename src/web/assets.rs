@@ -1,6 +1,6 @@
 //! Files inside the program.
 
-use super::glossary;
+use super::{bibliography, glossary};
 use flate2::Compression;
 use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
@@ -54,11 +54,15 @@ pub(super) fn asset(name: &str) -> Option<Asset> {
             gzip: Some(PLOTLY_GZIP),
         });
     }
-    if name == glossary::NAME {
+    let made: [(&str, &'static str); 2] = [
+        (glossary::NAME, &glossary::EFFECTS),
+        (bibliography::NAME, &bibliography::SOURCES),
+    ];
+    if let Some((_, text)) = made.into_iter().find(|(own, _)| *own == name) {
         return Some(Asset {
             media_type: media_type(name).to_string(),
-            etag: etag(&Sha256::digest(glossary::EFFECTS.as_bytes())),
-            plain: Cow::Borrowed(glossary::EFFECTS.as_bytes()),
+            etag: etag(&Sha256::digest(text.as_bytes())),
+            plain: Cow::Borrowed(text.as_bytes()),
             gzip: None,
         });
     }

@@ -5,6 +5,8 @@
 
 #[cfg(feature = "service")]
 mod assets;
+#[cfg(feature = "service")]
+mod bibliography;
 pub mod figures;
 mod glossary;
 #[cfg(feature = "service")]
