@@ -17,21 +17,27 @@ pub(crate) struct Torques {
 impl AugmentedModel {
     /// Rows of the base parameters along the motion as measured.
     pub(crate) fn base_rows(&self, stretch: &Stretch) -> ShapedRows {
-        let joints = self.robot.joint_count();
-        let layout = Layout::standard(&self.robot);
-        let chain = Chain::new(&self.robot);
-        let batch = (SETTINGS.regressor_numbers / (stretch.motion.samples() * joints).max(1)).max(1);
-        let mut shaped: ShapedRows = vec![Vec::new(); joints];
-        for (first, part) in self.base.kept.chunks(batch).enumerate().map(|(i, part)| (i * batch, part)) {
-            let set = ColumnSet::new(&self.robot, &layout, part);
-            let mut rows = RowBlocks::new(&set, stretch.motion.samples());
-            rows.fill(&chain, &set, &stretch.motion, Coulomb::Sign);
+        let mut shaped: ShapedRows = vec![Vec::new(); self.robot.joint_count()];
+        self.for_batches(&self.robot, &stretch.motion, |first, set, rows| {
             for (j, own) in shaped.iter_mut().enumerate() {
-                let shaped = stretch.shaped_block(&rows, j, set.row(j)).into_iter();
+                let shaped = stretch.shaped_block(rows, j, set.row(j)).into_iter();
                 own.extend(shaped.map(|(at, values)| (first + at, values)));
             }
-        }
+        });
         shaped
+    }
+
+    /// Rows of some base parameters after others along a motion, as many at a time as a long log leaves room for; with the number
+    /// of the first.
+    pub(super) fn for_batches(&self, robot: &Robot, motion: &Motion, mut each: impl FnMut(usize, &ColumnSet, &RowBlocks)) {
+        let (layout, chain) = (Layout::standard(robot), Chain::new(robot));
+        let batch = (SETTINGS.regressor_numbers / (motion.samples() * robot.joint_count()).max(1)).max(1);
+        for (i, part) in self.base.kept.chunks(batch).enumerate() {
+            let set = ColumnSet::new(robot, &layout, part);
+            let mut rows = RowBlocks::new(&set, motion.samples());
+            rows.fill(&chain, &set, motion, Coulomb::Sign);
+            each(i * batch, &set, &rows);
+        }
     }
 
     pub(crate) fn fill(&self, robot: &Robot, motion: &Motion) -> (ColumnSet, RowBlocks) {

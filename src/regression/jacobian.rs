@@ -145,6 +145,18 @@ fn add_columns(torque: &mut [Vec<f64>], columns: &[Column], coefficients: &[f64]
     }
 }
 
+/// `C c` on the joints that the columns reach.
+pub(super) fn summed(columns: Vec<Column>, coefficients: &[f64]) -> BTreeMap<usize, Vec<f64>> {
+    let mut rows: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (column, c) in columns.into_iter().zip(coefficients) {
+        for (j, values) in column.rows {
+            let sum = rows.entry(j).or_insert_with(|| vec![0.0; values.len()]);
+            sum.iter_mut().zip(values).for_each(|(t, v)| *t += c * v);
+        }
+    }
+    rows
+}
+
 /// `∂(C c)/∂shape` by central differences; a thousandth of the value is far above rounding and far below the curvature of any
 /// column.
 pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
@@ -155,14 +167,7 @@ pub(crate) fn shape_derivatives(term: &Term, scene: &Scene) -> Vec<Column> {
                 let mut shape = term.shape.clone();
                 shape[i] += sign * step;
                 let columns = term.effect.columns(term.form, scene, &term.joints, &shape);
-                let mut rows: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-                for (column, c) in columns.into_iter().zip(&term.coefficients) {
-                    for (j, values) in column.rows {
-                        let sum = rows.entry(j).or_insert_with(|| vec![0.0; values.len()]);
-                        sum.iter_mut().zip(values).for_each(|(t, v)| *t += c * v);
-                    }
-                }
-                rows
+                summed(columns, &term.coefficients)
             };
             let (up, down) = (torque(1.0), torque(-1.0));
             let values = |(u, d): (Vec<f64>, Vec<f64>)| u.iter().zip(d).map(|(u, d)| (u - d) / (2.0 * step)).collect();

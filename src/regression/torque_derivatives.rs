@@ -10,11 +10,10 @@
 //! rose by a third, and deviations of crosstalk on virtual logs were the same.
 
 use super::dataset::{ShapedRows, Stretch};
+use super::jacobian::summed;
 use super::model::{AugmentedModel, Term};
-use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
 use crate::effects::Scene;
 use crate::parameters::{Layout, ParameterKind};
-use crate::regression::settings::SETTINGS;
 
 /// `∂(C c)_j/∂tau_j` over the samples, by the rigid torque alone or by that of the declared model.
 struct Slope {
@@ -37,14 +36,8 @@ impl AugmentedModel {
             return;
         }
         let layout = Layout::standard(scene.robot);
-        let chain = Chain::new(scene.robot);
-        let samples = scene.motion.samples();
-        let batch = (SETTINGS.regressor_numbers / (samples * scene.robot.joint_count()).max(1)).max(1);
         let is_rigid = |at: usize| matches!(layout.parameters()[self.base.kept[at]].kind, ParameterKind::Inertial(_));
-        for (first, part) in self.base.kept.chunks(batch).enumerate().map(|(i, part)| (i * batch, part)) {
-            let set = ColumnSet::new(scene.robot, &layout, part);
-            let mut rows = RowBlocks::new(&set, samples);
-            rows.fill(&chain, &set, scene.motion, Coulomb::Sign);
+        self.for_batches(scene.robot, scene.motion, |first, set, rows| {
             for slope in &slopes {
                 let columns = rows.block(slope.joint).chunks_exact(rows.stride()).zip(set.row(slope.joint));
                 let read = columns.filter(|(_, at)| !slope.rigid || is_rigid(first + **at));
@@ -54,7 +47,7 @@ impl AugmentedModel {
                 };
                 jacobian[slope.joint].extend(stretch.shaped_with(read.map(through)));
             }
-        }
+        });
     }
 }
 
@@ -93,13 +86,7 @@ fn torque(term: &Term, scene: &Scene, rigid: bool, by: f64) -> Vec<f64> {
         },
     };
     let columns = term.effect.columns(term.form, &there, &term.joints, &term.shape);
-    let mut sum = vec![0.0; scene.samples()];
-    for (column, c) in columns.iter().zip(&term.coefficients) {
-        for (_, values) in column.rows.iter().filter(|(j, _)| *j == joint) {
-            sum.iter_mut().zip(values).for_each(|(t, v)| *t += c * v);
-        }
-    }
-    sum
+    summed(columns, &term.coefficients).remove(&joint).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -75,9 +75,12 @@ export function seconds(value) {
   return `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
 }
 
+/** Names of fields are spelt as in America, pages as in Britain. */
+const centred = (text) => text.replace(/\bcenter\b/g, 'centre');
+
 /** `stribeck_friction` → `Stribeck friction`, `BudgetExhausted` → `Budget exhausted`. */
 export function words(code) {
-  const text = (code ?? '').replaceAll('_', ' ').replace(/([a-z])([A-Z])/g, (_, a, b) => `${a} ${b.toLowerCase()}`).replace(/\bcenter\b/, 'centre');
+  const text = centred((code ?? '').replaceAll('_', ' ').replace(/([a-z])([A-Z])/g, (_, a, b) => `${a} ${b.toLowerCase()}`));
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
@@ -89,7 +92,7 @@ export const dotted = (text) => text.replace(/\bN m\b/g, 'N·m');
 
 /** A text of the interface: terms in it get help on their first mention. */
 export function said(text) {
-  const place = h('span', {}, text?.replace(/\bcenter\b/g, 'centre') ?? '');
+  const place = h('span', {}, centred(text ?? ''));
   if (text) import('./glossary.js').then((help) => help.mention(place));
   return place;
 }
