@@ -8,10 +8,12 @@ import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar, Union
 
+from . import effects as own
 from . import results
+from .effects import EffectEntry, EffectLike, OwnEffect
 from .errors import DynidentError
 from .model import Model
 from .results import Design, Identification, KeptRobot, Validation
@@ -79,16 +81,42 @@ class Client:
         id: str | None = None,
         tip: str | None = None,
         base: str | None = None,
+        effects: Sequence[EffectLike] | None = None,
     ) -> KeptRobot:
         """Keeps a robot of the lab: a document, or the path of a JSON, URDF or MJCF file or of a ZIP archive of a URDF file with its meshes.
 
         With `id` it takes the place of the robot that had this name. `tip` and `base` are the ends of the arm in a URDF or MJCF file that has more.
+        `effects` are own effects that every identification of the robot has, in the place of those of the document; not for archives.
         """
-        kind, body = robot_upload(robot)
+        kind, body = robot_upload(robot, None if effects is None else own.effect_documents(effects))
         ends = {name: link for name, link in (("tip", tip), ("base", base)) if link is not None}
         query = f"?{urllib.parse.urlencode(ends)}" if ends else ""
         method, path = ("POST", "/robots") if id is None else ("PUT", f"/robots/{urllib.parse.quote(id, safe='')}")
         return results.kept_robot(json.loads(self._send(method, path + query, body, kind)[1]))
+
+    def effects(self) -> list[EffectEntry]:
+        """Own effects of the lab's catalogue, in the order of their names."""
+        return [own.effect_entry(e) for e in self._json("GET", "/effects")["effects"]]
+
+    def get_effect(self, name: str) -> OwnEffect:
+        """The definition of an effect of the catalogue."""
+        return own.own_effect(self._json("GET", _effect_path(name)))
+
+    def save_effect(self, effect: OwnEffect | Mapping[str, Any]) -> EffectEntry:
+        """Keeps a definition in the catalogue, in the place of the one that had its name; needs the role admin where there are tokens.
+
+        Jobs that were submitted before keep the definition as it was.
+        """
+        document = own.effect_document(effect)
+        return own.effect_entry(self._post("PUT", _effect_path(document.get("name", "")), document))
+
+    def delete_effect(self, name: str) -> None:
+        """Removes an effect from the catalogue; one that a robot of the lab names is refused (`effect_in_use`)."""
+        self._send("DELETE", _effect_path(name))
+
+    def preview_effect(self, effect: OwnEffect | Mapping[str, Any]) -> EffectEntry:
+        """Checks a definition without keeping it; every bad field is in the `errors` of the exception."""
+        return own.effect_entry(self._post("POST", "/effect-preview", own.effect_document(effect)))
 
     def start_excite(
         self,
@@ -101,10 +129,11 @@ class Client:
         constraints: dict[str, Any] | None = None,
         time_limit_s: float = 60.0,
         seed: int = 1,
+        effects: Sequence[EffectLike] | None = None,
         **more: Any,
     ) -> Job[Design]:
-        """Starts the design of a trajectory; `more` are further fields of `POST /excitation`."""
-        request = {
+        """Starts the design of a trajectory; `effects` are own effects whose detectable sizes are stated, `more` further fields of `POST /excitation`."""
+        request: dict[str, Any] = {
             "robot": robot,
             "fourier": {"order": order, "fundamental_hz": fundamental_hz},
             "sample_rate_hz": sample_rate_hz,
@@ -113,6 +142,8 @@ class Client:
             "search": {"seed": seed, "time_limit_s": time_limit_s},
             **more,
         }
+        if effects is not None:
+            request["effects"] = own.effect_documents(effects)
         body = json.dumps(request).encode()
         return self._start("/excitation", body, "application/json", lambda d: results.design(self, d))
 
@@ -129,10 +160,17 @@ class Client:
         sample_rate_hz: float | None = None,
         period_s: float | None = None,
         columns: dict[str, Any] | None = None,
+        effects: Sequence[EffectLike] | None = None,
         **more: Any,
     ) -> Job[Identification]:
-        """Starts an identification. `sample_rate_hz` is for logs without time; `more` are further fields of `POST /identify`."""
-        request = {"robot": robot, **more}
+        """Starts an identification.
+
+        `sample_rate_hz` is for logs without time. `effects` are own effects: names of the catalogue, uses of it, or definitions. `more` are further
+        fields of `POST /identify`.
+        """
+        request: dict[str, Any] = {"robot": robot, **more}
+        if effects is not None:
+            request["effects"] = own.effect_documents(effects)
         columns = dict(columns or {})
         if sample_rate_hz is not None:
             columns["sample_rate_hz"] = sample_rate_hz
@@ -170,6 +208,9 @@ class Client:
     def _json(self, method: str, path: str) -> Any:
         return json.loads(self._send(method, path)[1])
 
+    def _post(self, method: str, path: str, document: Any) -> Any:
+        return json.loads(self._send(method, path, json.dumps(document).encode(), "application/json")[1])
+
     def _send(
         self,
         method: str,
@@ -194,3 +235,10 @@ class Client:
             except ValueError:
                 problem = {"code": "unknown", "detail": content.decode(errors="replace")[:500]}
             raise DynidentError(problem, error.code) from None
+
+
+def _effect_path(name: str) -> str:
+    # Without a name this would be the address of the whole catalogue.
+    if not name:
+        raise ValueError("the effect has no name")
+    return f"/effects/{urllib.parse.quote(name, safe='')}"

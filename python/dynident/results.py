@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import detectable, findings
+from .findings import Effect, Finding, Residual
 from .model import Array, Model
 
 if TYPE_CHECKING:
@@ -50,69 +52,11 @@ class PhysicalParameters:
 
 
 @dataclass(frozen=True)
-class EffectParameter:
-    name: str
-    value: float
-    std_dev: float | None
-    unit: str
-
-
-@dataclass(frozen=True)
-class Effect:
-    effect: str
-    joints: list[str]
-    parameters: list[EffectParameter]
-    in_model: bool
-
-
-@dataclass(frozen=True)
 class LogErrors:
     """RMS error of a model on a log, per joint [N·m or N]."""
 
     name: str
     rms: list[float]
-
-
-@dataclass(frozen=True)
-class DetectableEffect:
-    """The smallest size of an effect that a recording reveals."""
-
-    effect: str
-    #: None for an effect of the whole robot.
-    joints: list[str]
-    parameter: str
-    unit: str
-    #: None where no size is found; `hidden` says why.
-    size: float | None
-    hidden: str | None
-
-
-@dataclass(frozen=True)
-class InseparableEffects:
-    """An effect that is found, and one that cannot be distinguished from it at that size."""
-
-    effect: str
-    joints: list[str]
-    parameter: str
-    rival: str
-    rival_joints: list[str]
-    correlation: float
-    #: Size of the effect from which on the rival is excluded; None where no size does.
-    told_apart_from: float | None
-    unit: str
-
-
-@dataclass(frozen=True)
-class Detectable:
-    """What a recording of a design would reveal, with the chance `power`."""
-
-    power: float
-    false_alarm: float
-    periods: float
-    torque_noise: list[float]
-    noise_source: str
-    effects: list[DetectableEffect]
-    pairs: list[InseparableEffects]
 
 
 @dataclass(frozen=True)
@@ -131,14 +75,9 @@ class Design:
         return 1.0 / self.fundamental_hz
 
     @property
-    def detectable(self) -> Detectable | None:
+    def detectable(self) -> detectable.Detectable | None:
         """What a recording would reveal; None where there is no trajectory."""
-        d = self.document.get("detectable")
-        if d is None:
-            return None
-        effects = [DetectableEffect(**{k: e.get(k) for k in DetectableEffect.__dataclass_fields__}) for e in d["effects"]]
-        pairs = [InseparableEffects(**{k: p.get(k) for k in InseparableEffects.__dataclass_fields__}) for p in d["pairs"]]
-        return Detectable(d["power"], d["false_alarm"], d["periods"], d["torque_noise"], d["noise_source"], effects, pairs)
+        return detectable.detectable(self.document.get("detectable"))
 
     def samples(
         self,
@@ -179,12 +118,23 @@ class Identification:
     base_parameters: list[BaseParameter]
     #: None where none were asked for, or none make a robot.
     physical_parameters: list[PhysicalParameters] | None
+    #: Listed, own and declared effects, and laws, estimated together with the base parameters.
     effects: list[Effect]
     validation: list[LogErrors]
-    #: `nothing_missing`, `explained`, `partly_explained` or `unexplained`; None without a diagnosis.
-    residual_verdict: str | None
+    #: The diagnosis of the residual, with all findings; None where none was asked for.
+    residual: Residual | None
     model: Model
     document: dict[str, Any] = field(repr=False)
+
+    @property
+    def residual_verdict(self) -> str | None:
+        """`nothing_missing`, `explained`, `partly_explained` or `unexplained`; None without a diagnosis."""
+        return self.residual.verdict if self.residual else None
+
+    @property
+    def findings(self) -> list[Finding]:
+        """Effects that the data show beyond chance, those in the model first; empty without a diagnosis."""
+        return self.residual.findings if self.residual else []
 
 
 @dataclass(frozen=True)
@@ -193,7 +143,14 @@ class Validation:
 
     id: str
     logs: list[LogErrors]
+    #: What has changed since the model was made; None where no diagnosis was asked for.
+    residual: Residual | None
     document: dict[str, Any] = field(repr=False)
+
+    @property
+    def findings(self) -> list[Finding]:
+        """Changes that the data show beyond chance; empty without a diagnosis."""
+        return self.residual.findings if self.residual else []
 
 
 def kept_robot(d: dict[str, Any]) -> KeptRobot:
@@ -214,17 +171,8 @@ def identification(client: Client, d: dict[str, Any]) -> Identification:
         PhysicalParameters(p["link"], p["mass"], tuple(p["center_of_mass"]), p["inertia"], p["viscous"] or 0.0, p["coulomb"] or 0.0)
         for p in links
     ]
-    effects = [
-        Effect(
-            e["effect"],
-            e["joints"],
-            [EffectParameter(p["name"], p["value"], p.get("std_dev"), p["unit"]) for p in e["parameters"]],
-            e["in_model"],
-        )
-        for e in d.get("effects") or []
-    ]
+    effects = [findings.effect(e) for e in d.get("effects") or []]
     validation = [LogErrors(v["name"], (v.get("physical") or v["base"])["rms"]) for v in d["rms"]["validation"]]
-    residual = d.get("residual")
     return Identification(
         d["id"],
         d["joints"],
@@ -233,11 +181,12 @@ def identification(client: Client, d: dict[str, Any]) -> Identification:
         physical or None,
         effects,
         validation,
-        residual["verdict"] if residual else None,
+        findings.residual(d.get("residual")),
         Model(client, d["id"]),
         d,
     )
 
 
 def validation(d: dict[str, Any]) -> Validation:
-    return Validation(d["id"], [LogErrors(log["name"], log["rms"]) for log in d["logs"]], d)
+    logs = [LogErrors(log["name"], log["rms"]) for log in d["logs"]]
+    return Validation(d["id"], logs, findings.residual(d.get("residual")), d)

@@ -34,16 +34,28 @@ def as_file(log: Log, number: int) -> tuple[str, bytes]:
     return f"log{number}.npz", content.getvalue()
 
 
-def robot_upload(robot: Mapping[str, Any] | str | os.PathLike[str]) -> tuple[str, bytes]:
-    """Content type and body of a robot; what a file is, its first bytes say."""
+def robot_upload(robot: Mapping[str, Any] | str | os.PathLike[str], effects: list[Any] | None = None) -> tuple[str, bytes]:
+    """Content type and body of a robot, with own effects where some are given; what a file is, its first bytes say."""
     if isinstance(robot, Mapping):
-        return "application/json", json.dumps(robot).encode()
+        document = dict(robot) if effects is None else {**robot, "effects": effects}
+        return "application/json", json.dumps(document).encode()
     content = Path(robot).read_bytes()
-    if content.startswith(b"PK\x03\x04"):
-        return "application/zip", content
     # Packed files are unpacked by the server, whatever they hold.
-    is_json = content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
-    return ("application/json" if is_json else "application/xml"), content
+    is_zip, start = content.startswith(b"PK\x03\x04"), content.lstrip(b"\xef\xbb\xbf \t\r\n")[:1]
+    if effects is not None:
+        if is_zip or start not in (b"{", b"<"):
+            raise ValueError(f"{robot}: own effects go with a document, or with a plain JSON, URDF or MJCF file")
+        return robot_upload(_as_document(content, start == b"{"), effects)
+    kind = "zip" if is_zip else "json" if start == b"{" else "xml"
+    return f"application/{kind}", content
+
+
+def _as_document(content: bytes, is_json: bool) -> dict[str, Any]:
+    if is_json:
+        document: dict[str, Any] = json.loads(content)
+        return document
+    text = content.decode("utf-8-sig")
+    return {"mjcf" if "<mujoco" in text else "urdf": text}
 
 
 def many(logs: Any) -> list[Any]:
