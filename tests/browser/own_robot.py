@@ -10,7 +10,7 @@ import time
 import urllib.request
 from pathlib import Path
 
-from browser import arguments, browser_page, check, picture, settle, simulate
+from browser import arguments, browser_page, check, check_error, picture, settle, simulate
 
 # Three links with friction: mass, centre of mass, inertia about it, viscous and Coulomb friction.
 LINKS = [(4.0, (0.0, -0.05, 0.02), 0.03, 0.8, 1.2), (3.0, (-0.2, 0.01, 0.05), 0.04, 0.6, 0.9), (1.2, (-0.1, 0.0, 0.03), 0.01, 0.2, 0.4)]
@@ -75,8 +75,9 @@ def edit(page, options):
     page.fill("[data-pointer='/robot/joints/1/limits/velocity']", "fast")
     page.get_by_role("button", name="Save robot").click()
     # At the field, and at the button.
-    page.locator("td:has([data-pointer='/robot/joints/1/limits/velocity']) .field-error").wait_for()
-    page.locator("#editor [role=alert]").get_by_text("/robot/joints/1/limits/velocity").wait_for()
+    speed = "[data-pointer='/robot/joints/1/limits/velocity']"
+    page.locator(f"td:has({speed}) .field-error").wait_for()
+    check_error(page, f"td:has({speed}) .field-error", "#editor [role=alert]", "J2: velocity is “fast”, expected a number.", speed)
     page.trouble.clear()
     page.fill("[data-pointer='/robot/joints/1/limits/velocity']", "120")
     page.locator("#joint-1 summary").click()
@@ -316,6 +317,18 @@ def shipped_copy(page, options):
     page.get_by_role("button", name="Save robot").click()
     page.locator("#editor [role=alert]").get_by_text("comes with the program").wait_for()
     page.trouble.clear()
+    # Its description has rows of a DH table: the editor has the modified parameters that the server makes of them.
+    page.goto(f"{options.server}/robot?robot=ur5e")
+    page.get_by_role("button", name="Edit a copy").click()
+    page.locator("#editor .notice").get_by_text("Rows of DH tables are kept as modified parameters").wait_for()
+    page.locator(".picture canvas[data-drawn]").wait_for()
+    assert page.locator(".field-error").count() == 0 and page.input_value("[data-pointer='/robot/joints/1/mdh/alpha']") == "90"
+    page.fill("#robot-id", "my-ur5e")
+    page.get_by_role("button", name="Save robot").click()
+    page.locator("#kinematics canvas[data-drawn]").wait_for()
+    with urllib.request.urlopen(f"{options.server}/robots/my-ur5e") as answer:
+        joints = json.load(answer)["joints"]
+    assert len(joints) == 6 and all("dh" not in j and j["mdh"] and j["prior"]["mass"] > 0 for j in joints), joints
 
 
 def main():

@@ -63,6 +63,16 @@ async function text(place, content, take) {
   await show(place, robot, [], take);
 }
 
+/**
+ * A document as the editor takes it, by its joints, with remarks on what is another than in the document. Rows of DH tables are those that the server makes
+ * of them: their bodies stand in other frames.
+ */
+export function editable(document, description) {
+  const rows = document.joints?.some((joint) => joint.dh);
+  const remarks = rows ? ['Rows of DH tables are kept as modified parameters (Khalil), with masses and shapes in the frames of these.'] : [];
+  return { description: document.joints && !rows ? document : { ...description, effects: document.effects }, remarks };
+}
+
 /** Hands a robot on as it is understood; a URDF file with several ends asks for the last link of the chain. */
 async function show(place, robot, remarks, take, tip) {
   fill(place, h('p', { class: 'soft', role: 'status' }, 'Reading …'));
@@ -71,7 +81,8 @@ async function show(place, robot, remarks, take, tip) {
   try {
     const { description, notes } = await postJson('/motion', { robot: tip ? { ...robot, tip } : robot });
     fill(place);
-    take({ description: robot.joints ? robot : { ...description, effects: robot.effects }, notes: [...remarks, ...notes], ends, tip, again });
+    const own = editable(robot, description);
+    take({ description: own.description, notes: [...remarks, ...own.remarks, ...notes], ends, tip, again });
   } catch (error) {
     explain(place, error);
     if (ends.length > 1) place.append(tipChoice(ends, tip, again));

@@ -7,7 +7,7 @@ import { fill, find, h, measured, number, perSecond, said, sentence, table, term
 import { editor } from './robot-edit.js';
 import { effectTable } from './robot-effects.js';
 import { searchEnd } from './job-words.js';
-import { sourceForm } from './robot-source.js';
+import { editable, sourceForm } from './robot-source.js';
 import { nameOf, typeset } from './expression.js';
 import { colour, plot, plotLater } from './plot.js';
 
@@ -29,8 +29,8 @@ function addRobot() {
 async function editKept(robot) {
   const document = await getJson(`/robots/${encodeURIComponent(robot.id)}`);
   const { description, notes } = await postJson('/motion', { robot: document });
-  const remarks = document.urdf || document.mjcf ? ['This robot was given as a URDF or MJCF file. Saved here, it is kept by its joints, with all that was read of the file.', ...notes] : notes;
-  const own = document.joints ? document : { ...description, effects: document.effects };
+  const { description: own, remarks: changed } = editable(document, description);
+  const remarks = document.urdf || document.mjcf ? ['This robot was given as a URDF or MJCF file. Saved here, it is kept by its joints, with all that was read of the file.', ...notes] : [...changed, ...notes];
   if (!robot.shipped) return edit(robot.id, { description: own, notes: remarks });
   return edit(null, { description: { ...own, name: `${own.name} (copy)` }, notes: ['Robots that come with the program stay as they are; this is a copy.', ...remarks] });
 }
