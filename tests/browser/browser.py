@@ -246,6 +246,16 @@ def check_in_reach(page, button):
     page.evaluate("window.scrollTo(0, 0)")
 
 
+def check_error(page, at, summary, said, field):
+    """An error in the same words at its field and in the summary, where the name of the field leads to it; no pointer of a document stands in either."""
+    lines = page.locator(f"{summary} li")
+    shown = [" ".join(text.split()) for text in lines.all_inner_texts()]
+    assert page.locator(at).inner_text() == said and said in shown, (page.locator(at).inner_text(), shown)
+    page.evaluate("document.activeElement.blur()")
+    lines.nth(shown.index(said)).get_by_role("button").click()
+    assert page.locator(field).evaluate("field => field === document.activeElement"), f"{field}: not reached from the summary"
+
+
 def picture(page, options, name, at=None):
     """What is on the screen, or would be with the part `at` at its top."""
     if options.pictures:

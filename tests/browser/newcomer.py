@@ -6,7 +6,7 @@ import math
 import re
 import time
 
-from browser import arguments, browser_page, check, check_accessible, check_contrast, check_in_reach, check_prints, picture, settle, simulate
+from browser import arguments, browser_page, check, check_accessible, check_contrast, check_error, check_in_reach, check_prints, picture, settle, simulate
 
 # Seconds of search, or as long as a busy machine needs to show it.
 SEARCH_S = 6
@@ -25,10 +25,11 @@ def design(page, options):
     page.select_option("#robot", label="KUKA LBR iiwa 14 R820 (7 joints)")
     page.fill("#order", "1")
     page.click("#go")
-    # The interface refuses one harmonic, and its words stand under the field that is wrong.
+    # The interface refuses one harmonic: its words stand under the field, and at the button with the way there, by the name that the field has on the page.
     page.locator(".field:has(#order) .field-error").wait_for()
     assert page.get_attribute("#order", "aria-invalid") == "true"
-    assert page.locator(".field:has(#order) .field-error").inner_text().startswith("/fourier/order is 1")
+    refused = "Number of harmonics is 1: rest at the start leaves nothing free below order 2. Use 5 as in the paper, at least 2."
+    check_error(page, ".field:has(#order) .field-error", "#form-trouble", refused, "#order")
     # What the console says of the refused request is what was asked for here.
     page.trouble.clear()
     page.fill("#order", "5")
@@ -84,6 +85,7 @@ def cell(page):
     assert asked["space"]["half_spaces"] == [{"name": "floor", "normal": [0, 0, 1], "offset": -0.15}] and asked["space"]["self_collision"] == {}, asked
     page.click("#go")
     page.locator(".field:has(#torque-limits) .field-error").wait_for()
+    check_error(page, ".field:has(#torque-limits) .field-error", "#form-trouble", "Torque limit of joint 3 is 0; a torque limit is a positive number of N·m or N.", "#torque-limits")
     page.trouble.clear()
     page.uncheck("#torque-on")
     assert page.locator(".field-error").count() == 0, "what was changed is no longer what was refused"

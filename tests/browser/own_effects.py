@@ -51,6 +51,8 @@ def map_quantity(page, options, log):
     name.fill("2nd gear")
     name.blur()
     page.locator("#columns .field-error", has_text="is no name in an expression").wait_for()
+    said = page.locator("#columns .field-error").inner_text()
+    assert said == "T_gear2: name in formulas is no name in an expression. Use letters, digits and `_`, such as `temperature`.", said
     page.trouble.clear()
     picture(page, options, "quantity-refused", "#columns")
     page.get_by_label("T_gear2: name in formulas").fill("temperature")
@@ -89,6 +91,8 @@ def write_effect(page, options):
     page.trouble.clear()
     page.get_by_role("button", name="Save to the lab").click()
     page.locator("#own-effects .field-error", has_text="`temperature` is neither").wait_for()
+    said = page.locator("#own-effects .field-error").inner_text()
+    assert said.startswith("Torque of own effect 1: `temperature` is neither a variable nor a parameter. Variables are "), said
     page.trouble.clear()
     picture(page, options, "effect-refused", "#own-effects")
     page.get_by_role("button", name="Add a quantity").click()

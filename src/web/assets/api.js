@@ -1,5 +1,6 @@
 // The HTTP interface, as any client would use it.
-import { dotted, fill, h, sentence } from './dom.js';
+import { fill, h, sentence } from './dom.js';
+import { errorLine, markError } from './field-errors.js';
 
 const TOKEN = 'dynident.token';
 export const token = () => localStorage.getItem(TOKEN);
@@ -97,6 +98,12 @@ export function save(blob, name) {
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
+/** Where the pages list what a route lists. */
+const LISTS = { 'GET /jobs lists them': ['/runs', 'All runs'], 'GET /robots lists them': ['/robot', 'All robots'], 'GET /effects lists them': ['/#effects-part', 'The effects of the lab'] };
+const remedy = (hint) => (LISTS[hint] ? h('a', { href: LISTS[hint][0] }, LISTS[hint][1]) : sentence(hint));
+/** Titles of the interface in the words of the pages; names in it stand between quotation marks. */
+const headline = (problem) => sentence(problem.detail ?? problem.title).replace(/^The (excitation|identification|validation|motion) request has/, 'The request has').replace(/`([^`]*)`/g, '“$1”');
+
 /**
  * Shows what went wrong at `place`, in the words of the interface; `form` gets the fields marked that it names. `quiet`: where somebody is typing, nothing
  * moves.
@@ -104,42 +111,13 @@ export function save(blob, name) {
 export function explain(place, error, form, { quiet = false } = {}) {
   if (error.name === 'AbortError') return;
   const problem = error.problem ?? { detail: `The page failed: ${error.message}` };
-  const all = (problem.errors ?? []).map((e) => ({ ...e, field: mark(form, e) }));
-  const show = (field) => { field.scrollIntoView({ block: 'center' }); field.focus(); };
+  const all = (problem.errors ?? []).map((e) => markError(form, e));
   // At the button as well as at the field: what is wrong may be out of sight, or in a part that is folded.
-  const one = (e) => h('li', {}, h('span', { class: 'mono' }, e.pointer), ` ${dotted(e.detail)}`, e.field ? [' ', h('button', { type: 'button', class: 'link', onclick: () => show(e.field) }, 'Show')] : null, e.hint ? h('div', { class: 'soft' }, e.hint) : null);
-  fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, sentence(problem.detail ?? problem.title)), problem.hint ? h('p', {}, problem.hint) : null,
-    all.length ? h('ul', {}, all.map(one)) : null));
+  fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, headline(problem)), problem.hint ? h('p', {}, remedy(problem.hint)) : null,
+    all.length ? h('ul', {}, all.map(errorLine)) : null));
   if (!error.problem) console.error(error);
   if (quiet) return;
   const bad = all.find((e) => e.field)?.field;
-  (bad ?? place).scrollIntoView({ block: 'center' });
+  (bad ?? place).scrollIntoView({ block: 'center', inline: 'center' });
   bad?.focus();
-}
-
-/** Puts one error under the field that carries its pointer, or a pointer above it; hands back what takes the focus there. */
-function mark(form, error) {
-  if (!form) return null;
-  const fields = [...form.querySelectorAll('[data-pointer]')].filter((f) => error.pointer === f.dataset.pointer || error.pointer.startsWith(`${f.dataset.pointer}/`));
-  const field = fields.sort((a, b) => b.dataset.pointer.length - a.dataset.pointer.length)[0];
-  if (!field) return null;
-  for (let part = field.closest('details'); part; part = part.parentElement.closest('details')) part.setAttribute('open', '');
-  field.setAttribute('aria-invalid', 'true');
-  const text = `${error.pointer} ${dotted(error.detail)}${error.hint ? `: ${error.hint}` : ''}`;
-  const id = `error-${Math.random().toString(36).slice(2)}`;
-  field.setAttribute('aria-describedby', id);
-  // A whole part of the form has its words at its end.
-  (field.closest('.field') ?? field).append(h('p', { class: 'field-error', id }, text));
-  return field.matches('input, select, textarea, button') ? field : field.querySelector('input, select, textarea, button, summary') ?? field;
-}
-
-export function unmark(form) {
-  form.querySelectorAll('[aria-invalid]').forEach((f) => f.removeAttribute('aria-invalid'));
-  form.querySelectorAll('.field-error').forEach((e) => e.remove());
-}
-
-/** What is changed is no longer what was refused: its mark goes, and those of the part of the form that it switches. */
-export function unmarkAround(field) {
-  const around = field.closest('details') ?? field.closest('.field');
-  if (around) unmark(around);
 }

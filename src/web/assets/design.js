@@ -1,10 +1,11 @@
 // Design: the form, the search as it goes, the result.
-import { explain, follow, getJson, postJson, send, unmark, unmarkAround } from './api.js';
+import { explain, follow, getJson, postJson, send } from './api.js';
 import { moveTo } from './address.js';
 import { CellView } from './cell-view.js';
 import { CRITERIA } from './criteria.js';
 import { askedFor } from './decide.js';
 import { fill, find, h, number } from './dom.js';
+import { unmark, unmarkAround } from './field-errors.js';
 import { Live } from './design-live.js';
 import { showDesign } from './design-result.js';
 import { Known } from './known-form.js';

@@ -39,8 +39,9 @@ export function unfinished({ expression, parameters = [], channels = [] }) {
 
 /** Shows a definition as a formula at `place` a moment after it was last changed, or the first thing that is wrong with it. */
 export class Preview {
-  constructor(definition) {
-    Object.assign(this, { definition, place: formulaPlace(), asked: 0, waiting: null });
+  /** `nameAt(pointer)`: what a field of the definition is called on the page. */
+  constructor(definition, nameAt) {
+    Object.assign(this, { definition, nameAt, place: formulaPlace(), asked: 0, waiting: null });
     this.show();
   }
 
@@ -56,15 +57,17 @@ export class Preview {
     // Its name does not change how it is set.
     const definition = { ...this.definition(), name: 'preview' };
     const lacks = unfinished(definition);
-    const shown = lacks ? soft(lacks) : await postJson('/effect-preview', definition).then(typeset, (error) => soft(wrong(error)));
+    const shown = lacks ? soft(lacks) : await postJson('/effect-preview', definition).then(typeset, (error) => soft(this.wrong(error)));
     if (asked === this.asked) fill(this.place, shown);
+  }
+
+  /** The first thing that is wrong; of the formula itself without its name, which stands above. */
+  wrong({ problem }) {
+    const [first] = problem?.errors ?? [];
+    if (!first) return problem?.detail ?? 'The formula cannot be shown.';
+    return sentence(first.pointer === '/expression' ? first.detail : `${this.nameAt(first.pointer) ?? first.pointer} ${first.detail}`);
   }
 }
 
 const soft = (text) => h('span', { class: 'soft' }, text);
 
-function wrong({ problem }) {
-  const [first] = problem?.errors ?? [];
-  if (!first) return problem?.detail ?? 'The formula cannot be shown.';
-  return sentence(`${first.pointer.replace(/^\//, '').replaceAll('/', ' ')} ${first.detail}`);
-}

@@ -1,8 +1,9 @@
 // Identification: logs in, what was understood of them, the result.
 import { moveTo } from './address.js';
-import { Refused, explain, follow, getJson, send, unmark } from './api.js';
+import { Refused, explain, follow, getJson, send } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
+import { unmark } from './field-errors.js';
 import { LogColumns } from './log-columns.js';
 import { readHead } from './log-file.js';
 import { inShort, showPreview } from './log-preview.js';

@@ -44,12 +44,13 @@ export class Obstacles {
 
   row(row, i) {
     const pointer = `/constraints/space/${PLACES[row.kind]}/${this.rows.slice(0, i).filter((r) => r.kind === row.kind).length}`;
-    const input = (key, count) => h('input', { id: `obstacle-${i}-${key}`, value: Array.isArray(row[key]) ? row[key].join(', ') : row[key], 'data-pointer': `${pointer}/${key}`, oninput: (e) => {
+    const called = (label) => `${row.name}: ${label.replace(/ \(.*\)$/, '').toLowerCase()}`;
+    const input = (key, label, count) => h('input', { 'data-label': called(label), id: `obstacle-${i}-${key}`, value: Array.isArray(row[key]) ? row[key].join(', ') : row[key], 'data-pointer': `${pointer}/${key}`, oninput: (e) => {
       const parts = e.target.value.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map((t) => (Number.isFinite(Number(t)) ? Number(t) : t));
       row[key] = key === 'name' ? e.target.value : count === 1 ? parts[0] ?? null : parts;
       this.changed();
     } });
-    const field = ([key, label, count]) => h('div', { class: 'field' }, h('label', { for: `obstacle-${i}-${key}` }, label), input(key, count));
+    const field = ([key, label, count]) => h('div', { class: 'field' }, h('label', { for: `obstacle-${i}-${key}` }, label), input(key, label, count));
     return h('fieldset', { class: 'obstacle' }, h('legend', {}, row.kind === 'box' ? 'Box' : 'Plane: floor or wall'),
       h('div', { class: 'pair' }, field(['name', 'Name', 0]), h('div', { class: 'end' }, h('button', { type: 'button', 'aria-label': `Remove ${row.name}`, onclick: () => { this.rows.splice(i, 1); this.show(); } }, 'Remove'))),
       h('div', { class: 'pair' }, FIELDS[row.kind].map(field)));

@@ -1,7 +1,8 @@
 // One own effect as a part of a form: every input carries the pointer that errors are named by.
-import { explain, unmark, unmarkAround } from './api.js';
+import { explain } from './api.js';
 import { fill, h, labelled } from './dom.js';
 import { Preview, keep } from './effect-catalogue.js';
+import { nameAt, unmark, unmarkAround } from './field-errors.js';
 
 /** What is no number goes to the server as it is, which says so at its field. */
 const numeric = (text) => (text.trim() === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
@@ -35,7 +36,7 @@ export class OwnEffectForm {
   /** `host`, the list of effects, has `at`, `joints()`, `redraw()`, `remove(i)`, `kept` (names of the catalogue) and `saved()`. */
   constructor(effect, i, host) {
     Object.assign(this, { effect, i, host, at: `${host.at}/${i}`, state: h('span', { class: 'soft', role: 'status' }), trouble: h('div') });
-    this.preview = new Preview(() => this.definition());
+    this.preview = new Preview(() => this.definition(), (pointer) => nameAt(this.element, `${this.at}${pointer}`));
   }
 
   definition() {
@@ -98,8 +99,8 @@ export class OwnEffectForm {
     const [joint, part] = jointAndPart(effect, at, id, this.host.joints());
     const add = (list, entry) => () => { list.push(entry); this.host.redraw(); };
     this.element = h('fieldset', { 'data-pointer': at }, h('legend', {}, `Own effect ${i + 1}`),
-      h('div', { class: 'halves' }, h('div', { class: 'field' }, labelled('Name', id('name'), 'own_effect'), this.input(effect, 'name', `${at}/name`, renamed)), joint),
-      h('div', { class: 'field' }, labelled('Torque that it adds', id('expression'), 'own_effect'), this.input(effect, 'expression', `${at}/expression`, { id: id('expression'), class: 'mono' }), this.preview.place,
+      h('div', { class: 'halves' }, h('div', { class: 'field' }, labelled('Name', id('name'), 'own_effect'), this.input(effect, 'name', `${at}/name`, { ...renamed, 'data-label': `Name of own effect ${i + 1}` })), joint),
+      h('div', { class: 'field' }, labelled('Torque that it adds', id('expression'), 'own_effect'), this.input(effect, 'expression', `${at}/expression`, { id: id('expression'), class: 'mono', 'data-label': `Torque of own effect ${i + 1}` }), this.preview.place,
         h('p', { class: 'help' }, 'q, qd, qdd: position, speed and acceleration of its joint; q1, qd1, qdd1 those of joint 1. + - * / ^, sin cos tan tanh exp ln sqrt abs sign, pi. Every other name is a parameter.')),
       this.parameters(), this.channels(), part,
       h('div', { class: 'actions' }, h('button', { type: 'button', onclick: add(effect.parameters, { name: '', unit: '1', low: '', high: '' }) }, 'Add a parameter'), h('button', { type: 'button', onclick: add(effect.channels, { name: '', unit: '1', reference: '' }) }, 'Add a quantity'),

@@ -1,7 +1,7 @@
 // Effects with formulas of the user's own: written out, or of the lab's catalogue. Of a request, and of a robot.
-import { unmarkAround } from './api.js';
 import { fill, h, labelled } from './dom.js';
 import { catalogue, formulaPlace, typeset, unfinished } from './effect-catalogue.js';
+import { unmarkAround } from './field-errors.js';
 import { OwnEffectForm, definition, entries, jointAndPart } from './own-effect-form.js';
 
 const EXAMPLE = () => ({ name: 'counterbalance', joint: '', expression: 'b*sin(q - q0)/sqrt(1 - rho*cos(q - q0))', declared: false, channels: [],
@@ -91,7 +91,7 @@ export class OwnEffects {
   used(effect, i) {
     const at = `${this.at}/${i}`;
     const id = (part) => `own-${i}-${part}`;
-    const name = h('input', { id: id('name'), value: effect.name, 'data-pointer': `${at}/name`, autocomplete: 'off', spellcheck: 'false', oninput: (e) => { effect.name = e.target.value; unmarkAround(e.target); } });
+    const name = h('input', { id: id('name'), value: effect.name, 'data-pointer': `${at}/name`, 'data-label': `Name of own effect ${i + 1}`, autocomplete: 'off', spellcheck: 'false', oninput: (e) => { effect.name = e.target.value; unmarkAround(e.target); } });
     const copy = () => { this.list[i] = { ...entries(effect.entry.definition), name: effect.name, joint: effect.joint, declared: effect.declared }; this.redraw(); };
     const [joint, part] = jointAndPart(effect, at, id, this.joints());
     return h('fieldset', { 'data-pointer': at }, h('legend', {}, `Own effect ${i + 1}: ${effect.use} of the lab`), formulaPlace(effect.entry ? typeset(effect.entry) : 'The lab’s catalogue has no effect of this name.'),

@@ -1,8 +1,9 @@
 // The editor of a robot description: every field of it, drawn while it changes.
 import { ArmView, HOW_TO_TURN } from './arm.js';
-import { explain, getJson, postJson, send, unmark } from './api.js';
+import { explain, getJson, postJson, send } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
 import { breakable, fill, find, h, labelled, said, sentence, term } from './dom.js';
+import { unmark } from './field-errors.js';
 import { jointDetails, suggestShape } from './robot-joint.js';
 import { RobotEffects } from './robot-effects.js';
 import { Fields } from './robot-fields.js';
@@ -105,7 +106,7 @@ function general(fields) {
   };
   return h('div', {}, h('div', { class: 'halves' }, h('div', { class: 'field' }, h('label', { for: 'robot-name' }, 'Name'), fields.text(['name'], { id: 'robot-name' })), h('div', { class: 'field' }, labelled('Mounting', 'mounting', 'mounting'), mounting)),
     h('div', { class: 'field', role: 'group', 'aria-label': 'Gravity in the base frame' }, h('span', { class: 'label' }, 'Gravity in the base frame (m/s²)'), h('div', { class: 'three' }, inputs)),
-    h('div', { class: 'row field', 'data-pointer': '/robot/friction' }, h('span', { class: 'label' }, term('friction', 'Friction'), ' of every joint'), friction('viscous', 'viscous'), friction('coulomb', 'Coulomb')));
+    h('div', { class: 'row field', 'data-pointer': '/robot/friction', 'data-label': 'Friction' }, h('span', { class: 'label' }, term('friction', 'Friction'), ' of every joint'), friction('viscous', 'viscous'), friction('coulomb', 'Coulomb')));
 }
 
 /** Heads that are terms, without their units. */

@@ -39,7 +39,9 @@ export class Fields {
     const factor = angle && this.degrees ? RADIANS : 1;
     const kept = this.read(path) ?? otherwise?.[path.at(-1)];
     const shown = typeof kept === 'number' ? String(Number((kept / factor).toPrecision(factor === 1 ? 12 : 7))) : kept ?? '';
-    const input = h('input', { id, class: cell ? 'cell-number' : null, value: shown, inputmode: 'decimal', 'aria-label': label, 'data-pointer': this.pointer(pair ? path.slice(0, -1) : path), autocomplete: 'off' });
+    const input = h('input', { id, class: cell ? 'cell-number' : null, value: shown, inputmode: 'decimal', 'aria-label': label, 'data-pointer': this.pointer(pair ? path.slice(0, -1) : path), autocomplete: 'off',
+      // Errors name both ends of a pair at once, and angles as the document has them.
+      'data-label': pair ? label.replace(/ ?\b(lowest|highest)\b/, '') : null, 'data-unit': factor === 1 ? null : 'rad' });
     input.addEventListener('input', () => {
       const text = input.value.trim().replace('−', '-').replace(/^(-?\d+),(\d+)$/, '$1.$2');
       const number = text === '' ? null : Number.isFinite(Number(text)) ? Number(text) * factor : text;
