@@ -124,7 +124,7 @@ function criteria(result) {
   const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'maximised' : 'minimised') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
   return section('criteria', [term('criterion', 'Criteria')], h('p', { class: 'soft' }, 'Improving one criterion can worsen another. To compare, design again with another criterion and open the comparison at the end of this page.'),
     table([{ head: 'Criterion', cell: (r) => h('strong', {}, term(r.key, r.name)) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'Meaning', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
-    advice ? h('p', { class: 'soft' }, said(`Recommended: ${title(advice.criterion)}. ${sentence(advice.reason)}`)) : null);
+    advice ? h('p', { class: 'soft' }, said(`Recommended: ${title(advice.criterion)}. ${sentence(advice.reason).replace('torque_noise', 'the torque noise')}`)) : null);
 }
 
 function clearances(result, played) {

@@ -51,7 +51,7 @@ export function time(text) {
 }
 
 /** Names longer than this crowd an axis. */
-const LONG = 12;
+const LONG = 10;
 /** Names for places with little room: `left_arm_elbow_joint` beside `left_arm_wrist_joint` is `elbow`. */
 export function shortNames(names) {
   if (names.length < 2 || names.every((name) => name.length <= LONG)) return names;

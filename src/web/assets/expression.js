@@ -89,7 +89,7 @@ export function fourierSeries(fundamentalHz) {
   const part = (letter, wave) => row(m('mfrac', m('msub', mi(letter), mi('l')), row(omega(), mi('l'))), mi(wave), angle());
   const math = m('math', mi('q'), operator('(', upright), mi('t'), operator(')', upright), mo('='), m('msub', mi('q'), mn('0')), mo('+'),
     m('munderover', mo('∑'), row(mi('l'), mo('='), mn('1')), mi('L')), operator('(', upright), part('a', 'sin'), mo('−'), part('b', 'cos'), operator(')', upright), mo(','),
-    m('mspace'), omega(), mo('='), mn('2'), mi('π'), mo('·'), mn(fundamentalHz), m('mtext', ' Hz'));
+    m('mspace'), omega(), mo('='), mn('2'), mi('π'), mo('·'), mn(fundamentalHz), m('mtext', '\u00a0Hz'));
   math.setAttribute('displaystyle', 'true');
   return math;
 }

@@ -97,7 +97,7 @@ export class LogColumns {
     const used = head.columns.filter((c) => this.roles.has(c.name));
     const rest = head.columns.filter((c) => !this.roles.has(c.name));
     const missing = this.missing();
-    const unit = (quantity, words) => h('label', { class: 'inline' }, words, h('select', { class: 'narrow', id: `unit-${quantity}`, 'data-pointer': quantity === 'time' ? '/columns/time_unit' : `/columns/${quantity}/unit`, onchange: (e) => { this.units[quantity] = e.target.value; this.change(); } },
+    const unit = (quantity, words) => h('label', { class: 'inline' }, words, h('select', { class: 'narrow', id: `unit-${quantity}`, 'data-pointer': quantity === 'time' ? '/columns/time_unit' : `/columns/${quantity}/unit`, 'data-label': `Unit of ${quantity}`, onchange: (e) => { this.units[quantity] = e.target.value; this.change(); } },
       UNITS[quantity].map((u) => h('option', { value: u, selected: this.units[quantity] === u }, SHOWN[u] ?? u))));
     fill(this.place, h('section', { class: 'card', id: 'columns', 'aria-labelledby': 'columns-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'columns-title' }, `Columns of ${head.file}`), this.preset ? h('span', { class: 'tag good' }, this.preset) : null),
       missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Assign the columns: '), missing.join('; '), '.')) : null,
@@ -111,7 +111,7 @@ export class LogColumns {
   table(columns, label) {
     const heads = ['Column', 'Used as', 'Series', 'Scale and sign', 'Becomes', 'First values'];
     return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': label }, h('table', { class: 'entry' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, HEADS[t] ? term(HEADS[t], t) : t)))),
-      h('tbody', {}, columns.map((c) => h('tr', {}, h('th', { scope: 'row', class: c.name.length > LONG ? 'mono long' : 'mono' }, breakable(c.name)), h('td', {}, this.role(c)), h('td', {}, spark(c)), h('td', {}, this.factor(c)), h('td', { class: 'soft nowrap' }, this.becomes(c)), h('td', { class: 'mono soft nowrap' }, c.shown.map(brief).join('  ')))))));
+      h('tbody', {}, columns.map((c) => h('tr', {}, h('th', { scope: 'row', class: c.name.length > LONG ? 'mono long' : 'mono' }, breakable(c.name)), h('td', {}, this.role(c)), h('td', {}, spark(c)), h('td', {}, this.factor(c)), h('td', { class: 'soft' }, this.becomes(c)), h('td', { class: 'mono soft nowrap' }, c.shown.map(brief).join('  ')))))));
   }
 
   role(column) {
@@ -133,8 +133,8 @@ export class LogColumns {
     if (quantity === CHANNEL) return this.channels.inputs(column.name);
     if (quantity !== 'torque') return null;
     const j = Number(at);
-    return h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('input', { class: 'cell-number', id: `scale-${j}`, inputmode: 'decimal', value: this.scale[j] ?? '', placeholder: this.units.torque === 'A' ? 'N·m/A' : '1', 'aria-label': `${column.name}: scale`, 'data-pointer': '/columns/torque/scale', onchange: (e) => { const v = Number(e.target.value.replace(',', '.')); this.scale[j] = e.target.value.trim() === '' || !Number.isFinite(v) ? undefined : v; this.change(); } }),
-      h('select', { class: 'narrow', id: `sign-${j}`, 'aria-label': `${column.name}: sign`, 'data-pointer': '/columns/torque/sign', onchange: (e) => { this.sign[j] = Number(e.target.value); this.change(); } }, [[1, 'as it is'], [-1, 'inverted']].map(([v, t]) => h('option', { value: v, selected: (this.sign[j] ?? 1) === v }, t))));
+    return h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('input', { class: 'cell-number', id: `scale-${j}`, inputmode: 'decimal', value: this.scale[j] ?? '', placeholder: this.units.torque === 'A' ? 'N·m/A' : '1', 'aria-label': `${column.name}: scale`, 'data-pointer': `/columns/torque/scale/${j}`, 'data-also': '/columns/torque/scale', onchange: (e) => { const v = Number(e.target.value.replace(',', '.')); this.scale[j] = e.target.value.trim() === '' || !Number.isFinite(v) ? undefined : v; this.change(); } }),
+      h('select', { class: 'narrow', id: `sign-${j}`, 'aria-label': `${column.name}: sign`, 'data-pointer': `/columns/torque/sign/${j}`, 'data-also': '/columns/torque/sign', onchange: (e) => { this.sign[j] = Number(e.target.value); this.change(); } }, [[1, 'as it is'], [-1, 'inverted']].map(([v, t]) => h('option', { value: v, selected: (this.sign[j] ?? 1) === v }, t))));
   }
 
   /** One number for all joints, or one per joint, separated by spaces, commas or semicolons. */

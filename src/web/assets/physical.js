@@ -17,14 +17,20 @@ export function physical(result, drawn) {
   }
   if (drawn) card.append(bodies(links, drawn));
   const free = h('p', { class: 'soft' }, 'Base parameters determine only combinations of these. Where several bodies fit equally well, the one nearest to the ', term('prior', 'prior'), ' is taken; without a prior, the one nearest to a rod along the link, with its centre of mass in a box around the link.');
-  card.append(free, table([
-    { head: 'Link', cell: (l) => `${l.link} ${l.name}`, sort: (l) => l.link }, { head: 'Mass (kg)', number: true, cell: (l) => number(l.mass), sort: (l) => l.mass },
-    ...['x', 'y', 'z'].map((axis, i) => ({ head: `Centre of mass ${axis} (m)`, number: true, cell: (l) => number(l.center_of_mass[i], 3), sort: (l) => l.center_of_mass[i] })),
-    ...['xx', 'yy', 'zz', 'xy', 'xz', 'yz'].map((k) => ({ head: `I${k} (kg·m²)`, term: 'inertia', number: true, cell: (l) => number(l.inertia[k], 3), sort: (l) => l.inertia[k] })),
-    { head: 'Viscous friction', term: 'friction', number: true, cell: (l) => number(l.viscous, 3), sort: (l) => l.viscous }, { head: 'Coulomb friction', term: 'friction', number: true, cell: (l) => number(l.coulomb, 3), sort: (l) => l.coulomb },
-  ], links, { caption: 'Per link, in the frames of the robot’s description; inertia about the centre of mass' }));
+  card.append(free, ...tables(links));
   if (result.feasibility) card.append(margins(result.feasibility));
   return card;
+}
+
+/** Two tables, as in the report: one of thirteen columns is wider than most windows. */
+function tables(links) {
+  const link = { head: 'Link', cell: (l) => `${l.link} ${l.name}`, sort: (l) => l.link };
+  const column = (head, value, term_, digits = 3) => ({ head, term: term_, number: true, cell: (l) => number(value(l), digits), sort: value });
+  return [
+    table([link, column('Mass (kg)', (l) => l.mass, null, 4), ...['x', 'y', 'z'].map((axis, i) => column(`Centre of mass ${axis} (m)`, (l) => l.center_of_mass[i])),
+      column('Viscous friction', (l) => l.viscous, 'friction'), column('Coulomb friction', (l) => l.coulomb, 'friction')], links, { caption: 'Per link, in the frames of the robot’s description' }),
+    table([link, ...['xx', 'yy', 'zz', 'xy', 'xz', 'yz'].map((k) => column(`I${k}`, (l) => l.inertia[k], 'inertia'))], links, { caption: 'Inertia about the centre of mass (kg·m²)' }),
+  ];
 }
 
 function bodies(links, drawn) {

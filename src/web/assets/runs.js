@@ -1,8 +1,9 @@
 // Runs: all jobs with their names and notes, filtered, compared and deleted.
-import { explain, getJson, send, unmark } from './api.js';
+import { explain, getJson, send } from './api.js';
 import { compareRuns } from './runs-compare.js';
 import { NAMES, page, state } from './job-words.js';
 import { fill, find, h, seconds, table, time } from './dom.js';
+import { unmark } from './field-errors.js';
 
 const FILTERS = ['search', 'robot', 'kind', 'state'];
 const chosen = new Set();
@@ -41,11 +42,12 @@ function show() {
     fill(find('#list'), h('p', { class: 'soft' }, [...query()].length ? 'No run matches.' : 'No runs yet.'));
     return;
   }
+  // A server without tokens knows no owners.
   fill(find('#list'), table([
     { head: 'Select', hidden: true, cell: select }, { head: 'Name', term: 'run', cell: named, sort: (j) => j.name ?? '' }, { head: 'Kind', term: 'run_kind', cell: (j) => NAMES[j.kind] ?? j.kind, sort: (j) => j.kind }, { head: 'Robot', cell: (j) => (robots.has(j.robot) ? h('a', { href: `/robot?robot=${encodeURIComponent(j.robot)}` }, j.robot) : j.robot ?? '–'), sort: (j) => j.robot ?? '' },
     { head: 'Logs', cell: (j) => h('div', { class: 'logs' }, j.logs?.length ? j.logs.join(', ') : '–'), sort: (j) => j.logs?.[0] ?? '' },
     { head: 'State', term: 'run_state', cell: state, sort: (j) => j.state }, { head: 'Started', cell: (j) => h('span', { class: 'nowrap' }, time(j.started_at ?? j.created_at)), sort: (j) => j.started_at ?? j.created_at }, { head: 'Duration', term: 'run_duration', number: true, cell: (j) => (lasted(j) === null ? '–' : seconds(lasted(j))), sort: lasted },
-    { head: 'Owner', term: 'run_owner', cell: (j) => j.owner ?? '–', sort: (j) => j.owner ?? '' }, { head: 'Actions', hidden: true, cell: actions },
+    ...(jobs.some((j) => j.owner) ? [{ head: 'Owner', term: 'run_owner', cell: (j) => j.owner ?? '–', sort: (j) => j.owner ?? '' }] : []), { head: 'Actions', hidden: true, cell: actions },
   ], jobs, { caption: `${jobs.length} run${jobs.length > 1 ? 's' : ''}${next ? ', and older ones' : ''}` }));
 }
 
