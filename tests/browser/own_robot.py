@@ -329,6 +329,10 @@ def shipped_copy(page, options):
     with urllib.request.urlopen(f"{options.server}/robots/my-ur5e") as answer:
         joints = json.load(answer)["joints"]
     assert len(joints) == 6 and all("dh" not in j and j["mdh"] and j["prior"]["mass"] > 0 for j in joints), joints
+    # It has no shape: it avoids itself with capsules along its links, and the page says so.
+    page.goto(f"{options.server}/design?robot=my-ur5e")
+    page.wait_for_function("() => document.querySelector('#as-request')?.textContent.includes('self_collision')")
+    assert "half_spaces" not in page.locator("#as-request").text_content() and "No floor is placed" in page.locator("#self-help").text_content()
 
 
 def main():

@@ -26,12 +26,16 @@ const STATUS = {
 /** Evidence from which on the wrong cause counts as excluded. */
 const DECISIVE = 6;
 
+/** Fields of a request within a sentence of the interface, as the form calls them. */
+const FIELDS = { 'constraints.space': 'the request', start_position: 'start position', torque_noise: 'the torque noise' };
+const inWords = (text) => (text ?? '').replace(/constraints\.space|start_position|torque_noise/g, (field) => FIELDS[field]).replace(/`([^`]*)`/g, '“$1”');
+
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
 const place = (label, flat) => h('div', { class: `plot${flat ? ' flat' : ''}`, 'data-label': label });
 
 export async function showDesign(target, result) {
   if (!result.coefficients) {
-    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, searchEnd(result.status)), h('p', {}, said(sentence(result.reason)))), startPosture(result)), notes(result));
+    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, searchEnd(result.status)), h('p', {}, said(sentence(inWords(result.reason))))), startPosture(result)), notes(result));
     return;
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };
@@ -124,7 +128,7 @@ function criteria(result) {
   const mark = (key) => [c.minimised === key ? h('span', { class: 'tag live' }, key === 'rival_evidence' ? 'maximised' : 'minimised') : null, ' ', advice?.criterion === key ? h('span', { class: 'tag good', title: advice.reason }, 'recommended') : null];
   return section('criteria', [term('criterion', 'Criteria')], h('p', { class: 'soft' }, 'Improving one criterion can worsen another. To compare, design again with another criterion and open the comparison at the end of this page.'),
     table([{ head: 'Criterion', cell: (r) => h('strong', {}, term(r.key, r.name)) }, { head: 'Value', number: true, cell: (r) => number(r.value, r.digits) }, { head: 'Role', hidden: true, cell: (r) => mark(r.key) }, { head: 'Meaning', cell: (r) => h('span', { class: 'soft meaning' }, r.meaning) }], rows, { caption: 'Of this trajectory' }),
-    advice ? h('p', { class: 'soft' }, said(`Recommended: ${title(advice.criterion)}. ${sentence(advice.reason).replace('torque_noise', 'the torque noise')}`)) : null);
+    advice ? h('p', { class: 'soft' }, said(`Recommended: ${title(advice.criterion)}. ${sentence(inWords(advice.reason))}`)) : null);
 }
 
 function clearances(result, played) {

@@ -93,7 +93,10 @@ function showCell({ robot, constraints: { space: placed, start_position: start }
   if (wanted) cell.show(robot, placed, start);
 }
 
-/** A robot whose links have a shape of their own avoids itself, unless somebody says otherwise; for one without, where to give it a shape. */
+/**
+ * A robot avoids itself, unless somebody says otherwise. One whose links have no shape of their own does so with capsules along them, which costs a few
+ * percent of the criterion; a floor may cost nearly all of it where the arm starts stretched out above, so that one stands there only with a known shape.
+ */
 let selfTouched = false;
 let floorTouched = false;
 async function avoidSelf(fresh) {
@@ -102,9 +105,9 @@ async function avoidSelf(fresh) {
   if (robot !== value('robot')) return;
   const links = new Set(shape.map((capsule) => capsule.joint)).size;
   const box = find('#self-collision');
-  if (fresh && !selfTouched) box.checked = links > 1 && !guessed;
+  if (fresh && !selfTouched) box.checked = links > 1;
   if (fresh && !floorTouched) await placeFloor(links > 0 && !guessed);
-  fill(find('#self-help'), links > 1 && !guessed ? null : h('span', {}, 'The description of this robot has no shape: capsules from joint to joint stand in for its links. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules of the real links where it comes close to anything.'));
+  fill(find('#self-help'), links > 1 && !guessed ? null : h('span', {}, 'The description of this robot has no shape: capsules from joint to joint stand in for its links. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules of the real links where it comes close to anything. No floor is placed for it: add yours with the button.'));
   explainForm();
 }
 

@@ -8,6 +8,7 @@ import { on } from './known-form.js';
 import { invitation } from './tour.js';
 
 const LIVE = ['queued', 'running'];
+const RECENT = 12;
 const followed = new Set();
 function progress(job) {
   if (job.state === 'queued') return 'queued';
@@ -30,7 +31,8 @@ function showJobs(jobs) {
   const live = jobs.filter((j) => LIVE.includes(j.state)).reverse();
   fill(find('#now'), live.length ? h('ul', { class: 'list' }, live.map(running)) : h('p', { class: 'soft' }, 'No jobs running or queued.'));
   live.filter((j) => !followed.has(j.id)).forEach(keepUp);
-  const ended = jobs.filter((j) => !LIVE.includes(j.state)).slice(0, 50);
+  // As many as have a result read below; all others are among the runs.
+  const ended = jobs.filter((j) => !LIVE.includes(j.state)).slice(0, RECENT);
   fill(find('#recent'), ended.length ? results(ended) : h('p', { class: 'soft' }, 'No results yet. A design takes half a minute.'));
 }
 
@@ -63,7 +65,7 @@ function outcome(job) {
 
 /** Learns of results not seen yet, one after the other: some are megabytes. */
 async function learn(jobs) {
-  const unknown = jobs.filter((j) => ['finished', 'cancelled'].includes(j.state) && !names.has(j.id)).slice(0, 12);
+  const unknown = jobs.filter((j) => ['finished', 'cancelled'].includes(j.state) && !names.has(j.id)).slice(0, RECENT);
   for (const job of unknown) {
     if (names.has(job.id)) continue;
     const result = await summaryOf(job).catch(() => null);

@@ -51,7 +51,7 @@ export class Obstacles {
       this.changed();
     } });
     const field = ([key, label, count]) => h('div', { class: 'field' }, h('label', { for: `obstacle-${i}-${key}` }, label), input(key, label, count));
-    return h('fieldset', { class: 'obstacle' }, h('legend', {}, row.kind === 'box' ? 'Box' : 'Plane: floor or wall'),
+    return h('fieldset', { class: 'obstacle', 'data-pointer': pointer, 'data-label': row.name || NEW[row.kind === 'box' ? 'box' : 'wall'].name }, h('legend', {}, row.kind === 'box' ? 'Box' : 'Plane: floor or wall'),
       h('div', { class: 'pair' }, field(['name', 'Name', 0]), h('div', { class: 'end' }, h('button', { type: 'button', 'aria-label': `Remove ${row.name}`, onclick: () => { this.rows.splice(i, 1); this.show(); } }, 'Remove'))),
       h('div', { class: 'pair' }, FIELDS[row.kind].map(field)));
   }
