@@ -329,10 +329,16 @@ def shipped_copy(page, options):
     with urllib.request.urlopen(f"{options.server}/robots/my-ur5e") as answer:
         joints = json.load(answer)["joints"]
     assert len(joints) == 6 and all("dh" not in j and j["mdh"] and j["prior"]["mass"] > 0 for j in joints), joints
-    # It has no shape: it avoids itself with capsules along its links, and the page says so.
-    page.goto(f"{options.server}/design?robot=my-ur5e")
-    page.wait_for_function("() => document.querySelector('#as-request')?.textContent.includes('self_collision')")
-    assert "half_spaces" not in page.locator("#as-request").text_content() and "No floor is placed" in page.locator("#self-help").text_content()
+    # One without a shape avoids itself and a floor all the same, and starts where a motion is possible: stretched out, it is just above the floor.
+    for robot, starts in [("ur5e", "free"), ("iiwa7", "zero")]:
+        page.goto(f"{options.server}/design?robot={robot}")
+        page.wait_for_function("() => document.querySelector('#as-request')?.textContent.includes('half_spaces')")
+        page.locator("#self-help", has_text="has no shape").wait_for(state="attached")
+        asked = json.loads(page.locator("#as-request").text_content())["constraints"]
+        assert asked["space"]["self_collision"] == {} and asked["start"] == starts, asked
+        assert page.locator("#start-low").is_visible() == (starts == "free")
+    check(page, "design without a shape")
+
 
 
 def main():

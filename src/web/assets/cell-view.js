@@ -23,6 +23,9 @@ export function startOf(joints, start) {
   });
 }
 
+/** Arms in their zero position end at half their reach and above, or stretched out at a tenth of it. */
+const LOW = 0.25;
+
 export class CellView {
   constructor() {
     this.holder = h('div');
@@ -68,5 +71,13 @@ export class CellView {
     }));
     const least = Math.min(...ends, clearance + 1) - clearance;
     return { normal, offset: least > 0 ? 0 : Number((Math.ceil(least / 0.05 - 1) * 0.05).toFixed(2)) };
+  }
+
+  /** Whether the arm starts stretched out just above a plane, from where hardly any motion leads: its end is lower than `LOW` of its reach. */
+  async startsLow(robot, { normal, offset }, start) {
+    const { joints } = await this.load(robot);
+    const ends = poses(joints, startOf(joints, start)).map((frame) => frame.position);
+    const end = ends.at(-1);
+    return end[0] * normal[0] + end[1] * normal[1] + end[2] * normal[2] - offset < LOW * Math.max(...ends.map((p) => Math.hypot(...p)));
   }
 }

@@ -94,11 +94,12 @@ function showCell({ robot, constraints: { space: placed, start_position: start }
 }
 
 /**
- * A robot avoids itself, unless somebody says otherwise. One whose links have no shape of their own does so with capsules along them, which costs a few
- * percent of the criterion; a floor may cost nearly all of it where the arm starts stretched out above, so that one stands there only with a known shape.
+ * A robot avoids itself and a floor, unless somebody says otherwise. One whose links have no shape of their own does so with capsules along them, which
+ * costs a few percent of the criterion, and the page says where to give it a shape.
  */
 let selfTouched = false;
 let floorTouched = false;
+let startTouched = false;
 async function avoidSelf(fresh) {
   const robot = value('robot');
   const { shape, shape_guessed: guessed } = await cell.load(robot);
@@ -106,15 +107,21 @@ async function avoidSelf(fresh) {
   const links = new Set(shape.map((capsule) => capsule.joint)).size;
   const box = find('#self-collision');
   if (fresh && !selfTouched) box.checked = links > 1;
-  if (fresh && !floorTouched) await placeFloor(links > 0 && !guessed);
-  fill(find('#self-help'), links > 1 && !guessed ? null : h('span', {}, 'The description of this robot has no shape: capsules from joint to joint stand in for its links. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules of the real links where it comes close to anything. No floor is placed for it: add yours with the button.'));
+  if (fresh && !floorTouched) await placeFloor(links > 0);
+  fill(find('#self-help'), links > 1 && !guessed ? null : h('span', {}, 'The description of this robot has no shape: capsules from joint to joint stand in for its links. ', h('a', { href: `/robot?robot=${encodeURIComponent(robot)}` }, 'Edit the robot'), ' and add capsules of the real links where it comes close to anything.'));
   explainForm();
 }
 
-/** A floor below the arm, as long as nobody has placed anything. */
+/** A floor below the arm, as long as nobody has placed anything, and a start from where a motion is possible. */
 async function placeFloor(possible) {
   obstacles.set(null);
   if (possible) await addObstacle('floor');
+  const { robot, constraints: { start_position: start, space: placed } } = request();
+  const [floor] = placed?.half_spaces ?? [];
+  const low = floor !== undefined && await cell.startsLow(robot, floor, start).catch(() => false);
+  if (startTouched) return;
+  find('#start').value = low ? 'free' : 'zero';
+  find('#start-low').hidden = !low;
 }
 
 async function addObstacle(what) {
@@ -195,6 +202,7 @@ find('#form').addEventListener('input', (event) => {
   explainForm();
 });
 find('#self-collision').addEventListener('input', () => { selfTouched = true; });
+find('#start').addEventListener('input', () => { startTouched = true; find('#start-low').hidden = true; });
 find('#robot').addEventListener('change', () => known.load(value('robot')).then(() => avoidSelf(true)).catch((e) => explain(find('#form-trouble'), e)));
 document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => { floorTouched = true; addObstacle(button.dataset.add); }));
 find('#space-part').addEventListener('toggle', explainForm);
