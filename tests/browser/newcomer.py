@@ -25,7 +25,8 @@ def design(page, options):
     page.select_option("#robot", label="KUKA LBR iiwa 14 R820 (7 joints)")
     page.fill("#order", "1")
     page.click("#go")
-    # The interface refuses one harmonic: its words stand under the field, and at the button with the way there, by the name that the field has on the page.
+    # The interface refuses one harmonic: its words stand under the field, and at the button with the way there, by the name on
+    # the page.
     page.locator(".field:has(#order) .field-error").wait_for()
     assert page.get_attribute("#order", "aria-invalid") == "true"
     refused = "Number of harmonics is 1: rest at the start leaves nothing free below order 2. Use 5 as in the paper, at least 2."

@@ -329,7 +329,8 @@ def shipped_copy(page, options):
     with urllib.request.urlopen(f"{options.server}/robots/my-ur5e") as answer:
         joints = json.load(answer)["joints"]
     assert len(joints) == 6 and all("dh" not in j and j["mdh"] and j["prior"]["mass"] > 0 for j in joints), joints
-    # One without a shape avoids itself and a floor all the same, and starts where a motion is possible: stretched out, it is just above the floor.
+    # One without a shape avoids itself and a floor all the same, and starts where a motion is possible: stretched out, it is just
+    # above the floor.
     for robot, starts in [("ur5e", "free"), ("iiwa7", "zero")]:
         page.goto(f"{options.server}/design?robot={robot}")
         page.wait_for_function("() => document.querySelector('#as-request')?.textContent.includes('half_spaces')")

@@ -100,9 +100,9 @@ export function save(blob, name) {
 
 /** Where the pages list what a route lists. */
 const LISTS = { 'GET /jobs lists them': ['/runs', 'All runs'], 'GET /robots lists them': ['/robot', 'All robots'], 'GET /effects lists them': ['/#effects-part', 'The effects of the lab'] };
-const remedy = (hint) => (LISTS[hint] ? h('a', { href: LISTS[hint][0] }, LISTS[hint][1]) : sentence(hint));
+const remedy = ({ hint, status }) => (status === 401 ? 'Enter a token under “Access”; whoever runs this server makes one with dynident token create.' : LISTS[hint] ? h('a', { href: LISTS[hint][0] }, LISTS[hint][1]) : sentence(hint));
 /** Titles of the interface in the words of the pages; names in it stand between quotation marks. */
-const headline = (problem) => sentence(problem.detail ?? problem.title).replace(/^The (excitation|identification|validation|motion) request has/, 'The request has').replace(/`([^`]*)`/g, '“$1”');
+const headline = (problem) => sentence(problem.status === 401 && !token() ? 'this server asks for a token' : problem.detail ?? problem.title).replace(/^The (excitation|identification|validation|motion) request has/, 'The request has').replace(/`([^`]*)`/g, '“$1”');
 
 /**
  * Shows what went wrong at `place`, in the words of the interface; `form` gets the fields marked that it names. `quiet`: where somebody is typing, nothing
@@ -113,7 +113,7 @@ export function explain(place, error, form, { quiet = false } = {}) {
   const problem = error.problem ?? { detail: `The page failed: ${error.message}` };
   const all = (problem.errors ?? []).map((e) => markError(form, e));
   // At the button as well as at the field: what is wrong may be out of sight, or in a part that is folded.
-  fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, headline(problem)), problem.hint ? h('p', {}, remedy(problem.hint)) : null,
+  fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, headline(problem)), problem.hint ? h('p', {}, remedy(problem)) : null,
     all.length ? h('ul', {}, all.map(errorLine)) : null));
   if (!error.problem) console.error(error);
   if (quiet) return;

@@ -73,7 +73,10 @@ export class CellView {
     return { normal, offset: least > 0 ? 0 : Number((Math.ceil(least / 0.05 - 1) * 0.05).toFixed(2)) };
   }
 
-  /** Whether the arm starts stretched out just above a plane, from where hardly any motion leads: its end is lower than `LOW` of its reach. */
+  /**
+   * Whether the arm starts stretched out just above a plane, from where hardly any motion leads: its end is lower than `LOW` of its
+   * reach.
+   */
   async startsLow(robot, { normal, offset }, start) {
     const { joints } = await this.load(robot);
     const ends = poses(joints, startOf(joints, start)).map((frame) => frame.position);

@@ -94,8 +94,8 @@ function showCell({ robot, constraints: { space: placed, start_position: start }
 }
 
 /**
- * A robot avoids itself and a floor, unless somebody says otherwise. One whose links have no shape of their own does so with capsules along them, which
- * costs a few percent of the criterion, and the page says where to give it a shape.
+ * A robot avoids itself and a floor, unless somebody says otherwise. One whose links have no shape of their own does so with
+ * capsules along them, which costs a few percent of the criterion, and the page says where to give it a shape.
  */
 let selfTouched = false;
 let floorTouched = false;

@@ -5,7 +5,10 @@ const CONTROLS = 'input, select, textarea, button';
 /** Details that go on from a name: `is 1`, `has 2 values`. All others stand behind a colon. */
 const GOES_ON = /^(is|has|must|asks|needs|may|takes|holds|contains|does|cannot)\b/;
 
-/** The field that carries the pointer of an error, or one above it. Of several with one pointer, the last one that somebody filled in. */
+/**
+ * The field that carries the pointer of an error, or one above it. Of several with one pointer, the last one that somebody filled
+ * in.
+ */
 function fieldOf(form, pointer) {
   const under = (of) => of && (pointer === of || pointer.startsWith(`${of}/`));
   const own = (field) => [field.dataset.pointer, field.dataset.also].filter(under).sort((a, b) => b.length - a.length)[0];
@@ -18,7 +21,10 @@ function fieldOf(form, pointer) {
 /** The text of an element without its controls and tags. */
 const textOf = (element) => [...element.childNodes].map((n) => (n.nodeType === Node.TEXT_NODE ? n.data : n.nodeType !== Node.ELEMENT_NODE || n.matches(`${CONTROLS}, .tag`) ? '' : textOf(n))).join('').trim();
 
-/** What a field is called on the page, without its unit; nothing where it has no name. `data-label` is for names that are no subject of a sentence. */
+/**
+ * What a field is called on the page, without its unit; nothing where it has no name. `data-label` is for names that are no subject
+ * of a sentence.
+ */
 function nameOf(field) {
   if (field.dataset.label) return field.dataset.label;
   if (field.getAttribute('aria-label')) return field.getAttribute('aria-label');
@@ -49,8 +55,8 @@ function detailAt({ field, rest }, detail) {
 }
 
 /**
- * An error as a person says it: `{name, said, hint, field}`. `name` is that of the field on the page, or null; `said` goes on from it or from the pointer;
- * `field` takes the focus.
+ * An error as a person says it: `{name, said, hint, found}`. `name` is that of the field on the page, or null; `said` goes on from
+ * it or from the pointer; `found` is the field.
  */
 function worded(form, error) {
   const found = form ? fieldOf(form, error.pointer) : null;

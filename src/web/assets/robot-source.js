@@ -64,8 +64,8 @@ async function text(place, content, take) {
 }
 
 /**
- * A document as the editor takes it, by its joints, with remarks on what is another than in the document. Rows of DH tables are those that the server makes
- * of them: their bodies stand in other frames.
+ * A document as the editor takes it, by its joints, with remarks on what is another than in the document. Of rows of DH tables it
+ * takes what the server makes of them: their bodies stand in other frames.
  */
 export function editable(document, description) {
   const rows = document.joints?.some((joint) => joint.dh);
