@@ -129,10 +129,14 @@ pub struct MountingTest {
     pub exchange_gain: f64,
     /// Standard deviation (rad) from which a turn of gravity is not seen: a degree and a half, ten times what a good log gives.
     pub unseen_angle: f64,
-    /// Factor by which the sum of squares must be lower than with any signs and any order of the torque columns under the
-    /// declared direction. Noise brings 1.2 about with a hundred independent rows once in 10 000 logs (two parameters:
-    /// `rows · ln 1.2 > χ²₂`), and logs have more. Misfit, whose rows are correlated, has a test of its own.
-    pub clearly_better: f64,
+    /// Factor over the least sum of squares up to which a direction has a vote by the masses that it asks for: opposite directions
+    /// differ by the inertia in a log alone.
+    pub near: f64,
+    /// Chance that noise makes a sum of squares so much less than with any signs and any order of the torque columns under the
+    /// declared direction. Misfit, whose rows are correlated over seconds, has tests of its own.
+    pub chance_by_noise: f64,
+    /// Share of the samples that are independent values in coloured noise.
+    pub independent: f64,
     /// Share of the torque's scatter that the best direction must explain at least, beyond what every joint's own columns do:
     /// where the model says nothing, it says nothing of gravity.
     pub least_explained: f64,
@@ -263,10 +267,25 @@ pub struct RecordedFilterTest {
     pub highest: f64,
     /// Power of white noise that is added behind the filter (steps of the file), as a share of the noise's before it.
     pub added: [f64; 3],
+    /// The same where there are no periods, as a share of the noise where the sight begins: friction that chatters in the prediction
+    /// stands a few decades above white noise there, and looks like it.
+    pub added_once: [f64; 3],
+    /// Frequencies at which steps that were not predicted right have the density of the noise (Hz): their share is another on every
+    /// robot, and a factor of two between neighbours leaves a misfit of a few hundredths.
+    pub steps_hz: [f64; 7],
+    /// Cut-offs of the rows beyond which the residual of a log without periods is looked at: the positions, filtered at 1.33 of
+    /// them, bring their noise into the prediction up to there; it is 25 dB down at 1.6.
+    pub beyond_rows: f64,
+    /// Lowest cut-off that is tried there, as a share of where the sight begins: the slope of a lower one is the same.
+    pub below_sight: f64,
+    /// Where it ends, over where it begins: a filter with its edge beyond, sixteen cut-offs of the rows, leaves the rows as they are.
+    pub sight: f64,
     /// Share of the noise's power below which nothing is made of it.
     pub unseen: f64,
     /// Factors to either side of the cut-off that the noise goes with, between which the model has the last word.
     pub around: [f64; 2],
+    /// The same of a filter whose slope alone was seen.
+    pub around_slope: [f64; 2],
     /// Golden-section steps of a cut-off: ten leave a hundredth of where they began.
     pub refined: usize,
     /// Deviance that noise of this shape must gain over white noise before the model is asked: chance has a few units.
@@ -432,7 +451,9 @@ pub const SETTINGS: Settings = Settings {
         no_column: 1e-6,
         exchange_gain: 1.5,
         unseen_angle: 0.026,
-        clearly_better: 1.2,
+        near: 1.2,
+        chance_by_noise: 1e-4,
+        independent: 0.2,
         least_explained: 0.5,
         decisive_vote: 0.5,
         refined: 3,
@@ -485,8 +506,14 @@ pub const SETTINGS: Settings = Settings {
         lowest: 0.01,
         highest: 0.8,
         added: [0.0, 1e-2, 5e-2],
+        added_once: [0.0, 1e-3, 1e-2],
+        steps_hz: [0.0, 3.0, 6.0, 12.0, 25.0, 50.0, 100.0],
+        beyond_rows: 1.6,
+        below_sight: 0.3,
+        sight: 10.0,
         unseen: 1e-3,
         around: [0.8, 1.25],
+        around_slope: [0.4, 2.0],
         refined: 10,
         not_white: 60.0,
         misfit: 0.15,

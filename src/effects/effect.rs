@@ -139,6 +139,8 @@ pub struct Span {
     pub speed: f64,
     /// Time between samples (s).
     pub interval: f64,
+    /// Standard deviation of the speeds' error [rad/s or m/s].
+    pub speed_error: f64,
 }
 
 /// Positions that a joint can take [rad or m]: its limits, or what it was seen to take where it has none.

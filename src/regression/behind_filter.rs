@@ -30,14 +30,15 @@ impl Stretch {
             }),
             None => None,
         };
-        let plain = self.coarse_form().as_rows(step);
+        // What changes from one period to the next is looked for where there are any.
+        let unfiltered = (!self.periods.is_empty()).then(|| Unfiltered {
+            stretch: Arc::new(self.coarse_form().as_rows(step)),
+            filter: Arc::new(|rows: &[&[f64]]| rows.iter().map(|r| r.to_vec()).collect()),
+        });
         Some(Self {
             coarse,
             recorded: Some(filter),
-            unfiltered: Some(Unfiltered {
-                stretch: Arc::new(plain),
-                filter: Arc::new(|rows: &[&[f64]]| rows.iter().map(|r| r.to_vec()).collect()),
-            }),
+            unfiltered,
             ..self.every(step, self.smooth_rows(filter, step)?)
         })
     }

@@ -217,6 +217,7 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
                 range,
                 speed,
                 interval: stretches[0].interval * thinned,
+                speed_error: stretches.iter().map(|s| s.motion_error[j].std_dev[1]).fold(0.0, f64::max),
             }
         })
         .collect()

@@ -65,7 +65,7 @@ pub(crate) use partial_regression::{Reduced, Whitened, reduce};
 pub(crate) use present::Present;
 pub(crate) use product::transposed_product;
 pub(crate) use rank::{directions, pseudo_inverse, pseudo_root};
-pub(crate) use recorded_filter::{Phase, RecordedFilter};
+pub(crate) use recorded_filter::{Phase, RecordedFilter, SampledFilter};
 pub use settings::{SETTINGS, Settings};
 pub use solution::Solution;
 pub(crate) use tail::{chi_square_tail, f_tail};

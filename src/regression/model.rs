@@ -86,6 +86,7 @@ impl Term {
             range: 1.0,
             speed: 1.0,
             interval: 1e-3,
+            speed_error: 0.0,
         };
         let spans = vec![span; robot.joint_count()];
         let still = Motion::zeros(robot.joint_count(), 2);

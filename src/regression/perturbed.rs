@@ -83,6 +83,10 @@ impl Stretch {
         prepared.row_filter.decimation = step.round().max(1.0) as usize;
         let fine = Self::from_periods(&prepared, Vec::new(), self.starts.clone());
         let coarse = coarse_filter(&prepared.row_filter).map(|(first, step, filter)| fine.thinned(first, step, filter));
-        Some(Self { coarse, ..fine })
+        let changed = Self { coarse, ..fine };
+        match self.recorded {
+            Some(recorded) => changed.behind(recorded),
+            None => Some(changed),
+        }
     }
 }

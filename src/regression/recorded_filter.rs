@@ -82,7 +82,8 @@ impl SampledFilter {
         }
     }
 
-    fn gain(&self, frequency_hz: f64) -> Complex64 {
+    /// Factor of a wave at `frequency_hz`, without the delay of slow signals.
+    pub fn gain(&self, frequency_hz: f64) -> Complex64 {
         let omega = TAU * frequency_hz / self.low_pass.rate_hz;
         let once = response(&self.low_pass, omega);
         match self.phase {

@@ -40,6 +40,7 @@ fn shapes(effect: &dyn Effect, form: usize, robot: &Robot, joints: &[usize]) -> 
         range: 2.0,
         speed: 1.5,
         interval: 0.01,
+        speed_error: 0.0,
     };
     effect.shapes(form, joints, &vec![span; robot.joint_count()])
 }

@@ -72,6 +72,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
         range: 1.5,
         speed: 1.2,
         interval: 1.0 / RATE,
+        speed_error: 0.0,
     };
     let shapes = effect.shapes(form, &joints, &vec![span; robot.joint_count()]);
     let distorts = effect.kind() == EffectKind::Distortion;

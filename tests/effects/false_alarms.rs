@@ -33,18 +33,6 @@ fn without_friction(robot: &Robot) -> Robot {
     Robot::new(robot.name(), robot.gravity(), robot.joints().to_vec(), declared).unwrap()
 }
 
-/// Bodies whose friction is none, though it is declared.
-fn frictionless_bodies(robot: &Robot, seed: u64) -> Vec<f64> {
-    let mut phi = bodies(robot, seed);
-    let kinds = Layout::standard(robot);
-    for (value, parameter) in phi.iter_mut().zip(kinds.parameters()) {
-        if !matches!(parameter.kind, ParameterKind::Inertial(_)) {
-            *value = 0.0;
-        }
-    }
-    phi
-}
-
 fn clean(robot: &Robot, phi: &[f64], noise: &Noise, periods: f64, rate_hz: f64, seed: u64) -> RecordedLog {
     simulate(&Experiment {
         robot,

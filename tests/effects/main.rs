@@ -15,6 +15,7 @@ mod measured;
 mod mountings;
 mod one_model;
 mod own;
+mod position_noise;
 mod recorded_filter;
 mod rivals;
 mod unsteady;

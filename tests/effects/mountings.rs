@@ -13,6 +13,7 @@ use dynident::trajectory::Trajectory;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 /// Every arm in two of the fourteen directions, another two each and none of them upright, and one that is no starting point of
 /// the search.
@@ -209,15 +210,17 @@ fn count() -> u64 {
 #[test]
 #[ignore = "six minutes"]
 fn prop_all_mountings_are_found_and_nothing_else() {
-    for (i, robot) in robots().iter().enumerate() {
-        for direction in directions() {
-            for seed in 0..5 {
-                let (gravity, outcome) = traced_mounted(robot, direction, &[], 500 + 10 * i as u64 + seed);
-                let off = gravity.unwrap_or(robot.gravity()).angle(&direction).to_degrees();
-                assert!(off < 0.2, "{} {direction:?} {seed}: {gravity:?}", robot.name());
-                let report = &outcome.report;
-                assert_eq!(report.verdict, Verdict::NothingMissing, "{:?}", report.findings);
-            }
-        }
-    }
+    let robots = robots();
+    let arms = (0..robots.len()).flat_map(|i| directions().into_iter().map(move |d| (i, d)));
+    let all: Vec<(usize, Vector3<f64>, u64)> = arms.flat_map(|(i, d)| (0..5).map(move |seed| (i, d, seed))).collect();
+    let wrong = |&(i, direction, seed): &(usize, Vector3<f64>, u64)| -> Option<String> {
+        let robot = &robots[i];
+        let (gravity, outcome) = traced_mounted(robot, direction, &[], 500 + 10 * i as u64 + seed);
+        let off = gravity.unwrap_or(robot.gravity()).angle(&direction).to_degrees();
+        let findings = &outcome.report.findings;
+        let right = off < 0.2 && outcome.report.verdict == Verdict::NothingMissing;
+        (!right).then(|| format!("{} {direction:?} {seed}: {gravity:?}, {findings:?}", robot.name()))
+    };
+    let failed: Vec<String> = all.par_iter().filter_map(wrong).collect();
+    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), all.len(), failed.join("\n"));
 }

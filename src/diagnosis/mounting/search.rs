@@ -55,9 +55,7 @@ pub fn mounting_until(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &C
         .map(|f| Fitted::at(&form, -f.direction).refined(&form))
         .collect();
     found.extend(opposite);
-    let near = found
-        .into_iter()
-        .filter(|f| f.rest < SETTINGS.mounting.clearly_better * least);
+    let near = found.into_iter().filter(|f| f.rest < SETTINGS.mounting.near * least);
     let bodies = Bodies::new(robot, logs);
     let vote = |f: &Fitted| bodies.vote(&form, f.direction, &f.signs);
     let mut voted: Vec<(f64, Fitted)> = near.map(|f| (vote(&f), f)).collect();
@@ -80,7 +78,7 @@ pub fn mounting_until(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &C
     let ratio = level.rest.min(form.best_columns(declared)) / best.rest.max(f64::MIN_POSITIVE);
     // Where the declared direction fits alike it stands, whatever the masses say: with little inertia in a log their signs are
     // those of its misfit.
-    if ratio <= SETTINGS.mounting.clearly_better {
+    if ratio <= by_noise(form.samples) {
         return None;
     }
     let gain = Gain::of(&form, &best, &level);
@@ -89,4 +87,13 @@ pub fn mounting_until(robot: &Robot, logs: &[(&Motion, &[Vec<f64>])], cancel: &C
         angle,
         ratio,
     })
+}
+
+/// Ratio of two sums of squares that noise alone exceeds with a chance of [`MountingTest::chance_by_noise`]: a direction has two
+/// parameters, and `rows · ln ratio` is χ² with as many degrees of freedom, `P(χ²₂ > x) = exp(−x/2)`.
+///
+/// [`MountingTest::chance_by_noise`]: crate::diagnosis::settings::MountingTest::chance_by_noise
+fn by_noise(samples: usize) -> f64 {
+    let rows = SETTINGS.mounting.independent * samples as f64;
+    (-2.0 * SETTINGS.mounting.chance_by_noise.ln() / rows).exp()
 }

@@ -6,8 +6,10 @@
 //! the better account once its columns go through that filter, all columns do.
 
 mod noise_density;
+mod one_record;
 
-use self::noise_density::NoiseDensity;
+use self::noise_density::{Fit, NoiseDensity};
+use self::one_record::{Likely, OneRecord};
 use crate::cancel::CancelFlag;
 use crate::diagnosis::data_quality::{DataFault, FaultKind, Remedy};
 use crate::diagnosis::golden_section::golden_section;
@@ -19,13 +21,13 @@ use std::borrow::Cow;
 
 /// The low-pass that the torques of `stretches` have been through; `None` where nothing says so.
 pub(crate) fn recorded_filter(start: &AugmentedModel, stretches: &[Stretch], cancel: &CancelFlag) -> Option<RecordedFilter> {
-    let suspects = suspects(stretches);
+    let suspects = suspects(start, stretches, cancel);
     if suspects.is_empty() {
         return None;
     }
     let rows = Rows::new(start, stretches, &suspects, cancel);
     let before = rows.chi_square(&rows.data());
-    let tried = suspects.into_iter().filter_map(|filter| rows.refined(filter));
+    let tried = suspects.into_iter().filter_map(|suspect| rows.refined(suspect));
     let (after, filter) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     (before - after > SETTINGS.recorded_filter.gain).then_some(filter)
 }
@@ -34,7 +36,7 @@ pub(crate) fn recorded_filter(start: &AugmentedModel, stretches: &[Stretch], can
 /// against the declared model.
 struct Rows<'a> {
     start: &'a AugmentedModel,
-    coarse: Vec<Stretch>,
+    stretches: &'a [Stretch],
     /// Every how-manieth row of each stretch.
     steps: Vec<usize>,
     sparse: Vec<Stretch>,
@@ -43,14 +45,17 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(start: &'a AugmentedModel, stretches: &[Stretch], filters: &[RecordedFilter], cancel: &'a CancelFlag) -> Self {
-        let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
-        let step = |s: &Stretch| filters.iter().map(|filter| s.step(*filter)).max().unwrap_or(1);
-        let steps: Vec<usize> = coarse.iter().map(step).collect();
-        let sparse = coarse.iter().zip(&steps).map(|(s, &step)| s.sparse(step)).collect();
+    fn new(start: &'a AugmentedModel, stretches: &'a [Stretch], suspects: &[Suspect], cancel: &'a CancelFlag) -> Self {
+        let step = |s: &Stretch| suspects.iter().map(|suspect| s.step(suspect.filter)).max().unwrap_or(1);
+        let steps: Vec<usize> = stretches.iter().map(step).collect();
+        let sparse = stretches
+            .iter()
+            .zip(&steps)
+            .map(|(s, &step)| s.as_coarse().sparse(step))
+            .collect();
         let mut rows = Self {
             start,
-            coarse,
+            stretches,
             steps,
             sparse,
             noise: Vec::new(),
@@ -77,23 +82,23 @@ impl<'a> Rows<'a> {
     /// What the declared model leaves with columns behind the filter; nothing where it cannot be made.
     fn behind(&self, filter: RecordedFilter) -> Option<f64> {
         let smooth = self
-            .coarse
+            .stretches
             .iter()
             .zip(&self.steps)
-            .map(|(s, &step)| s.behind_with(filter, step));
+            .map(|(s, &step)| Some(s.behind_with(filter, step)?.as_coarse()));
         let smooth: Vec<Stretch> = smooth.collect::<Option<_>>()?;
         Some(self.chi_square(&self.of(&smooth)))
     }
 
     /// The filter with the cut-off by which the model fits best, and what it leaves: the noise alone has the cut-off to a few per
     /// cent.
-    fn refined(&self, filter: RecordedFilter) -> Option<(f64, RecordedFilter)> {
+    fn refined(&self, Suspect { filter, around }: Suspect) -> Option<(f64, RecordedFilter)> {
         let settings = SETTINGS.recorded_filter;
         let at = |x: f64| RecordedFilter {
             cutoff_hz: x.exp(),
             ..filter
         };
-        let around = settings.around.map(|factor| (factor * filter.cutoff_hz).ln());
+        let around = around.map(|factor| (factor * filter.cutoff_hz).ln());
         let gain = |x: f64| self.behind(at(x)).map_or(f64::NEG_INFINITY, |left| -left);
         let filter = at(golden_section(gain, around, settings.refined));
         Some((self.behind(filter)?, filter))
@@ -132,23 +137,72 @@ pub(crate) fn behind(stretches: &[Stretch], filter: Option<RecordedFilter>) -> C
     }
 }
 
+/// A filter that the noise goes with.
+#[derive(Debug, Clone, Copy)]
+struct Suspect {
+    filter: RecordedFilter,
+    /// Factors of its cut-off between which the model has the last word.
+    around: [f64; 2],
+}
+
 /// Filters of every kind that the noise of all joints goes with, where it is far from white.
-fn suspects(stretches: &[Stretch]) -> Vec<RecordedFilter> {
-    let unfiltered = |s: &Stretch| s.periods.len() >= 2 && s.is_plain();
-    if !stretches.iter().all(unfiltered) {
-        return Vec::new();
+fn suspects(start: &AugmentedModel, stretches: &[Stretch], cancel: &CancelFlag) -> Vec<Suspect> {
+    let repeats = |s: &Stretch| s.periods.len() >= 2 && s.is_plain();
+    let comes_once = |s: &Stretch| s.periods.is_empty() && s.source.is_some();
+    if stretches.iter().all(repeats) {
+        by_periods(&stretches[0])
+    } else if stretches.iter().all(comes_once) {
+        by_residual(start, stretches, cancel)
+    } else {
+        Vec::new()
     }
+}
+
+fn kinds() -> impl Iterator<Item = (usize, Phase)> {
+    let orders = SETTINGS.recorded_filter.orders.into_iter();
+    orders.flat_map(|order| [Phase::Zero, Phase::Causal].map(|phase| (order, phase)))
+}
+
+fn by_periods(stretch: &Stretch) -> Vec<Suspect> {
     let settings = SETTINGS.recorded_filter;
-    let density = NoiseDensity::new(&stretches[0]);
+    let density = NoiseDensity::new(stretch);
     let white = density.white();
-    let phases = [Phase::Zero, Phase::Causal];
-    let kinds = settings
-        .orders
-        .into_iter()
-        .flat_map(|order| phases.map(|phase| (order, phase)));
-    let best = kinds.filter_map(|(order, phase)| density.best(order, phase));
+    let best = kinds().filter_map(|(order, phase)| density.best(order, phase));
     let clear = best.filter(|fit| white - fit.deviance > settings.not_white);
     // What differs slowly between the periods falls with the frequency too, and is no noise behind a filter.
     let alike = clear.filter(|fit| fit.misfit < settings.misfit + 1.0 / density.weight());
-    alike.map(|fit| fit.filter).collect()
+    let suspect = |fit: Fit| Suspect {
+        filter: fit.filter,
+        around: settings.around,
+    };
+    alike.map(suspect).collect()
+}
+
+/// Filters that what the model leaves goes with, beyond the frequencies of the rows. Of a cut-off below them the slope says how
+/// steep the filter is, and little of where it begins.
+fn by_residual(start: &AugmentedModel, stretches: &[Stretch], cancel: &CancelFlag) -> Vec<Suspect> {
+    let settings = SETTINGS.recorded_filter;
+    let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
+    let data = Data::new(&coarse, Vec::new(), None).for_comparison().until(cancel);
+    let noise = floor(&start.robot, &data, start);
+    let model = data.with_noise(noise).fit(start.clone()).model;
+    let Some(record) = OneRecord::new(&stretches[0], &model) else {
+        return Vec::new();
+    };
+    let white = record.white();
+    let found: Vec<Likely> = kinds().filter_map(|(order, phase)| record.best(order, phase)).collect();
+    let least = found.iter().map(|fit| fit.cost).fold(f64::INFINITY, f64::min);
+    let clear = found
+        .into_iter()
+        .filter(|fit| white.min(least + 2.0 * settings.not_white) - fit.cost > settings.not_white);
+    let alike = clear.filter(|fit| fit.misfit < settings.misfit + 1.0 / record.weight());
+    let suspect = |fit: Likely| Suspect {
+        filter: fit.filter,
+        around: if fit.in_sight {
+            settings.around
+        } else {
+            settings.around_slope
+        },
+    };
+    alike.map(suspect).collect()
 }

@@ -1,9 +1,9 @@
-//! The power density of the noise, and the filters that it goes with.
+//! The power density of the noise of logs that repeat, and the filters that it goes with.
 
 use crate::diagnosis::golden_section::golden_section;
 use crate::diagnosis::settings::SETTINGS;
 use crate::preparation::spectrum::forward_of;
-use crate::regression::{Phase, RecordedFilter, Stretch, deviation};
+use crate::regression::{Phase, RecordedFilter, SampledFilter, Stretch, deviation};
 use std::f64::consts::{PI, TAU};
 
 /// Power of the noise of every joint in bands of frequency, by what the periods deviate from their mean.
@@ -57,6 +57,34 @@ impl NoiseDensity {
             power: joints.map(of_joint).filter_map(raised).collect(),
             weight: (width * (stretch.periods.len() - 1)) as f64,
         }
+    }
+
+    /// Of a density that is known, line bands of `weight` each with these middles (Hz).
+    pub(super) fn of_power(rate_hz: f64, frequencies: Vec<f64>, power: Vec<Vec<f64>>, weight: f64) -> Self {
+        Self {
+            rate_hz,
+            rows_hz: rate_hz,
+            frequencies,
+            power: power.into_iter().filter_map(raised).collect(),
+            weight,
+        }
+    }
+
+    /// Twice Whittle's negative log likelihood of noise behind `filter`, less a constant; and the misfit, as of a [`Fit`]. The noise
+    /// is white but for steps that were not predicted right, whose density falls with the square of the frequency and is that of the
+    /// noise at `steps_hz`; white noise is added behind the filter.
+    pub(super) fn cost(&self, filter: Option<&SampledFilter>, steps_hz: f64, added: f64) -> (f64, f64) {
+        let through = |f: f64| filter.map_or(1.0, |filter| filter.density(f));
+        let unseen = if filter.is_some() {
+            SETTINGS.recorded_filter.unseen
+        } else {
+            0.0
+        };
+        let misfits = self.misfits(&|f| through(f) * (1.0 + (steps_hz / f).powi(2)) + added + unseen);
+        let bands = self.frequencies.len() as f64;
+        let level: f64 = self.power.iter().map(|p| p.iter().map(|v| v.ln()).sum::<f64>() / bands).sum();
+        let cost = self.deviance(&misfits) + 2.0 * self.weight * bands * level;
+        (cost, misfits.into_iter().fold(0.0, f64::max))
     }
 
     /// Lines times periods of a band: the misfit of the right density is one over it by chance.
@@ -137,7 +165,7 @@ fn raised(mut power: Vec<f64>) -> Option<Vec<f64>> {
 
 /// Hann's window: a period is a piece of noise that does not repeat, and the power behind a steep filter would be what leaks
 /// there from before it.
-fn tapered(mut x: Vec<f64>) -> Vec<f64> {
+pub(super) fn tapered(mut x: Vec<f64>) -> Vec<f64> {
     let n = x.len() as f64;
     let window = |s: usize| 0.5 - 0.5 * (TAU * (s as f64 + 0.5) / n).cos();
     x.iter_mut().enumerate().for_each(|(s, v)| *v *= window(s));

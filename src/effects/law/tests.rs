@@ -163,6 +163,7 @@ fn constants(number: usize, robot: &Robot, joints: &[usize]) -> (Vec<f64>, Vec<f
         range: 1.5,
         speed: 1.0,
         interval: 0.01,
+        speed_error: 0.0,
     };
     let shapes = Law.shapes(number, joints, &vec![span; robot.joint_count()]);
     let count = Law.parameters(number, robot, joints).len() - shapes.len();

@@ -61,6 +61,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
         range: 1.5,
         speed: 1.2,
         interval: INTERVAL,
+        speed_error: 0.0,
     };
     let shapes = effect.shapes(form, &joints, &[span; JOINTS]);
     let (coefficients, shape): (usize, Vec<f64>) = match effect.kind() {

@@ -119,3 +119,15 @@ pub fn published() -> (Robot, Vec<f64>) {
     let robot = Robot::new(truth.name(), truth.gravity(), joints, truth.friction()).expect("valid without priors");
     (robot, parameters.as_slice().to_vec())
 }
+
+/// Bodies whose friction is none, though it is declared.
+pub fn frictionless_bodies(robot: &Robot, seed: u64) -> Vec<f64> {
+    let mut phi = bodies(robot, seed);
+    let kinds = Layout::standard(robot);
+    for (value, parameter) in phi.iter_mut().zip(kinds.parameters()) {
+        if !matches!(parameter.kind, ParameterKind::Inertial(_)) {
+            *value = 0.0;
+        }
+    }
+    phi
+}
