@@ -7,7 +7,7 @@ use super::requests;
 use super::residual::LawDocument;
 use crate::diagnosis::{Diagnosis, RivalTerm};
 use crate::effects::{AnyEffect, ParameterInfo, by_code};
-use crate::model::{INPUT_LIMITS, Robot};
+use crate::model::{INPUT_LIMITS, Robot, counted};
 use crate::regression::{AugmentedModel, Prior, Term};
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
@@ -276,7 +276,7 @@ fn read_bounds(cursor: &Cursor) -> Option<Vec<[f64; 2]>> {
     let pair = |c: &Cursor| {
         let items = c.items()?;
         let [low, high] = &items[..] else {
-            c.complain(format!("has {} values, expected 2", items.len()));
+            c.complain(format!("has {}, expected 2", counted(items.len(), "value")));
             return None;
         };
         Some([end(low, f64::NEG_INFINITY)?, end(high, f64::INFINITY)?])

@@ -4,7 +4,7 @@ use super::cursor::{Cursor, Fields};
 use super::requests;
 use crate::effects::own::name_fault;
 use crate::formats::logs::{ChannelColumn, Columns, JointColumns, PLAUSIBLE_HZ, TimeUnit, Transformation};
-use crate::model::INPUT_LIMITS;
+use crate::model::{INPUT_LIMITS, counted};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -186,7 +186,11 @@ fn per_joint(cursor: &Cursor, joints: Option<usize>, read: impl Fn(&Cursor) -> O
     }
     let items = cursor.items().unwrap_or_default();
     if joints.is_some_and(|n| n != items.len()) {
-        cursor.complain(format!("has {} values, the robot has {count} joints", items.len()));
+        cursor.complain(format!(
+            "has {}, the robot has {}",
+            counted(items.len(), "value"),
+            counted(count, "joint")
+        ));
         return Vec::new();
     }
     items.iter().map(|c| read(c).unwrap_or(1.0)).collect()

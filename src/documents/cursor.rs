@@ -1,7 +1,7 @@
 //! Walking a JSON document while collecting all that is wrong with it.
 
 use crate::formats::json::{MOST_FINDINGS, escaped, shortened};
-use crate::model::FieldProblem;
+use crate::model::{FieldProblem, counted};
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::{Error, StrDeserializer};
@@ -239,7 +239,7 @@ impl<'a> Cursor<'a> {
         if let (Some(length), Value::Array(items)) = (length, self.value)
             && items.len() != length
         {
-            self.complain(format!("has {} values, expected {length}", items.len()));
+            self.complain(format!("has {}, expected {length}", counted(items.len(), "value")));
             return None;
         }
         let items = self.items()?;

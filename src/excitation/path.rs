@@ -5,7 +5,7 @@
 //! back meets them whatever the weight of the square was.
 
 use super::problem::ProblemSpec;
-use crate::model::FieldProblem;
+use crate::model::{FieldProblem, counted};
 use crate::parameters::{BaseParameters, Layout};
 
 /// Torque limits, met by the model that the robot's prior link parameters make.
@@ -64,7 +64,11 @@ fn limits(spec: &ProblemSpec, asked: &TorqueLimits, found: &mut Vec<FieldProblem
         return joints.iter().map(|j| j.limits.effort.unwrap_or(f64::INFINITY)).collect();
     };
     if given.len() != joints.len() {
-        let detail = format!("has {} values, the robot has {} joints", given.len(), joints.len());
+        let detail = format!(
+            "has {}, the robot has {}",
+            counted(given.len(), "value"),
+            counted(joints.len(), "joint")
+        );
         found.push(FieldProblem::new("/constraints/torque/limits", detail));
     }
     for (i, &limit) in given.iter().enumerate() {

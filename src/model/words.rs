@@ -57,6 +57,14 @@ pub fn readable(text: impl Into<String>) -> String {
     short + rest
 }
 
+/// A number of things: `1 value`, `2 values`.
+pub fn counted(count: usize, thing: &str) -> String {
+    match count {
+        1 => format!("1 {thing}"),
+        _ => format!("{count} {thing}s"),
+    }
+}
+
 /// `value` with so many decimals; with an exponent where more than nine digits would stand before them.
 pub fn decimals(value: f64, places: usize) -> String {
     match value.abs() {

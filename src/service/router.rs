@@ -13,8 +13,8 @@ use super::telemetry::identify_and_log;
 use crate::app::{Code, Error};
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
-use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE};
-use axum::http::{StatusCode, Uri};
+use axum::http::header::{ACCEPT, CONTENT_LENGTH, CONTENT_TYPE};
+use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::middleware::{from_fn, from_fn_with_state, map_response};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
@@ -218,11 +218,14 @@ pub fn router(service: Service) -> Router {
         .with_state(service)
 }
 
-async fn nothing_here(uri: Uri) -> Failure {
-    Failure(
-        Error::new(Code::NotFound, format!("there is nothing at `{}`", uri.path()))
-            .with_hint("/openapi.json lists all addresses"),
-    )
+/// A page for browsers, a problem for programs.
+async fn nothing_here(uri: Uri, headers: HeaderMap) -> Response {
+    let accepts = headers.get(ACCEPT).and_then(|v| v.to_str().ok()).unwrap_or_default();
+    if accepts.contains("text/html") {
+        return crate::web::missing_page();
+    }
+    let error = Error::new(Code::NotFound, format!("there is nothing at `{}`", uri.path()));
+    Failure(error.with_hint("/openapi.json lists all addresses")).into_response()
 }
 
 async fn method_not_allowed(uri: Uri) -> Failure {

@@ -14,5 +14,5 @@ mod pages;
 mod report;
 
 #[cfg(feature = "service")]
-pub use pages::{PAGE_POLICY, pages};
+pub use pages::{PAGE_POLICY, missing_page, pages};
 pub use report::{Circumstances, REPORT_POLICY, report};

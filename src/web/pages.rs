@@ -25,15 +25,23 @@ pub const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 
 /// Routes of the pages and of what they load. They hold no data of the lab: that comes over the interface, with whatever it asks
 /// for in the way of tokens.
 pub fn pages<S: Clone + Send + Sync + 'static>() -> Router<S> {
-    let frame = text("frame.html");
     let router = PAGES.iter().fold(Router::new(), |router, &(address, title, name)| {
-        let page = frame
-            .replace("{title}", title)
-            .replace("{name}", name)
-            .replace("{main}", &text(&format!("{name}.html")));
+        let page = framed(title, name);
         router.route(address, get(move || std::future::ready(Html(page.clone()))))
     });
     router.route("/assets/{*file}", get(file))
+}
+
+fn framed(title: &str, name: &str) -> String {
+    text("frame.html")
+        .replace("{title}", title)
+        .replace("{name}", name)
+        .replace("{main}", &text(&format!("{name}.html")))
+}
+
+/// What a browser shows at an address where there is nothing.
+pub fn missing_page() -> Response {
+    (StatusCode::NOT_FOUND, Html(framed("Not found", "missing"))).into_response()
 }
 
 async fn file(axum::extract::Path(name): axum::extract::Path<String>, headers: HeaderMap) -> Response {

@@ -27,6 +27,29 @@ fn every_page_has_its_modules_and_its_style() {
     assert_eq!(server.get("/assets/nothing.js").status, 404);
 }
 
+/// At an address where there is nothing, browsers get a page and programs a problem.
+#[test]
+fn a_wrong_address_is_a_page_for_browsers_and_a_problem_for_programs() {
+    let server = Server::start();
+    let page = server.send(
+        "GET",
+        "/identification/nothing/here",
+        &[("accept", "text/html,*/*;q=0.8")],
+        "",
+    );
+    assert_eq!(page.status, 404);
+    assert!(page.header("content-type").unwrap().starts_with("text/html"));
+    assert!(
+        page.text.contains("Not found") && page.text.contains("/assets/missing.js"),
+        "{}",
+        page.text
+    );
+    assert!(!page.text.contains("{main}"));
+    let problem = server.send("GET", "/identification/nothing/here", &[("accept", "*/*")], "");
+    assert_eq!(problem.status, 404);
+    assert_eq!(problem.header("content-type").unwrap(), "application/problem+json");
+}
+
 /// Every module that another one names is there, under that name.
 #[test]
 fn modules_find_each_other() {
@@ -40,6 +63,7 @@ fn modules_find_each_other() {
         "loop.js",
         "runs.js",
         "help.js",
+        "missing.js",
     ]
     .into_iter()
     .map(String::from)

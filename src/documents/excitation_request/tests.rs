@@ -71,7 +71,7 @@ fn what_does_not_fit_together_is_found() {
         "\"sample_rate_hz\"",
         "\"constraints\": {\"start_position\": [0]}, \"sample_rate_hz\"",
     );
-    assert!(findings(&start)[0].starts_with("/constraints/start_position: has 1 values, the robot has 2 joints"));
+    assert!(findings(&start)[0].starts_with("/constraints/start_position: has 1 value, the robot has 2 joints"));
     let noise = GOOD.replace("\"sample_rate_hz\"", "\"torque_noise\": [0, 1], \"sample_rate_hz\"");
     assert!(findings(&noise)[0].starts_with("/torque_noise/0: is 0"));
     let warm = |start: &str| GOOD.replace("\"sample_rate_hz\"", &format!("\"warm_start\": {start}, \"sample_rate_hz\""));

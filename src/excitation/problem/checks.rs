@@ -1,7 +1,7 @@
 //! What can be wrong with a request, field by field.
 
 use super::{Criterion, Given, ProblemSpec};
-use crate::model::{FieldProblem, INPUT_LIMITS, ModelError, shortest};
+use crate::model::{FieldProblem, INPUT_LIMITS, ModelError, counted, shortest};
 use crate::trajectory::{Trajectory, sample_count};
 
 /// Numbers that one evaluation goes through: beyond this it takes so long that a search learns nothing and cannot stop within a
@@ -151,7 +151,11 @@ pub(super) fn noise_problems(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) 
     if noise.len() != joints {
         found.push(FieldProblem::new(
             "/torque_noise",
-            format!("has {} values, the robot has {joints} joints", noise.len()),
+            format!(
+                "has {}, the robot has {}",
+                counted(noise.len(), "value"),
+                counted(joints, "joint")
+            ),
         ));
     }
     let [low, high] = INPUT_LIMITS.torque_noise;
@@ -179,7 +183,11 @@ pub(super) fn start_position(spec: &ProblemSpec, found: &mut Vec<FieldProblem>) 
         return joints.iter().map(|j| default_start(j.limits.position)).collect();
     };
     if given.len() != joints.len() {
-        let detail = format!("has {} values, the robot has {} joints", given.len(), joints.len());
+        let detail = format!(
+            "has {}, the robot has {}",
+            counted(given.len(), "value"),
+            counted(joints.len(), "joint")
+        );
         found.push(FieldProblem::new("/constraints/start_position", detail));
         return given.clone();
     }

@@ -12,8 +12,10 @@ export function page(job) {
 
 export function state(job) {
   const kinds = { queued: '', running: 'live', finished: 'good', cancelled: 'warn', failed: 'bad' };
-  const text = job.state === 'finished' && job.outcome === 'Infeasible' ? 'infeasible' : job.state;
-  return h('span', { class: `tag ${text === 'infeasible' ? 'bad' : kinds[job.state] ?? ''}` }, text);
+  if (job.state === 'finished' && job.outcome === 'Infeasible') return h('span', { class: 'tag bad' }, 'infeasible');
+  // Whoever stops a search keeps its best motion, which is a result like any other.
+  if (job.state === 'cancelled' && job.outcome) return h('span', { class: 'tag good' }, 'stopped early');
+  return h('span', { class: `tag ${kinds[job.state] ?? ''}` }, job.state);
 }
 
 /** How a search ended. */

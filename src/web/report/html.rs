@@ -98,9 +98,21 @@ pub(super) fn number(v: f64) -> String {
     let size = v.abs().log10().floor() as i32;
     let written = match (-4..6).contains(&size) {
         true => format!("{v:.*}", (3 - size).max(0) as usize),
-        false => format!("{v:.3e}"),
+        false => powers_of_ten(&format!("{v:.3e}")),
     };
     written.replace('-', "−")
+}
+
+/// `2.920e6` → `2.920·10⁶`.
+fn powers_of_ten(written: &str) -> String {
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        _ => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][c.to_digit(10).unwrap_or(0) as usize],
+    };
+    match written.split_once('e') {
+        Some((digits, power)) => format!("{digits}·10{}", power.chars().map(raised).collect::<String>()),
+        None => written.into(),
+    }
 }
 
 /// `stribeck_friction` → `stribeck friction`.
@@ -279,7 +291,7 @@ mod tests {
             (0.0, "0"),
             (1234.5678, "1235"),
             (-0.0012345, "−0.001234"),
-            (2.0e-9, "2.000e−9"),
+            (2.0e-9, "2.000·10⁻⁹"),
             (f64::NAN, "–"),
         ] {
             assert_eq!(number(value), shown);
