@@ -3,7 +3,7 @@
 use crate::bench::*;
 use dynident::diagnosis::{DataFault, DiagnosisOptions, RawLog, column_faults, diagnose, leave_out, lost_rows, sample_faults};
 use dynident::model::{Friction, Robot};
-use dynident::parameters::{Layout, ParameterKind};
+use dynident::parameters::Layout;
 use dynident::preparation::{PreprocessOptions, prepare};
 use dynident::regression::{AugmentedModel, Stretch, explained_share};
 use dynident::simulate::{Experiment, Noise, RecordedLog, simulate};
