@@ -129,8 +129,8 @@ pub struct MountingTest {
     pub exchange_gain: f64,
     /// Standard deviation (rad) from which a turn of gravity is not seen: a degree and a half, ten times what a good log gives.
     pub unseen_angle: f64,
-    /// Factor over the least sum of squares up to which a direction has a vote by the masses that it asks for: opposite directions
-    /// differ by the inertia in a log alone.
+    /// Factor over the least sum of squares up to which a direction has a vote by the masses that it asks for: opposite
+    /// directions differ by the inertia in a log alone.
     pub near: f64,
     /// Chance that noise makes a sum of squares so much less than with any signs and any order of the torque columns under the
     /// declared direction. Misfit, whose rows are correlated over seconds, has tests of its own.
@@ -267,18 +267,19 @@ pub struct RecordedFilterTest {
     pub highest: f64,
     /// Power of white noise that is added behind the filter (steps of the file), as a share of the noise's before it.
     pub added: [f64; 3],
-    /// The same where there are no periods, as a share of the noise where the sight begins: friction that chatters in the prediction
-    /// stands a few decades above white noise there, and looks like it.
+    /// The same where there are no periods, as a share of the noise where the sight begins: predicted friction that chatters there
+    /// is a hundred times white noise at most, which must not pass for what is added behind a filter.
     pub added_once: [f64; 3],
-    /// Frequencies at which steps that were not predicted right have the density of the noise (Hz): their share is another on every
-    /// robot, and a factor of two between neighbours leaves a misfit of a few hundredths.
+    /// Frequencies at which steps that were not predicted right have the density of the noise (Hz): their share is another on
+    /// every robot, and a factor of two between neighbours leaves a misfit of a few hundredths.
     pub steps_hz: [f64; 7],
     /// Cut-offs of the rows beyond which the residual of a log without periods is looked at: the positions, filtered at 1.33 of
     /// them, bring their noise into the prediction up to there; it is 25 dB down at 1.6.
     pub beyond_rows: f64,
     /// Lowest cut-off that is tried there, as a share of where the sight begins: the slope of a lower one is the same.
     pub below_sight: f64,
-    /// Where it ends, over where it begins: a filter with its edge beyond, sixteen cut-offs of the rows, leaves the rows as they are.
+    /// Where it ends, over where it begins: a filter with its edge beyond, sixteen cut-offs of the rows, leaves the rows as
+    /// they are.
     pub sight: f64,
     /// Share of the noise's power below which nothing is made of it.
     pub unseen: f64,

@@ -40,8 +40,8 @@ const LEVEL: f64 = 1.8;
 /// shows both. Quantised and integrated noise, which measured positions have without any filter, falls by 3 to 8 dB.
 const KNEE: f64 = 10.0;
 
-/// Largest standard deviation of what can be noise of positions [rad or m]: encoders of arms have a hundredth of it. A plateau that
-/// holds more is a motion, such as a sweep.
+/// Largest standard deviation of what can be noise of positions [rad or m]: encoders of arms have a hundredth of it. A plateau
+/// that holds more is a motion, such as a sweep.
 const LARGEST_NOISE: f64 = 3e-3;
 
 /// Cut-off (Hz) for a log that does not repeat: one and a half times the highest frequency at which some joint's position stands

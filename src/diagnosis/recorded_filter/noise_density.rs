@@ -70,9 +70,9 @@ impl NoiseDensity {
         }
     }
 
-    /// Twice Whittle's negative log likelihood of noise behind `filter`, less a constant; and the misfit, as of a [`Fit`]. The noise
-    /// is white but for steps that were not predicted right, whose density falls with the square of the frequency and is that of the
-    /// noise at `steps_hz`; white noise is added behind the filter.
+    /// Twice Whittle's negative log likelihood of noise behind `filter`, less a constant; and the misfit, as of a [`Fit`]. The
+    /// noise is white but for steps that were not predicted right, whose density falls with the square of the frequency and is
+    /// that of the noise at `steps_hz`; white noise is added behind the filter.
     pub(super) fn cost(&self, filter: Option<&SampledFilter>, steps_hz: f64, added: f64) -> (f64, f64) {
         let through = |f: f64| filter.map_or(1.0, |filter| filter.density(f));
         let unseen = if filter.is_some() {

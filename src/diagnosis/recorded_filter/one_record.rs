@@ -1,8 +1,8 @@
 //! The noise of a log that does not repeat, and the filters that it goes with.
 //!
-//! No period shows it there: it is what the declared model leaves of the torque as it was recorded, above the frequencies that the
-//! rows are made of. The steps of Coulomb friction stand out there as well. So a filter is tried on both: the prediction goes
-//! through it, and what is left must be white noise behind the same filter.
+//! No period shows it there: it is what the declared model leaves of the torque as it was recorded, above the frequencies that
+//! the rows are made of. The steps of Coulomb friction stand out there as well. So a filter is tried on both: the prediction
+//! goes through it, and what is left must be white noise behind the same filter.
 
 use super::noise_density::{NoiseDensity, tapered};
 use crate::diagnosis::settings::SETTINGS;
@@ -82,8 +82,8 @@ impl OneRecord {
         )
     }
 
-    /// Twice the negative log likelihood without a filter, with the prediction or without: where an arm rests, noise of the speeds
-    /// makes the predicted friction chatter, and a filter is no remedy for that.
+    /// Twice the negative log likelihood without a filter, with the prediction or without: where an arm rests, noise of the
+    /// speeds makes the predicted friction chatter, and a filter is no remedy for that.
     pub fn white(&self) -> f64 {
         let cost = |gain: f64| {
             let density = self.density(|_| Complex64::new(gain, 0.0));
