@@ -267,8 +267,8 @@ pub struct RecordedFilterTest {
     pub highest: f64,
     /// Power of white noise that is added behind the filter (steps of the file), as a share of the noise's before it.
     pub added: [f64; 3],
-    /// The same where there are no periods, as a share of the noise where the sight begins: predicted friction that chatters
-    /// there is a hundred times white noise at most, which must not pass for what is added behind a filter.
+    /// The same for logs without periods: friction that chatters in the prediction stands far above white noise where the sight
+    /// begins, and must not pass for noise behind a filter with much white noise added.
     pub added_once: [f64; 3],
     /// Frequencies at which steps that were not predicted right have the density of the noise (Hz): their share is another on
     /// every robot, and a factor of two between neighbours leaves a misfit of a few hundredths.

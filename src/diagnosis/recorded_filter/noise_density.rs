@@ -1,4 +1,4 @@
-//! The power density of the noise of logs that repeat, and the filters that it goes with.
+//! The power density of the noise, and the filters that it goes with.
 
 use crate::diagnosis::golden_section::golden_section;
 use crate::diagnosis::settings::SETTINGS;
@@ -59,7 +59,7 @@ impl NoiseDensity {
         }
     }
 
-    /// Of a density that is known, line bands of `weight` each with these middles (Hz).
+    /// Of a known density: bands of `weight` lines each, with these middles (Hz).
     pub(super) fn of_power(rate_hz: f64, frequencies: Vec<f64>, power: Vec<Vec<f64>>, weight: f64) -> Self {
         Self {
             rate_hz,
