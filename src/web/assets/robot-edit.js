@@ -2,12 +2,11 @@
 import { ArmView, HOW_TO_TURN } from './arm.js';
 import { explain, getJson, postJson, send } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
-import { breakable, fill, find, h, labelled, said, sentence, term } from './dom.js';
+import { breakable, fill, find, h, labelled, mark, said, sentence, term } from './dom.js';
 import { unmark } from './field-errors.js';
 import { jointDetails, suggestShape } from './robot-joint.js';
 import { RobotEffects } from './robot-effects.js';
 import { Fields } from './robot-fields.js';
-import { tipChoice } from './robot-source.js';
 import { toolForm } from './robot-tool.js';
 
 const MOUNTINGS = [['On the floor', [0, 0, -9.81]], ['Hanging from the ceiling', [0, 0, 9.81]], ['On a wall: gravity along +x', [9.81, 0, 0]], ['On a wall: gravity along −x', [-9.81, 0, 0]],
@@ -25,7 +24,7 @@ export function editor({ id, start, saved, cancel }) {
   const name = h('input', { id: 'robot-id', value: id ?? slug(fields.doc.name), autocomplete: 'off', spellcheck: 'false' });
   const picture = preview();
   const effects = new RobotEffects(fields);
-  const draw = () => keepOpen(form, () => fill(form, h('h2', { id: 'editor-title' }, id ? `Edit ${fields.doc.name}` : 'Describe the robot'), notes, start.ends?.length ? tipChoice(start.ends, start.tip, start.again) : null,
+  const draw = () => keepOpen(form, () => fill(form, h('h2', { id: 'editor-title' }, id ? `Edit ${fields.doc.name}` : 'Describe the robot'), notes, start.choice?.(),
     general(fields), joints(fields, draw), h('div', { class: 'row spread' }, h('h3', {}, 'Links, ', term('capsule', 'shapes'), ' and bounds'), h('button', { type: 'button', onclick: () => { suggestShape(fields.doc); draw(); fields.changed(); } }, 'Suggest a shape')), fields.doc.joints.map((_, j) => jointDetails(fields, j, draw)), toolForm(fields, draw), (effects.read(), effects.element), asJson(fields, draw),
     h('div', { class: 'field' }, labelled('ID', 'robot-id', 'id'), (name.disabled = Boolean(id), name), h('p', { class: 'help' }, 'Names the robot in requests and addresses: letters, digits, - and _.')), trouble,
     h('div', { class: 'actions' }, h('button', { class: 'primary' }, 'Save robot'), h('button', { type: 'button', onclick: cancel }, 'Cancel'))));
@@ -106,7 +105,8 @@ function general(fields) {
   };
   return h('div', {}, h('div', { class: 'halves' }, h('div', { class: 'field' }, h('label', { for: 'robot-name' }, 'Name'), fields.text(['name'], { id: 'robot-name' })), h('div', { class: 'field' }, labelled('Mounting', 'mounting', 'mounting'), mounting)),
     h('div', { class: 'field', role: 'group', 'aria-label': 'Gravity in the base frame' }, h('span', { class: 'label' }, 'Gravity in the base frame (m/s²)'), h('div', { class: 'three' }, inputs)),
-    h('div', { class: 'row field', 'data-pointer': '/robot/friction', 'data-label': 'Friction' }, h('span', { class: 'label' }, term('friction', 'Friction'), ' of every joint'), friction('viscous', 'viscous'), friction('coulomb', 'Coulomb')));
+    h('div', { class: 'row field', 'data-pointer': '/robot/friction', 'data-label': 'Friction' }, h('span', { class: 'label' }, term('friction', 'Friction'), ' of every joint'), friction('viscous', 'viscous'), friction('coulomb', 'Coulomb')),
+    h('div', { class: 'field' }, h('span', { class: 'labelled' }, h('label', { for: 'robot-source' }, 'Source of the description'), mark('source', 'Source')), fields.sourceInput([], { id: 'robot-source' })));
 }
 
 /** Heads that are terms, without their units. */

@@ -27,6 +27,21 @@ export class Fields {
     return h('input', { id, class: cell ? 'cell-name' : null, value: this.read(path) ?? '', 'aria-label': label, 'data-pointer': this.pointer(path), oninput: (e) => this.write(path, e.target.value) });
   }
 
+  /** Where the numbers of an object come from; empty is left out. `path`: of the object. */
+  source(path, of, words = 'Source') {
+    return h('label', { class: 'stacked' }, words, this.sourceInput(path, { 'aria-label': `${of}: source` }));
+  }
+
+  sourceInput(path, options) {
+    const input = h('input', { ...options, value: this.read(path).source ?? '', placeholder: 'data sheet, CAD, …', 'data-pointer': this.pointer([...path, 'source']), oninput: () => {
+      const object = this.read(path);
+      if (input.value.trim()) object.source = input.value;
+      else delete object.source;
+      this.changed();
+    } });
+    return input;
+  }
+
   pointer(path) {
     return `/robot/${path.join('/')}`;
   }

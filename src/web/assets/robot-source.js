@@ -73,35 +73,40 @@ export function editable(document, description) {
   return { description: document.joints && !rows ? document : { ...description, effects: document.effects }, remarks };
 }
 
-/** Hands a robot on as it is understood; a URDF file with several ends asks for the last link of the chain. */
-async function show(place, robot, remarks, take, tip) {
+/** Hands a robot on as it is understood, and what of its file was taken: another base or tip is read again. */
+async function show(place, robot, remarks, take, part = {}) {
   fill(place, h('p', { class: 'soft', role: 'status' }, 'Reading …'));
-  const ends = robot.urdf ? lastLinks(robot.urdf) : [];
-  const again = (other) => show(place, robot, remarks, take, other);
+  const chain = chainOf(robot);
+  const choice = () => (chain ? chainChoice(chain, part, (other) => show(place, robot, remarks, take, other)) : null);
   try {
-    const { description, notes } = await postJson('/motion', { robot: tip ? { ...robot, tip } : robot });
+    const { description, notes } = await postJson('/motion', { robot: { ...robot, ...part } });
     fill(place);
     const own = editable(robot, description);
-    take({ description: own.description, notes: [...remarks, ...own.remarks, ...notes], ends, tip, again });
+    take({ description: own.description, notes: [...remarks, ...own.remarks, ...notes], choice });
   } catch (error) {
     explain(place, error);
-    if (ends.length > 1) place.append(tipChoice(ends, tip, again));
+    if (chain) place.append(choice());
   }
 }
 
-export function tipChoice(ends, tip, choose) {
-  const select = h('select', { id: 'source-tip', class: 'narrow', onchange: () => choose(select.value || undefined) }, h('option', { value: '' }, 'the longest chain'), ends.map((name) => h('option', { value: name, selected: name === tip }, name)));
-  return h('div', { class: 'field' }, labelled('Last link of the chain (tip)', 'source-tip', 'tip'), select, h('p', { class: 'help' }, 'The file branches. Choose where the arm ends: the flange, or the link that carries the tool.'));
+/** From where to where the arm goes in a file: `part` is {base, tip}. Open where the file branches. */
+function chainChoice({ names, ends, branches }, part, choose) {
+  const select = (key, first, list) => h('select', { id: `source-${key}`, onchange: (e) => choose({ ...part, [key]: e.target.value || undefined }) }, h('option', { value: '' }, first), list.map((name) => h('option', { value: name, selected: name === part[key] }, name)));
+  const field = (key, words, help, control) => h('div', { class: 'field' }, labelled(words, `source-${key}`, help), control);
+  return h('details', { id: 'chain-part', class: 'field', open: branches || part.base || part.tip ? true : null }, h('summary', {}, 'Part of the file that is the arm'),
+    h('div', { class: 'halves' }, field('base', 'Base: link that stands still', 'base_link', select('base', 'the root of the file', names)), field('tip', 'Tip: last link of the chain', 'tip', select('tip', 'the end of the longest chain', [...ends, ...names.filter((n) => !ends.includes(n))]))),
+    h('p', { class: 'help' }, branches ? 'The file branches. Choose where the arm ends: the flange, or the link that carries the tool.' : 'Joints outside this part are locked at zero.'));
 }
 
-/** Links of a URDF file, those at ends first. */
-function lastLinks(content) {
-  const document = new DOMParser().parseFromString(content, 'application/xml');
-  const names = (selector, attribute) => [...document.querySelectorAll(selector)].map((e) => e.getAttribute(attribute)).filter(Boolean);
-  const parents = new Set(names('robot > joint > parent', 'link'));
-  const links = names('robot > link', 'name');
-  const ends = links.filter((l) => !parents.has(l));
-  return ends.length > 1 ? [...ends, ...links.filter((l) => parents.has(l))] : [];
+/** Links or bodies of a file, {names, ends, branches}; nothing for a robot that is given by its joints. */
+function chainOf({ urdf, mjcf }) {
+  if (!urdf && !mjcf) return null;
+  const document = new DOMParser().parseFromString(urdf ?? mjcf, 'application/xml');
+  const all = (selector, attribute = 'name', of = document) => [...of.querySelectorAll(selector)].map((e) => e.getAttribute(attribute)).filter(Boolean);
+  const names = urdf ? all('robot > link') : all('worldbody body');
+  const parents = new Set(urdf ? all('robot > joint > parent', 'link') : names.filter((name) => all(`body[name="${CSS.escape(name)}"] body`).length));
+  const ends = names.filter((name) => !parents.has(name));
+  return names.length > 1 ? { names, ends, branches: ends.length > 1 } : null;
 }
 
 function dhPanel(place, take) {
