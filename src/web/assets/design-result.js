@@ -137,7 +137,15 @@ function clearances(result, played) {
     { head: 'Link of', cell: (c) => c.joint, sort: (c) => c.joint }, { head: 'From', cell: (c) => c.from, sort: (c) => c.from }, { head: 'Least distance', term: 'clearance', number: true, cell: (c) => `${number(c.least, 3)} m`, sort: (c) => c.least },
     { head: 'Proven above', number: true, cell: (c) => `${number(c.certified, 3)} m`, sort: (c) => c.certified, term: 'proven' },
     { head: 'Required', number: true, cell: (c) => `${number(c.asked, 3)} m`, sort: (c) => c.asked }, { head: 'At', number: true, cell: (c) => `${number(c.at_s)} s`, sort: (c) => c.at_s }, { head: 'Show', hidden: true, cell: (c) => h('button', { type: 'button', class: 'link', 'aria-label': `Show ${c.joint} and ${c.from}`, onclick: () => played.goTo(c) }, 'Show') },
+    { head: 'Let them touch', hidden: true, cell: (c) => mayTouch(result, c) },
   ], result.clearances, { caption: 'Between links, and from obstacles', sort: { column: 2, way: 'ascending' } }));
+}
+
+/** For two links that come near without harm, such as a cable tray and the link below it: the form leaves the pair out next time. */
+function mayTouch(result, { joint, from }) {
+  if (!result.joints.includes(from)) return null;
+  const pair = [joint, from];
+  return h('button', { type: 'button', class: 'link', 'aria-label': `Let ${joint} and ${from} touch in the next design`, onclick: () => document.dispatchEvent(new CustomEvent('may-touch', { detail: pair })) }, 'Let them touch');
 }
 
 function margins(result) {

@@ -10,7 +10,9 @@ import { Live } from './design-live.js';
 import { showDesign } from './design-result.js';
 import { Known } from './known-form.js';
 import { Obstacles } from './obstacles.js';
+import { OwnEffects } from './own-effects.js';
 import { plotly } from './plot.js';
+import { TouchingPairs } from './touching-pairs.js';
 
 const value = (id) => find(`#${id}`).value.trim();
 const list = (text) => (text ? text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(numeric) : undefined);
@@ -20,6 +22,10 @@ const some = (object) => (Object.values(object).some((v) => v !== undefined) ? o
 const known = new Known(() => explainForm());
 const obstacles = new Obstacles(find('#obstacles'), () => explainForm());
 const cell = new CellView();
+const touching = new TouchingPairs(find('#touching'), () => explainForm());
+let robots = [];
+const joints = () => robots.find((r) => r.id === value('robot'))?.joints ?? [];
+const own = new OwnEffects({ place: find('#own-effects-list'), add: find('#own-effects-add'), choose: find('#own-effects-choose'), joints, changed: () => explainForm() });
 const query = new URLSearchParams(location.search);
 
 /** `1-5; 1-3, 7` → one list per joint. */
@@ -36,7 +42,7 @@ const shortened = (numbers) => numbers.join(', ');
 
 function space() {
   const placed = obstacles.value();
-  const self = find('#self-collision').checked ? {} : undefined;
+  const self = find('#self-collision').checked ? { ignore: touching.value() } : undefined;
   return some({ ...placed, self_collision: self }) && { clearance: numeric(value('clearance')), ...placed, self_collision: self };
 }
 
@@ -52,8 +58,9 @@ function request() {
     constraints: { form: value('form-of-limits'), start: value('start'), start_position: list(value('start-position')), torque, space: space() },
     torque_noise: list(value('noise')),
     ...known.value(value('criterion')),
+    effects: own.value(),
     periods: numeric(value('periods')), trajectories: numeric(value('trajectories')), backoff: numeric(value('backoff')),
-    search: { seed: numeric(value('seed')), time_limit_s: numeric(value('time-limit')) },
+    search: { seed: numeric(value('seed')), time_limit_s: numeric(value('time-limit')), starts: numeric(value('starts')), max_evaluations: numeric(value('evaluations')), jobs_per_round: numeric(value('jobs-per-round')) },
   };
 }
 
@@ -66,6 +73,8 @@ function sayWhatIsSet(asked) {
     space: s ? [placed.length > 2 ? `${placed.length} obstacles` : placed.join(', '), s.self_collision && 'self-collision'].filter(Boolean).join(', ') : '',
     backoff: asked.backoff ? `${number(100 * asked.backoff, 3)} %` : '',
     known: [asked.warm_start && 'warm start', asked.model && 'model', asked.given && `data of ${asked.given.length} run${asked.given.length > 1 ? 's' : ''}`].filter(Boolean).join(', '),
+    effects: asked.effects ? String(asked.effects.length) : '',
+    search: [asked.search.starts && `${asked.search.starts} starts`, asked.search.max_evaluations && `${asked.search.max_evaluations} evaluations`].filter(Boolean).join(', '),
   };
   for (const [name, text] of Object.entries(states)) {
     const tag = find(`[data-state=${name}]`);
@@ -130,8 +139,9 @@ async function addObstacle(what) {
 }
 
 async function fillRobots(chosen) {
-  const { robots } = await getJson('/robots');
+  ({ robots } = await getJson('/robots'));
   fill(find('#robot'), robots.map((r) => h('option', { value: r.id, selected: r.id === chosen }, `${r.name} (${r.joints.length} joints)`)));
+  touching.of(joints());
   await known.load(value('robot'));
   explainForm();
   await avoidSelf(!query.get('id'));
@@ -158,9 +168,12 @@ async function refill(document) {
   find('#self-collision').checked = Boolean(limits.space?.self_collision);
   set('clearance', limits.space?.clearance);
   obstacles.set(limits.space);
+  touching.joints = joints();
+  touching.set(limits.space?.self_collision);
+  own.set(document.effects);
   for (const [id, key] of [['noise', 'torque_noise'], ['periods', 'periods'], ['trajectories', 'trajectories'], ['backoff', 'backoff']]) set(id, document[key]);
   set('seed', document.search?.seed);
-  set('time-limit', document.search?.time_limit_s);
+  for (const [id, key] of [['time-limit', 'time_limit_s'], ['starts', 'starts'], ['evaluations', 'max_evaluations'], ['jobs-per-round', 'jobs_per_round']]) set(id, document.search?.[key]);
   await known.load(value('robot'), document);
   explainForm();
 }
@@ -203,6 +216,16 @@ find('#form').addEventListener('input', (event) => {
 });
 find('#self-collision').addEventListener('input', () => { selfTouched = true; });
 find('#start').addEventListener('input', () => { startTouched = true; find('#start-low').hidden = true; });
+/** A pair that comes near without harm, chosen in the table of clearances. */
+document.addEventListener('may-touch', ({ detail: pair }) => {
+  find('#self-collision').checked = true;
+  selfTouched = true;
+  find('#space-part').open = true;
+  touching.add(pair);
+  find('#touching').scrollIntoView({ block: 'center' });
+});
+/** Pairs and effects are of the joints of another robot. */
+find('#robot').addEventListener('change', () => { touching.of(joints()); own.draw(); });
 find('#robot').addEventListener('change', () => known.load(value('robot')).then(() => avoidSelf(true)).catch((e) => explain(find('#form-trouble'), e)));
 document.querySelectorAll('[data-add]').forEach((button) => button.addEventListener('click', () => { floorTouched = true; addObstacle(button.dataset.add); }));
 find('#space-part').addEventListener('toggle', explainForm);
@@ -225,6 +248,7 @@ find('#form').addEventListener('submit', async (event) => {
 });
 
 if (query.get('id')) plotly();
+own.look();
 
 fillRobots(query.get('robot') ?? 'iiwa14')
   .then(() => query.get('id') && watch(query.get('id')))

@@ -2,6 +2,7 @@
 import { getJson } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, time, words } from './dom.js';
+import { JsonFiles, givenOf, modelOf, trajectoryOf } from './json-files.js';
 
 const MOST = 12;
 const ended = (job) => ['finished', 'cancelled'].includes(job.state) && job.outcome !== 'Infeasible';
@@ -12,6 +13,8 @@ export const on = (effect) => `${called(effect.effect)} on ${effect.joints.join(
 export class Known {
   constructor(changed) {
     Object.assign(this, { changed, pairs: [] });
+    const files = (id, read) => new JsonFiles(find(`#${id}`), read, changed);
+    this.files = { warmStart: files('warm-start-file', trajectoryOf), model: files('model-file', modelOf), given: files('given-files', givenOf) };
     find('#model').addEventListener('change', () => this.loadRivals().then(changed));
     find('#warm-start').addEventListener('change', () => this.loadWarmStart().then(changed));
   }
@@ -26,13 +29,16 @@ export class Known {
     fill(find('#warm-start'), h('option', { value: '' }, 'none: random starts'), wanted.warm_start ? h('option', { value: 'as-asked', selected: true }, 'as in this request') : null,
       designs.map((j) => h('option', { value: j.id }, `${time(j.finished_at)}${j.progress?.best ? `, ${reached(j.progress)}` : ''}`)));
     this.warmStart = wanted.warm_start;
+    // What a request carries in full came from files.
+    this.asked = { model: wanted.model?.identification ? undefined : wanted.model, given: (wanted.given ?? []).filter((g) => !g.identification && !g.excitation) };
     const listed = (list, id) => (id && !list.some((j) => j.id === id) ? [{ id, finished_at: null }, ...list] : list);
     const name = (j) => `${j.finished_at ? time(j.finished_at) : 'identification'} · ${j.id.slice(0, 8)}`;
     fill(find('#model'), h('option', { value: '' }, 'none: rigid links and friction'), listed(identified, model).map((j) => h('option', { value: j.id, selected: j.id === model }, name(j))));
-    const given = new Set((wanted.given ?? []).map((g) => g.identification ?? g.excitation));
+    const given = new Map((wanted.given ?? []).map((g) => [g.identification ?? g.excitation, g]));
+    const periods = (j) => h('label', { class: 'inline' }, h('input', { class: 'cell-number', type: 'number', min: 1, max: 1000, placeholder: '1', 'data-periods': j.id, 'aria-label': `Periods run of the design ${name(j)}`, value: given.get(j.id)?.periods ?? '' }), 'periods');
     const box = (j) => h('label', { class: 'inline' }, h('input', { type: 'checkbox', value: j.id, 'data-kind': j.kind === 'excitation' ? 'excitation' : 'identification', checked: given.has(j.id) }), `${j.kind === 'excitation' ? 'design, as if run:' : 'log of'} ${name(j)}`);
     const choices = [...identified, ...designs.slice(0, 6)];
-    fill(find('#given'), choices.length ? choices.map((j) => h('div', {}, box(j))) : h('p', { class: 'help' }, 'No runs of this robot yet.'));
+    fill(find('#given'), choices.length ? choices.map((j) => h('div', { class: 'row' }, box(j), j.kind === 'excitation' ? periods(j) : null)) : h('p', { class: 'help' }, 'No runs of this robot yet.'));
     await this.loadRivals(wanted.rivals);
   }
 
@@ -62,9 +68,12 @@ export class Known {
 
   /** Fields of a request. */
   value(criterion) {
-    const given = [...find('#given').querySelectorAll('input:checked')].map((c) => ({ [c.dataset.kind]: c.value }));
+    const run = (id) => find(`[data-periods="${id}"]`)?.value;
+    const chosen = [...find('#given').querySelectorAll('input:checked')].map((c) => ({ [c.dataset.kind]: c.value, periods: run(c.value) ? Number(run(c.value)) : undefined }));
+    const { files, asked } = this;
+    const given = [...chosen, ...(files.given.list.length ? files.given.list : asked?.given ?? [])];
     return {
-      warm_start: this.warmStart, model: find('#model').value ? { identification: find('#model').value } : undefined,
+      warm_start: files.warmStart.list[0] ?? this.warmStart, model: files.model.list[0] ?? (find('#model').value ? { identification: find('#model').value } : asked?.model),
       rivals: criterion === 'rival_evidence' ? this.pairs[find('#rivals').value] : undefined, given: given.length ? given : undefined,
     };
   }
