@@ -84,8 +84,8 @@ export function words(code) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-/** What the interface says in half a sentence, as one. */
-export const sentence = (text) => (text ? `${text.charAt(0).toUpperCase()}${dotted(text.slice(1))}${/[.!?]$/.test(text) ? '' : '.'}` : '');
+/** What the interface says in half a sentence, as one; a name of a file at its beginning stays as it is. */
+export const sentence = (text) => (text ? `${/^\S+\.\w+/.test(text) ? text.charAt(0) : text.charAt(0).toUpperCase()}${dotted(text.slice(1))}${/[.!?]$/.test(text) ? '' : '.'}` : '');
 
 /** Units of the interface within a text, as people write them. */
 export const dotted = (text) => text.replace(/\bN m\b/g, 'N·m');

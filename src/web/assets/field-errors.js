@@ -49,9 +49,10 @@ export function nameAt(form, pointer) {
 
 /** What a field holds is shown as it was entered: documents call it by its kind. */
 function detailAt({ field, rest }, detail) {
+  if (field.matches('textarea') && !rest.length) return detail.replace(/^is a string, expected an array/, 'is no list in JSON');
   if (!field.matches('input') || rest.length > 1) return detail;
   const entered = rest.length ? field.value.split(/[\s,;]+/).filter(Boolean)[rest[0]] ?? '' : field.value.trim();
-  return detail.replace(/^is a string, expected/, entered ? `is “${entered}”, expected` : 'is empty, expected').replace(/\b1 values\b/, '1 value');
+  return detail.replace(/^is a string, expected/, entered ? `is “${entered}”, expected` : 'is empty, expected');
 }
 
 /**

@@ -4,16 +4,17 @@ import { Refused, explain, follow, getJson, send } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
 import { unmark } from './field-errors.js';
+import { JsonFiles, trajectoryOf } from './json-files.js';
 import { LogColumns } from './log-columns.js';
 import { readHead } from './log-file.js';
 import { inShort, showPreview } from './log-preview.js';
 import { showIdentification, showValidation } from './identify-result.js';
 import { OwnEffects } from './own-effects.js';
 import { plotly } from './plot.js';
+import { feasible, preprocess, showMethod } from './preparation-form.js';
 
 const value = (id) => find(`#${id}`).value.trim();
 const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
-const some = (object) => (Object.values(object).some((v) => v !== undefined) ? object : undefined);
 
 /** Points of every plotted series: more than any screen shows, thinned by the server with all peaks kept. */
 const POINTS = 6000;
@@ -21,13 +22,14 @@ const files = { log: [], validation: [] };
 let robots = [];
 const columns = new LogColumns(find('#columns-place'), () => previewSoon());
 const own = new OwnEffects({ place: find('#own-effects-list'), add: find('#own-effects-add'), choose: find('#own-effects-choose'), joints: () => robots.find((r) => r.id === value('robot'))?.joints ?? [] });
+const executed = new JsonFiles(find('#excitation-file'), trajectoryOf, () => previewSoon());
 const ROBOT = 'dynident.robot';
 
 function request() {
   return {
-    robot: value('robot'), excitation: value('excitation') || undefined, period_s: numeric(value('period')), columns: columns.value(),
-    preprocess: some({ method: value('method') || undefined }), estimator: value('estimator'),
-    offset: find('#offset').checked || undefined, trace: find('#trace').checked, feasible: { method: find('#feasible').checked ? 'consistent' : 'none' }, prediction_points: POINTS, effects: own.value(),
+    robot: value('robot'), excitation: (executed.list[0] ?? value('excitation')) || undefined, period_s: numeric(value('period')), columns: columns.value(),
+    preprocess: preprocess(), estimator: value('estimator'),
+    offset: find('#offset').checked || undefined, trace: find('#trace').checked, feasible: feasible(), prediction_points: POINTS, effects: own.value(),
   };
 }
 
@@ -38,13 +40,16 @@ function body(asked) {
   return form;
 }
 
+/** Counts what the user has begun: a file that was still being read does not put its preview in the place of a result. */
+let turn = 0;
 async function take(kind, list) {
+  turn += 1;
+  const mine = turn;
   files[kind] = [...list];
   const size = (bytes) => (bytes > 1e6 ? `${number(bytes / 1e6, 3)} MB` : `${Math.ceil(bytes / 1e3)} kB`);
   fill(find(`#${kind}-names`), files[kind].map((f) => h('li', {}, `${f.name} (${size(f.size)})`)));
   fill(find('#trouble'));
-  if (!await showColumns()) return;
-  await preview();
+  if (await showColumns() && mine === turn) await preview();
 }
 
 /** On a narrow screen: the result before the form, or the form before what it previews. */
@@ -64,8 +69,11 @@ async function showColumns() {
   const robot = robots.find((r) => r.id === value('robot'));
   if (!first || !robot) return Boolean(first);
   arrange('with-preview');
+  const mine = turn;
   try {
-    columns.show(await readHead(first), robot);
+    const head = await readHead(first);
+    if (mine !== turn) return false;
+    columns.show(head, robot, { files: files.log.slice(1).map((f) => f.name) });
     return true;
   } catch (error) {
     columns.clear();
@@ -96,6 +104,12 @@ async function preview() {
   if (columns.head && columns.missing().length) {
     fill(find('#result'));
     sayState('Assign the columns', '#columns-place');
+    return;
+  }
+  // The interface previews files one by one.
+  if (columns.joins) {
+    sayState('Ready, without a preview', '#result');
+    fill(find('#result'), h('section', { class: 'card' }, h('h2', {}, 'No preview'), h('p', {}, 'The columns are in two files, which are put together when the identification starts. What is wrong with them is said then.')));
     return;
   }
   looking = new AbortController();
@@ -206,10 +220,12 @@ find('#form').addEventListener('change', async (e) => {
 });
 find('#form').addEventListener('submit', async (event) => {
   event.preventDefault();
+  turn += 1;
   clearTimeout(waiting);
   looking?.abort();
-  unmark(event.target);
-  fill(find('#form-trouble'));
+  unmark(find('#work'));
+  ['#form-trouble', '#trouble'].forEach((place) => fill(find(place)));
+  sayState();
   const go = find('#go');
   go.disabled = true;
   try {
@@ -231,6 +247,8 @@ const query = new URLSearchParams(location.search);
 if (query.get('id')) plotly();
 
 own.look();
+showMethod();
+['feasible', 'feasible-method'].forEach((id) => find(`#${id}`).addEventListener('change', showMethod));
 prepare(query)
   .then(() => query.get('after') && sayWhatJoins(query.get('after')))
   .catch((e) => explain(find('#trouble'), e));

@@ -1,9 +1,10 @@
 // Which column of a log is what, and what will be done to it: a table with a drop-down and a small picture of each series.
-import { breakable, fill, h, number, term } from './dom.js';
+import { breakable, fill, find, h, number, term } from './dom.js';
 import { CHANNEL, LogChannels } from './log-channels.js';
 import { guess, units } from './log-guess.js';
+import { LogTransmissions } from './log-transmissions.js';
 
-const UNITS = { position: ['rad', 'deg', 'rev', 'm', 'mm'], velocity: ['rad/s', 'deg/s', 'rpm', 'm/s', 'mm/s'], torque: ['N m', 'mN m', 'kN m', 'N', 'A'], time: ['s', 'ms', 'us', 'ns'] };
+const UNITS = { position: ['rad', 'deg', 'rev', 'm', 'mm'], velocity: ['rad/s', 'deg/s', 'rpm', 'm/s', 'mm/s'], torque: ['N m', 'mN m', 'kN m', 'N', 'kN', 'A'], time: ['s', 'ms', 'us', 'ns'] };
 const SHOWN = { 'N m': 'N·m', 'mN m': 'mN·m', 'kN m': 'kN·m', us: 'µs' };
 const QUANTITIES = ['position', 'torque', 'velocity'];
 const STANDARD = { time: /^(time|t)$/i, position: /^q\d+$/i, velocity: /^qd\d+$/i, torque: /^tau\d+$/i };
@@ -14,15 +15,17 @@ const LONG = 14;
 /** Heads that are terms. */
 const HEADS = { 'Used as': 'column_use', 'Scale and sign': 'column_scale', Becomes: 'column_unit' };
 
+const perQuantity = () => Object.fromEntries(QUANTITIES.map((q) => [q, { scale: [], sign: [] }]));
+
 export class LogColumns {
   /** `changed` is called when the mapping has changed. */
   constructor(place, changed) {
-    Object.assign(this, { place, changed, head: null, joints: [], roles: new Map(), units: {}, scale: [], sign: [], touched: false, channels: new LogChannels(() => this.change()) });
+    Object.assign(this, { place, changed, head: null, joints: [], roles: new Map(), units: {}, factors: perQuantity(), touched: false, channels: new LogChannels(() => this.change()), further: new LogTransmissions(() => this.change()) });
   }
 
-  /** Shows the columns of a log for a robot {id, joints}; remembers what was chosen for logs with these columns before. */
-  show(head, robot) {
-    Object.assign(this, { head, robot, joints: robot.joints, scale: [], sign: [], touched: false, rate: '', channels: new LogChannels(() => this.change()) });
+  /** Shows the columns of a log for a robot {id, joints}; remembers what was chosen for logs with these columns before. `files`: names of further logs. */
+  show(head, robot, { files = [] } = {}) {
+    Object.assign(this, { head, robot, joints: robot.joints, factors: perQuantity(), touched: false, rate: '', scaleTrouble: '', channels: new LogChannels(() => this.change()) });
     const found = guess(head.columns, robot.joints);
     this.preset = found.preset;
     this.units = units(head.columns, found);
@@ -30,8 +33,9 @@ export class LogColumns {
     if (found.time) this.roles.set(found.time, 'time');
     QUANTITIES.forEach((q) => found[q]?.forEach((name, j) => this.roles.set(name, `${q} ${j}`)));
     const kept = JSON.parse(localStorage.getItem(this.key()) ?? 'null');
-    if (kept) Object.assign(this, { units: kept.units, scale: kept.scale, sign: kept.sign, rate: kept.rate ?? '', roles: new Map(kept.roles), touched: true, preset: 'as last time for this robot' });
+    if (kept) Object.assign(this, { units: kept.units, factors: { ...perQuantity(), ...kept.factors }, rate: kept.rate ?? '', roles: new Map(kept.roles), touched: true, preset: 'as last time for this robot' });
     this.channels.list = kept?.channels ?? [];
+    this.further.set(kept?.further, files);
     this.draw();
   }
 
@@ -46,7 +50,7 @@ export class LogColumns {
 
   keep() {
     if (!this.touched) return;
-    localStorage.setItem(this.key(), JSON.stringify({ roles: [...this.roles], units: this.units, scale: this.scale, sign: this.sign, rate: this.rate, channels: this.channels.list }));
+    localStorage.setItem(this.key(), JSON.stringify({ roles: [...this.roles], units: this.units, factors: this.factors, rate: this.rate, channels: this.channels.list, further: this.further.kept }));
   }
 
   named(quantity) {
@@ -56,12 +60,17 @@ export class LogColumns {
   /** What is missing before the log can be read, in words. */
   missing() {
     const joints = (quantity) => this.joints.filter((_, j) => !this.named(quantity)[j]);
-    const lacks = ['position', 'torque'].map((q) => [q, joints(q)]).filter(([, list]) => list.length);
+    const lacks = ['position', 'torque'].map((q) => [q, joints(q)]).filter(([q, list]) => list.length && !this.further.elsewhere(q));
     const words = lacks.map(([q, list]) => `no ${q} for ${list.length === this.joints.length ? 'any joint' : list.join(', ')}`);
     if (!this.time() && !(Number(this.rate) > 0)) words.push('no time; give the sample rate instead');
-    const without = this.units.torque === 'A' ? this.joints.filter((_, j) => this.named('torque')[j] && this.scale[j] === undefined) : [];
+    const without = this.units.torque === 'A' ? this.joints.filter((_, j) => this.named('torque')[j] && this.factors.torque.scale[j] === undefined) : [];
     if (without.length) words.push(`no N·m per ampere for ${without.length === this.joints.length ? 'any joint' : without.join(', ')}`);
     return words;
+  }
+
+  /** Whether columns of other files join those of the log. */
+  get joins() {
+    return Boolean(this.head) && QUANTITIES.some((q) => this.further.elsewhere(q));
   }
 
   time() {
@@ -74,12 +83,11 @@ export class LogColumns {
     const standard = !this.touched && [...this.roles].every(([name, role]) => STANDARD[role.split(' ')[0]].test(name)) && this.units.position === 'rad' && this.units.torque === 'N m' && this.units.time === 's';
     if (standard) return undefined;
     const all = (list, whole) => (list.some((v) => v !== undefined && v !== whole) ? this.joints.map((_, j) => list[j] ?? whole) : undefined);
-    const velocity = this.named('velocity').every(Boolean);
+    const velocity = this.named('velocity').every(Boolean) || this.further.elsewhere('velocity');
+    const quantity = (q, si) => ({ headers: this.named(q), unit: this.units[q] === si ? undefined : this.units[q], scale: all(this.factors[q].scale, 1), sign: all(this.factors[q].sign, 1), ...this.further.of(q) });
     return {
       time: this.time(), time_unit: this.time() && this.units.time !== 's' ? this.units.time : undefined, sample_rate_hz: Number(this.rate) > 0 ? Number(this.rate) : undefined,
-      position: { headers: this.named('position'), unit: this.units.position === 'rad' ? undefined : this.units.position },
-      velocity: velocity ? { headers: this.named('velocity'), unit: this.units.velocity === 'rad/s' ? undefined : this.units.velocity } : undefined,
-      torque: { headers: this.named('torque'), unit: this.units.torque === 'N m' ? undefined : this.units.torque, scale: all(this.scale, 1), sign: all(this.sign, 1) },
+      position: quantity('position', 'rad'), velocity: velocity ? quantity('velocity', 'rad/s') : undefined, torque: quantity('torque', 'N m'), coupling: this.further.coupling(),
       channels: this.channels.value(),
     };
   }
@@ -94,6 +102,7 @@ export class LogColumns {
   draw() {
     const { head } = this;
     const focused = document.activeElement?.id;
+    const open = find('#transmissions', this.place)?.open;
     const used = head.columns.filter((c) => this.roles.has(c.name));
     const rest = head.columns.filter((c) => !this.roles.has(c.name));
     const missing = this.missing();
@@ -103,8 +112,8 @@ export class LogColumns {
       missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Assign the columns: '), missing.join('; '), '.')) : null,
       h('div', { class: 'row field' }, h('span', {}, term('column_unit', 'Units'), ':'), unit('time', 'time in'), unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
         this.time() ? null : h('label', { class: 'inline' }, 'samples per second', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
-      this.units.torque === 'A' ? h('div', { class: this.scale.length ? 'field' : 'notice' }, h('p', {}, 'Currents become torques by ', term('torque_constant', 'N·m per ampere'), ' at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) }))) : null,
-      this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null), this.channels.units()));
+      this.units.torque === 'A' ? h('div', { class: this.factors.torque.scale.length ? 'field' : 'notice' }, h('p', {}, 'Currents become torques by ', term('torque_constant', 'N·m per ampere'), ' at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) })), this.scaleTrouble ? h('p', { class: 'field-error', role: 'alert' }, this.scaleTrouble) : null) : null,
+      this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null), this.further.element(open), this.channels.units()));
     if (focused) document.getElementById(focused)?.focus();
   }
 
@@ -131,18 +140,24 @@ export class LogColumns {
   factor(column) {
     const [quantity, at] = (this.roles.get(column.name) ?? '').split(' ');
     if (quantity === CHANNEL) return this.channels.inputs(column.name);
-    if (quantity !== 'torque') return null;
+    if (!this.factors[quantity]) return null;
+    const { scale, sign } = this.factors[quantity];
     const j = Number(at);
-    return h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('input', { class: 'cell-number', id: `scale-${j}`, inputmode: 'decimal', value: this.scale[j] ?? '', placeholder: this.units.torque === 'A' ? 'N·m/A' : '1', 'aria-label': `${column.name}: scale`, 'data-pointer': `/columns/torque/scale/${j}`, 'data-also': '/columns/torque/scale', onchange: (e) => { const v = Number(e.target.value.replace(',', '.')); this.scale[j] = e.target.value.trim() === '' || !Number.isFinite(v) ? undefined : v; this.change(); } }),
-      h('select', { class: 'narrow', id: `sign-${j}`, 'aria-label': `${column.name}: sign`, 'data-pointer': `/columns/torque/sign/${j}`, 'data-also': '/columns/torque/sign', onchange: (e) => { this.sign[j] = Number(e.target.value); this.change(); } }, [[1, 'as it is'], [-1, 'inverted']].map(([v, t]) => h('option', { value: v, selected: (this.sign[j] ?? 1) === v }, t))));
+    // What is no number goes to the server as it is, which says so at the field.
+    const entered = (text) => (text.trim() === '' ? undefined : Number.isFinite(Number(text.replace(',', '.'))) ? Number(text.replace(',', '.')) : text);
+    const field = (key) => ({ id: quantity === 'torque' ? `${key}-${j}` : `${key}-${quantity}-${j}`, 'aria-label': `${column.name}: ${key}`, 'data-pointer': `/columns/${quantity}/${key}/${j}`, 'data-also': `/columns/${quantity}/${key}` });
+    return h('div', { class: 'field' }, h('div', { class: 'row', style: 'flex-wrap:nowrap' }, h('input', { class: 'cell-number', ...field('scale'), inputmode: 'decimal', value: scale[j] ?? '', placeholder: quantity === 'torque' && this.units.torque === 'A' ? 'N·m/A' : '1', onchange: (e) => { scale[j] = entered(e.target.value); this.change(); } }),
+      h('select', { class: 'narrow', ...field('sign'), onchange: (e) => { sign[j] = Number(e.target.value); this.change(); } }, [[1, 'as it is'], [-1, 'inverted']].map(([v, t]) => h('option', { value: v, selected: (sign[j] ?? 1) === v }, t)))));
   }
 
   /** One number for all joints, or one per joint, separated by spaces, commas or semicolons. */
   scaleAll(text) {
     const list = text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(Number);
-    if (!list.length || !list.every(Number.isFinite) || ![1, this.joints.length].includes(list.length)) return;
-    this.scale = this.joints.map((_, j) => list[j] ?? list[0]);
-    this.change();
+    const usable = list.every(Number.isFinite) && [1, this.joints.length].includes(list.length);
+    this.scaleTrouble = usable || !text.trim() ? '' : `N·m per ampere is “${text.trim()}”, expected one number, or ${this.joints.length} for the ${this.joints.length} joints.`;
+    if (!usable) return this.draw();
+    this.factors.torque.scale = this.joints.map((_, j) => list[j] ?? list[0]);
+    return this.change();
   }
 
   becomes(column) {
@@ -153,7 +168,7 @@ export class LogColumns {
     const [quantity, at] = role.split(' ');
     const si = { position: ['rad', 'm'], velocity: ['rad/s', 'm/s'], torque: ['N m', 'N'] }[quantity];
     const unit = this.units[quantity];
-    const factor = quantity === 'torque' ? (this.scale[at] ?? 1) * (this.sign[at] ?? 1) : 1;
+    const factor = (this.factors[quantity].scale[at] ?? 1) * (this.factors[quantity].sign[at] ?? 1);
     const scaled = factor === 1 ? '' : `, × ${number(factor)}`;
     return `${quantity} of ${this.joints[at]}${scaled}${si.includes(unit) ? '' : `, from ${SHOWN[unit] ?? unit}`}`;
   }
@@ -161,7 +176,7 @@ export class LogColumns {
 
 /** A value of the file, short enough for a table: small ones are rounded to three digits. */
 const short = (value) => (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(2) : String(Number(value.toPrecision(6))));
-const brief = (text) => (text.length > 9 && Number.isFinite(Number(text)) ? short(Number(text)) : text.slice(0, 20));
+const brief = (text) => (Number.isFinite(Number(text)) && (text.length > 9 || Math.abs(Number(text)) < 1e-3) ? short(Number(text)) : text.slice(0, 20));
 
 /** A series as a small picture. */
 function spark({ points, name, numeric }) {

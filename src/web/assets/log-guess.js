@@ -3,7 +3,7 @@
 const QUANTITIES = [
   ['velocity', /(^|[^a-z])(qd|dq|qdot|qp|vel|velocity|velocities|speed|omega)([^a-z]|$)/],
   ['torque', /(^|[^a-z])(tau|tau_j|torque|torques|trq|moment|effort|efforts|current|currents|i)([^a-z]|$)|torque|trq|current/],
-  ['position', /(^|[^a-z])(q|pos|position|positions|angle|angles|theta|joint|axis|axisqmsr|a|j)([^a-z]|$)|jntpos|jointpos|qmsr|position/],
+  ['position', /(^|[^a-z])(q|pos|position|positions|ang|angle|angles|theta|joint|axis|axisqmsr|a|j)([^a-z]|$)|jntpos|jointpos|qmsr|position/],
 ];
 const TIME = /^(time|timestamp|stamp|clock|t|sec|secs|seconds|zeit|__time)([^a-z].*)?$|[_/. ]time(stamp)?$/;
 /** Of several candidates the measured one; what was commanded says nothing of the robot. */
