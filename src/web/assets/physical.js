@@ -3,6 +3,9 @@ import { ArmView, ellipsoid, HOW_TO_TURN } from './arm.js';
 import { h, number, table, term, words } from './dom.js';
 import { colour, plotLater } from './plot.js';
 
+/** A constraint as people call it. */
+const called = (constraint) => (constraint === 'center_of_mass_box' ? 'Box for the centre of mass' : words(constraint));
+
 const turnBack = (m, v) => [0, 1, 2].map((c) => m[0][c] * v[0] + m[1][c] * v[1] + m[2][c] * v[2]);
 const matrix = (i) => [[i.xx, i.xy, i.xz], [i.xy, i.yy, i.yz], [i.xz, i.yz, i.zz]];
 /** `Tᵀ M T`: from the frame of the description to that of the joint. */
@@ -57,7 +60,7 @@ function byConstraint(active) {
   return [...new Set(active.map((m) => m.constraint))].map((name) => {
     const links = active.filter((m) => m.constraint === name).map((m) => m.link);
     const named = links.length > 1 ? `links ${links.slice(0, -1).join(', ')} and ${links.at(-1)}` : `link ${links[0]}`;
-    return `${words(name).toLowerCase()} on ${named}`;
+    return `${called(name).toLowerCase()} on ${named}`;
   });
 }
 
@@ -68,12 +71,12 @@ function margins(feasibility) {
   plotLater(chart, () => ({
     traces: names.map((name, i) => {
       const own = feasibility.margins.filter((m) => m.constraint === name);
-      return { type: 'scatter', mode: 'markers', name: words(name), x: own.map((m) => `link ${m.link}`), y: own.map((m) => m.margin), marker: { color: colour(i), size: 10, symbol: i }, hovertemplate: `${words(name)}: %{y:.3g}<extra>%{x}</extra>` };
+      return { type: 'scatter', mode: 'markers', name: called(name), x: own.map((m) => `link ${m.link}`), y: own.map((m) => m.margin), marker: { color: colour(i), size: 10, symbol: i }, hovertemplate: `${called(name)}: %{y:.3g}<extra>%{x}</extra>` };
     }),
     layout: { height: 300, hovermode: 'closest', xaxis: { type: 'category', title: 'link' }, yaxis: { type: positive ? 'log' : 'linear', title: 'margin (above 0: consistent)' } },
   }));
   const table_ = table([
-    { head: 'Link', number: true, cell: (m) => m.link, sort: (m) => m.link }, { head: 'Constraint', term: 'physical_margin', cell: (m) => words(m.constraint), sort: (m) => m.constraint }, { head: 'Margin', term: 'physical_margin', number: true, cell: (m) => number(m.margin), sort: (m) => m.margin },
+    { head: 'Link', number: true, cell: (m) => m.link, sort: (m) => m.link }, { head: 'Constraint', term: 'physical_margin', cell: (m) => called(m.constraint), sort: (m) => m.constraint }, { head: 'Margin', term: 'physical_margin', number: true, cell: (m) => number(m.margin), sort: (m) => m.margin },
     { head: 'Cost in fit', number: true, cell: (m) => (m.active ? `active, ${m.cost_percent < 0.01 ? '< 0.01' : number(m.cost_percent, 2)} %` : '–'), sort: (m) => m.cost_percent ?? -1, term: 'active' },
   ], feasibility.margins, { caption: 'Margins of physical consistency; zero: active', sort: { column: 2, way: 'ascending' } });
   const active = feasibility.margins.filter((m) => m.active);

@@ -115,9 +115,12 @@ fn powers_of_ten(written: &str) -> String {
     }
 }
 
-/// `stribeck_friction` → `stribeck friction`.
+/// `stribeck_friction` → `stribeck friction`. Names of fields are spelt as in America, reports as in Britain.
 pub(super) fn words<T: Shown + ?Sized>(value: &T) -> String {
-    text(value).replace('_', " ")
+    text(value)
+        .replace('_', " ")
+        .replace("center of mass box", "box for the centre of mass")
+        .replace("center of mass", "centre of mass")
 }
 
 /// With a capital in front, as a heading has it.
