@@ -60,7 +60,7 @@ function request() {
     ...known.value(value('criterion')),
     effects: own.value(),
     periods: numeric(value('periods')), trajectories: numeric(value('trajectories')), backoff: numeric(value('backoff')),
-    search: { seed: numeric(value('seed')), time_limit_s: numeric(value('time-limit')), starts: numeric(value('starts')), max_evaluations: numeric(value('evaluations')), jobs_per_round: numeric(value('jobs-per-round')) },
+    search: { seed: numeric(value('seed')), time_limit_s: numeric(value('time-limit')), starts: numeric(value('search-starts')), max_evaluations: numeric(value('search-evaluations')), jobs_per_round: numeric(value('jobs-per-round')) },
   };
 }
 
@@ -173,7 +173,7 @@ async function refill(document) {
   own.set(document.effects);
   for (const [id, key] of [['noise', 'torque_noise'], ['periods', 'periods'], ['trajectories', 'trajectories'], ['backoff', 'backoff']]) set(id, document[key]);
   set('seed', document.search?.seed);
-  for (const [id, key] of [['time-limit', 'time_limit_s'], ['starts', 'starts'], ['evaluations', 'max_evaluations'], ['jobs-per-round', 'jobs_per_round']]) set(id, document.search?.[key]);
+  for (const [id, key] of [['time-limit', 'time_limit_s'], ['search-starts', 'starts'], ['search-evaluations', 'max_evaluations'], ['jobs-per-round', 'jobs_per_round']]) set(id, document.search?.[key]);
   await known.load(value('robot'), document);
   explainForm();
 }

@@ -134,11 +134,36 @@ export function thin(y, most, from = 0, to = y.length) {
   return picked;
 }
 
+/** Mean steps of a series after which it has a gap: thinned ones have steps of up to four. */
+const GAP = 8;
+/** Indices at which a series goes on after a gap, such as rows that the fit leaves out: a line across it would be no measurement. */
+export function gaps(x) {
+  const longest = GAP * ((x.at(-1) - x[0]) / (x.length - 1));
+  return x.flatMap((v, i) => (i && v - x[i - 1] > longest ? [i] : []));
+}
+
+/** Coordinates at `picked` indices of a series, with an empty point in every gap. */
+function broken(x, y, picked, breaks) {
+  const [xs, ys] = [[], []];
+  let next = 0;
+  picked.forEach((i, k) => {
+    while (next < breaks.length && breaks[next] <= (picked[k - 1] ?? -1)) next += 1;
+    if (k && next < breaks.length && breaks[next] <= i) {
+      xs.push(x[breaks[next] - 1]);
+      ys.push(null);
+    }
+    xs.push(x[i]);
+    ys.push(y[i]);
+  });
+  return { x: xs, y: ys };
+}
+
 /**
  * A time plot of long series: thinned to what the screen shows, anew at every zoom. `series`: {x, y, trace}, x ascending.
  */
 export async function plotLong(place, series, layout) {
   const most = 2400;
+  const at = new Map(series.map(({ x }) => [x, gaps(x)]));
   let range = null;
   const bound = (x, value) => {
     let [low, high] = [0, x.length];
@@ -151,8 +176,9 @@ export async function plotLong(place, series, layout) {
   const make = () => {
     const traces = series.map(({ x, y, trace }) => {
       const [from, to] = range ? [Math.max(0, bound(x, range[0]) - 1), Math.min(x.length, bound(x, range[1]) + 1)] : [0, x.length];
-      const picked = thin(y, most, from, to);
-      return { type: 'scatter', mode: 'lines', ...trace(), x: picked.map((i) => x[i]), y: picked.map((i) => y[i]) };
+      const breaks = at.get(x).filter((i) => i > from && i < to);
+      const picked = thin(y, Math.max(most - breaks.length, most / 2), from, to);
+      return { type: 'scatter', mode: 'lines', ...trace(), ...broken(x, y, picked, breaks) };
     });
     const made = layout();
     // A copy: plotly.js writes the next range into what it was given, which would then look like no change.

@@ -121,6 +121,7 @@ pub(super) fn words<T: Shown + ?Sized>(value: &T) -> String {
         .replace('_', " ")
         .replace("center of mass box", "box for the centre of mass")
         .replace("center of mass", "centre of mass")
+        .replace("load dependent", "load-dependent")
 }
 
 /// With a capital in front, as a heading has it.

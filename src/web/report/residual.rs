@@ -123,7 +123,7 @@ fn undetected(page: &mut Html, list: &[UndetectedEffect]) {
 /// Below a millionth of a millionth a chance is none.
 fn chance(p: Option<f64>) -> String {
     match p {
-        Some(p) if p < 1e-12 => "< 1e−12".into(),
+        Some(p) if p < 1e-12 => "< 10⁻¹²".into(),
         _ => text(&p),
     }
 }
