@@ -17,7 +17,7 @@ export function downloads(result) {
   const format = h('select', { id: 'download-format' }, entries.map(([key, [name]]) => h('option', { value: key, selected: key === localStorage.getItem(KEPT) }, name)));
   const further = result.further ?? [];
   const which = further.length ? h('select', { id: 'download-which' }, [result, ...further].map((_, i) => h('option', { value: i }, `trajectory ${i + 1}`))) : null;
-  const whole = h('div', { class: 'three' }, h('div', { class: 'stacked' }, labelled('Format', 'download-format', 'trajectory_format'), format), field('rate', 'Samples per second', 1000, 1), field('periods', 'Periods', Math.max(result.request.periods ?? 1, 1), 1, { step: 1 }), which ? h('label', { class: 'stacked' }, 'Trajectory', which) : null);
+  const whole = h('div', { class: 'three' }, h('div', { class: 'stacked' }, labelled('Format', 'download-format', 'trajectory_format'), format), field('rate', 'Sample rate (Hz)', 1000, 1), field('periods', 'Periods', Math.max(result.request.periods ?? 1, 1), 1, { step: 1 }), which ? h('label', { class: 'stacked' }, 'Trajectory', which) : null);
   const first = h('div', { class: 'three' }, field('share', 'First run: share of the amplitude (%)', FIRST.share, 1, { max: 100 }), field('slow', 'First run: times slower', FIRST.slow, 1, { max: 100 }));
   const way = h('div', { class: 'three' }, field('in', 'Run-in (s)', '', 0, { placeholder: 'none', max: 120 }), field('out', 'Run-out (s)', '', 0, { placeholder: 'none', max: 120 }),
     h('label', { class: 'stacked' }, 'Pose before and after (rad or m)', h('input', { id: 'download-from', placeholder: 'where the motion begins' })));

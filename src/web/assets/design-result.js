@@ -27,15 +27,23 @@ const STATUS = {
 const DECISIVE = 6;
 
 /** Fields of a request within a sentence of the interface, as the form calls them. */
-const FIELDS = { 'constraints.space': 'the request', start_position: 'start position', torque_noise: 'the torque noise' };
-const inWords = (text) => (text ?? '').replace(/constraints\.space|start_position|torque_noise/g, (field) => FIELDS[field]).replace(/`([^`]*)`/g, '“$1”');
+const FIELDS = { 'constraints.space': 'the request', 'constraints.torque': 'the request', start_position: 'start position', torque_noise: 'the torque noise' };
+const inWords = (text) => (text ?? '').replace(/constraints\.(space|torque)|start_position|torque_noise/g, (field) => FIELDS[field]).replace(/`([^`]*)`/g, '“$1”');
+
+/** Why there is no motion, as a sentence: a link that stands in a floor may not touch it, two links may touch each other. */
+export function reasonOf({ reason, joints }) {
+  const between = joints.some((name) => (reason ?? '').includes(`from \`${name}\``));
+  const text = inWords(reason).replace(/is -([\d.]+) m from/, (_, depth) => `reaches ${number(Number(depth))} m into`)
+    .replace(/, a smaller clearance, or add the pair to self_collision\.ignore if it always touches/, between ? ', a smaller clearance, or let the pair touch if it always does' : ' or a smaller clearance, or move what is in the way');
+  return sentence(text);
+}
 
 const section = (id, title, ...parts) => h('section', { class: 'card', id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), parts);
 const place = (label, flat) => h('div', { class: `plot${flat ? ' flat' : ''}`, 'data-label': label });
 
 export async function showDesign(target, result) {
   if (!result.coefficients) {
-    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, searchEnd(result.status)), h('p', {}, said(sentence(inWords(result.reason))))), startPosture(result)), notes(result));
+    fill(target, section('summary', 'No trajectory', h('div', { class: 'problem' }, h('strong', {}, searchEnd(result.status)), h('p', {}, said(reasonOf(result)))), startPosture(result)), notes(result));
     return;
   }
   const trajectory = { fundamental_hz: result.fundamental_hz, coefficients: result.coefficients, offset: result.offset };

@@ -7,7 +7,7 @@ import { askedFor } from './decide.js';
 import { fill, find, h, number } from './dom.js';
 import { unmark, unmarkAround } from './field-errors.js';
 import { Live } from './design-live.js';
-import { showDesign } from './design-result.js';
+import { reasonOf, showDesign } from './design-result.js';
 import { Known } from './known-form.js';
 import { Obstacles } from './obstacles.js';
 import { OwnEffects } from './own-effects.js';
@@ -52,7 +52,7 @@ function request() {
   const torque = find('#torque-on').checked ? { limits: list(value('torque-limits')), safety_factor: numeric(value('torque-safety')) } : undefined;
   return {
     robot: value('robot'),
-    fourier: { order: numeric(value('order')), fundamental_hz: list(value('frequencies')) ?? (typeof period === 'number' ? 1 / period : period), harmonics: harmonics(value('harmonics')) },
+    fourier: { order: numeric(value('order')), fundamental_hz: list(value('frequencies')) ?? (typeof period === 'number' && period !== 0 ? 1 / period : period), harmonics: harmonics(value('harmonics')) },
     sample_rate_hz: numeric(value('rate')),
     criterion: value('criterion'),
     constraints: { form: value('form-of-limits'), start: value('start'), start_position: list(value('start-position')), torque, space: space() },
@@ -178,6 +178,15 @@ async function refill(document) {
   explainForm();
 }
 
+/** No motion: said at the field that stands in its way, and at the button, beside the result. */
+function sayWhatIsInTheWay(result) {
+  const { space, torque } = result.request.constraints ?? {};
+  const [, from] = /from `([^`]+)`/.exec(result.reason) ?? [];
+  const obstacle = ['half_spaces', 'boxes'].flatMap((kind) => (space?.[kind] ?? []).map((o, i) => [o.name, `/constraints/space/${kind}/${i}`])).find(([name]) => name === from);
+  const field = obstacle?.[1] ?? (result.joints.includes(from) ? '/constraints/space/self_collision/ignore' : torque && result.reason.includes('constraints.torque') ? '/constraints/torque/limits' : '/constraints/start_position');
+  explain(find('#form-trouble'), { problem: { detail: 'no motion satisfies the request', errors: [{ pointer: field, detail: reasonOf(result).replace(/^W/, 'w') }] } }, find('#form'), { quiet: true });
+}
+
 let watching = null;
 
 /** Follows a job to its end and shows what came out. */
@@ -203,6 +212,7 @@ async function watch(id) {
     await refill(result.request);
     await showDesign(find('#result'), result);
     live.end();
+    if (!result.coefficients && result.reason) sayWhatIsInTheWay(result);
     if (scrollY > 0) find('#result').scrollIntoView({ block: 'start' });
   } catch (error) {
     live.end();

@@ -76,7 +76,7 @@ export function seconds(value) {
 }
 
 /** Names of fields are spelt as in America, pages as in Britain. */
-const centred = (text) => text.replace(/\bcenter\b/g, 'centre').replace(/\bload dependent\b/g, 'load-dependent');
+const centred = (text) => text.replace(/\bcenter\b/g, 'centre').replace(/\bload dependent\b/g, 'load-dependent').replace(/`([^`]*)`/g, '“$1”');
 
 /** `stribeck_friction` → `Stribeck friction`, `BudgetExhausted` → `Budget exhausted`. */
 export function words(code) {

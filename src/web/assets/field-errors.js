@@ -55,6 +55,11 @@ function detailAt({ field, rest }, detail) {
   return detail.replace(/^is a string, expected/, entered ? `is “${entered}”, expected` : 'is empty, expected');
 }
 
+/** Angles are in degrees on the page, and numbers of an error those of the document. */
+const inDegrees = (detail) => detail.replace(/-?\d+(\.\d+)?(e-?\d+)?/g, (n) => String(Number(((Number(n) * 180) / Math.PI).toPrecision(7))));
+/** Numbers that were computed have more digits than anybody entered. */
+const rounded = (detail) => detail.replace(/-?\d+\.\d{7,}/g, (n) => String(Number(Number(n).toPrecision(6))));
+
 /**
  * An error as a person says it: `{name, said, hint, found}`. `name` is that of the field on the page, or null; `said` goes on from
  * it or from the pointer; `found` is the field.
@@ -63,10 +68,12 @@ function worded(form, error) {
   const found = form ? fieldOf(form, error.pointer) : null;
   const name = found ? nameAt(form, error.pointer) : null;
   const detail = dotted(found ? detailAt(found, error.detail) : error.detail);
-  // Angles are in degrees on the page, and numbers of an error those of the document.
-  const unit = /\d/.test(error.detail) && found?.field.dataset.unit;
-  const said = name && !GOES_ON.test(detail) ? `: ${detail}` : ` ${detail}`;
-  return { ...error, name: name && unit ? `${name} (in ${unit})` : name, said: /[.!?]$/.test(said) ? said : `${said}.`, hint: sentence(error.hint), found };
+  const angles = /\d/.test(error.detail) && found?.field.dataset.unit;
+  const turned = angles && !/\brad\b/.test(`${detail} ${error.hint}`);
+  const words = (text) => rounded(turned ? inDegrees(text ?? '') : text ?? '').replace(/`([^`]*)`/g, '“$1”');
+  const shown = words(detail);
+  const said = name && !GOES_ON.test(detail) ? `: ${shown}` : ` ${shown}`;
+  return { ...error, name: name && angles ? `${name} (in ${turned ? '°' : 'rad'})` : name, said: /[.!?]$/.test(said) ? said : `${said}.`, hint: sentence(words(error.hint)), found };
 }
 
 /** Puts one error under its field; hands it back in words, with what takes the focus there. */
@@ -99,4 +106,10 @@ export function unmark(form) {
 export function unmarkAround(field) {
   const around = field.closest('details') ?? field.closest('.field');
   if (around) unmark(around);
+}
+
+/** A description is asked for as a part of another request: what is said of that is said of the description. */
+export function described(error) {
+  const count = error.problem?.errors?.filter((e) => e.pointer.startsWith('/robot')).length;
+  return count ? Object.assign(error, { problem: { ...error.problem, detail: `The description has ${count} problem${count > 1 ? 's' : ''}` } }) : error;
 }

@@ -3,7 +3,7 @@ import { moveTo } from './address.js';
 import { Refused, explain, follow, getJson, send } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
-import { unmark } from './field-errors.js';
+import { markError, unmark } from './field-errors.js';
 import { JsonFiles, trajectoryOf } from './json-files.js';
 import { LogColumns } from './log-columns.js';
 import { readHead } from './log-file.js';
@@ -48,7 +48,8 @@ async function take(kind, list) {
   files[kind] = [...list];
   const size = (bytes) => (bytes > 1e6 ? `${number(bytes / 1e6, 3)} MB` : `${Math.ceil(bytes / 1e3)} kB`);
   fill(find(`#${kind}-names`), files[kind].map((f) => h('li', {}, `${f.name} (${size(f.size)})`)));
-  fill(find('#trouble'));
+  unmark(find('#work'));
+  ['#trouble', '#form-trouble'].forEach((place) => fill(find(place)));
   if (await showColumns() && mine === turn) await preview();
 }
 
@@ -81,6 +82,7 @@ async function showColumns() {
     fill(find('#result'));
     sayState('The log cannot be read', '#trouble');
     explain(find('#trouble'), error);
+    atLog(error);
     return false;
   }
 }
@@ -94,6 +96,13 @@ async function sayWhatJoins(id) {
   place.hidden = false;
   fill(place, h('p', {}, h('strong', {}, 'Two logs together.'), ' This motion was designed for what ', again.length > 1 ? 'earlier logs leave' : 'an earlier log leaves', ' open. Give the new log and ',
     again.map((name, i) => [i ? ', ' : null, h('span', { class: 'mono' }, name)]), ` once more (of the `, h('a', { href: `/identification?id=${id}` }, 'earlier identification'), ').'));
+}
+
+/** What is wrong with a log as a whole is said at its field as well. */
+function atLog({ problem }) {
+  if (!problem || problem.errors?.length) return;
+  const kind = files.validation.some((f) => problem.detail?.includes(f.name)) && !files.log.some((f) => problem.detail?.includes(f.name)) ? 'validation' : 'log';
+  markError(find('#form'), { pointer: `/${kind}`, detail: problem.detail?.replace(/^log (`[^`]*`): /, '$1: '), hint: problem.hint });
 }
 
 let looking = null;
@@ -129,6 +138,7 @@ async function preview() {
     fill(find('#result'));
     sayState('The logs cannot be used', '#trouble');
     explain(find('#trouble'), error, find('#work'));
+    atLog(error);
     return;
   }
   fill(find('#trouble'));
@@ -162,6 +172,8 @@ async function watch(id) {
   } catch (error) {
     live.hidden = true;
     explain(find('#trouble'), error);
+    sayState('The identification failed', '#trouble');
+    if (error.problem?.code === 'invalid_log') atLog(error);
   }
 }
 
@@ -229,7 +241,7 @@ find('#form').addEventListener('submit', async (event) => {
   const go = find('#go');
   go.disabled = true;
   try {
-    if (!files.log.length) throw new Refused({ detail: 'There is no log to identify from.', hint: 'Choose one above, or drop it there.' });
+    if (!files.log.length) throw new Refused({ detail: 'There is no log to identify from.', errors: [{ pointer: '/log', detail: 'is missing', hint: 'choose a file above, or drop it there' }] });
     if (columns.head && columns.missing().length) throw new Refused({ detail: `The columns are not complete: ${columns.missing().join('; ')}.`, hint: 'Choose them in the table of columns.' });
     localStorage.setItem(ROBOT, value('robot'));
     const job = await (await send('/identify', { method: 'POST', body: body(request()) })).json();

@@ -28,6 +28,7 @@ export class LogColumns {
     Object.assign(this, { head, robot, joints: robot.joints, factors: perQuantity(), touched: false, rate: '', scaleTrouble: '', channels: new LogChannels(() => this.change()) });
     const found = guess(head.columns, robot.joints);
     this.preset = found.preset;
+    this.count = found.count;
     this.units = units(head.columns, found);
     this.roles = new Map();
     if (found.time) this.roles.set(found.time, 'time');
@@ -73,6 +74,12 @@ export class LogColumns {
     return Boolean(this.head) && QUANTITIES.some((q) => this.further.elsewhere(q));
   }
 
+  /** A log whose names count other joints than the robot has is most often of another robot. */
+  otherArm() {
+    const { count, joints } = this;
+    return count > 1 && count !== joints.length && !this.named('position').some(Boolean) ? ` By its names the log is of an arm with ${count} joints, and ${this.robot.name ?? 'the robot'} has ${joints.length}: is it the right robot?` : '';
+  }
+
   time() {
     return [...this.roles].find(([, role]) => role === 'time')?.[0];
   }
@@ -109,9 +116,9 @@ export class LogColumns {
     const unit = (quantity, words) => h('label', { class: 'inline' }, words, h('select', { class: 'narrow', id: `unit-${quantity}`, 'data-pointer': quantity === 'time' ? '/columns/time_unit' : `/columns/${quantity}/unit`, 'data-label': `Unit of ${quantity}`, onchange: (e) => { this.units[quantity] = e.target.value; this.change(); } },
       UNITS[quantity].map((u) => h('option', { value: u, selected: this.units[quantity] === u }, SHOWN[u] ?? u))));
     fill(this.place, h('section', { class: 'card', id: 'columns', 'aria-labelledby': 'columns-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'columns-title' }, `Columns of ${head.file}`), this.preset ? h('span', { class: 'tag good' }, this.preset) : null),
-      missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Assign the columns: '), missing.join('; '), '.')) : null,
+      missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Assign the columns: '), missing.join('; '), '.', this.otherArm())) : null,
       h('div', { class: 'row field' }, h('span', {}, term('column_unit', 'Units'), ':'), unit('time', 'time in'), unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
-        this.time() ? null : h('label', { class: 'inline' }, 'samples per second', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
+        this.time() ? null : h('label', { class: 'inline' }, 'sample rate (Hz)', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
       this.units.torque === 'A' ? h('div', { class: this.factors.torque.scale.length ? 'field' : 'notice' }, h('p', {}, 'Currents become torques by ', term('torque_constant', 'N·m per ampere'), ' at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) })), this.scaleTrouble ? h('p', { class: 'field-error', role: 'alert' }, this.scaleTrouble) : null) : null,
       this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null), this.further.element(open), this.channels.units()));
     if (focused) document.getElementById(focused)?.focus();

@@ -15,7 +15,7 @@ export const PRESETS = [
   ['KUKA FRI', (names) => names.some((n) => /axisqmsr|measuredjointposition|msrjntpos/i.test(n))], ['ROS joint_states', (names) => names.some((n) => /joint_states|\/log_time$/.test(n))],
 ];
 
-/** {time, position: [names], velocity, torque, preset}: lists of one name per joint, or null where they were not found. */
+/** {time, count, position: [names], velocity, torque, preset}: lists of one name per joint, or null where they were not found. */
 export function guess(columns, joints) {
   const names = columns.filter((c) => c.numeric).map((c) => c.name);
   // Of a recording of messages the stamps of the senders come before the times of receipt.
@@ -34,7 +34,9 @@ export function guess(columns, joints) {
     const whole = [...groups.values()].filter((g) => g.quantity === quantity).map((g) => ({ list: complete(g.members, joints.length), rank: rank(g.stem) })).filter((g) => g.list && (quantity !== 'velocity' || g.list.every((name) => moves.has(name))));
     return whole.sort((a, b) => b.rank - a.rank)[0]?.list ?? null;
   };
-  return { time, position: best('position'), velocity: best('velocity'), torque: best('torque'), preset: PRESETS.find(([, is]) => is(names))?.[0] ?? null };
+  // A log of another arm: as many positions as its names count.
+  const counts = [...groups.values()].filter((g) => g.quantity === 'position').map((g) => g.members.size);
+  return { time, count: Math.max(0, ...counts), position: best('position'), velocity: best('velocity'), torque: best('torque'), preset: PRESETS.find(([, is]) => is(names))?.[0] ?? null };
 }
 
 function part(name, joints) {

@@ -3,7 +3,7 @@ import { ArmView, HOW_TO_TURN } from './arm.js';
 import { explain, getJson, postJson, send } from './api.js';
 import { shapeOf, startOf } from './cell-view.js';
 import { breakable, fill, find, h, labelled, mark, said, sentence, term } from './dom.js';
-import { unmark } from './field-errors.js';
+import { described, unmark } from './field-errors.js';
 import { jointDetails, suggestShape } from './robot-joint.js';
 import { RobotEffects } from './robot-effects.js';
 import { Fields } from './robot-fields.js';
@@ -68,12 +68,6 @@ function keepOpen(form, draw) {
   const open = [...form.querySelectorAll('details[open][id]')].map((part) => part.id);
   draw();
   open.forEach((part) => find(`#${part}`, form)?.setAttribute('open', ''));
-}
-
-/** A description is asked for as a part of another request: what is said of that is said of the description. */
-function described(error) {
-  const count = error.problem?.errors?.filter((e) => e.pointer.startsWith('/robot')).length;
-  return count ? Object.assign(error, { problem: { ...error.problem, detail: `The description has ${count} problem${count > 1 ? 's' : ''}` } }) : error;
 }
 
 /** Keeps a robot; a new one does not take the place of another without a word. */

@@ -1,6 +1,7 @@
 // Where a robot comes from: a file, pasted text, or a table of Denavit-Hartenberg parameters.
 import { explain, postJson, send } from './api.js';
 import { fill, find, h, labelled, term } from './dom.js';
+import { described, markError, unmark } from './field-errors.js';
 import { CONVENTIONS, robotOf } from './robot-dh.js';
 
 const RADIANS = Math.PI / 180;
@@ -18,8 +19,8 @@ export function sourceForm(take) {
 }
 
 function filePanel(place, take) {
-  const input = h('input', { id: 'source-file', type: 'file', accept: '.urdf,.xml,.mjcf,.json,.zip' });
-  const zone = h('div', { class: 'drop' }, h('label', { for: 'source-file' }, 'URDF, MJCF, JSON or ZIP file'), input,
+  const input = h('input', { id: 'source-file', type: 'file', accept: '.urdf,.xml,.mjcf,.json,.zip', 'data-pointer': '/robot', 'data-label': 'The file' });
+  const zone = h('div', { class: 'drop field' }, h('label', { for: 'source-file' }, 'URDF, MJCF, JSON or ZIP file'), input,
     h('p', { class: 'help' }, 'Choose a file, or drop it here. A ZIP archive of the robot’s file with its meshes gives the links their shapes; without meshes the file alone will do. xacro files have to be expanded first.'));
   const read = async (file) => file && (await isZip(file) ? archive(place, file, take) : text(place, await file.text(), take));
   // The same file again is read again: it may have been changed meanwhile.
@@ -32,7 +33,7 @@ function filePanel(place, take) {
 }
 
 function pastePanel(place, take) {
-  const area = h('textarea', { id: 'source-text', rows: 10, spellcheck: 'false', class: 'mono', placeholder: '<robot name="my_arm"> …  or  {"name": "my arm", "joints": [ … ]}' });
+  const area = h('textarea', { id: 'source-text', rows: 10, spellcheck: 'false', class: 'mono', placeholder: '<robot name="my_arm"> …  or  {"name": "my arm", "joints": [ … ]}', 'data-pointer': '/robot', 'data-label': 'The text' });
   return h('div', {}, h('div', { class: 'field' }, h('label', { for: 'source-text' }, 'URDF, MJCF or JSON'), area), h('button', { type: 'button', class: 'primary', onclick: () => text(place, area.value, take) }, 'Read it'));
 }
 
@@ -46,8 +47,18 @@ async function archive(place, file, take) {
     const { document, notes } = await answer.json();
     await show(place, document, notes, take);
   } catch (error) {
-    explain(place, error);
+    refuse(place, error);
   }
+}
+
+/** Says at the field that the robot came from what is wrong, and below it. */
+function refuse(place, error) {
+  const form = place.parentElement;
+  unmark(form);
+  const { problem } = error;
+  const errors = problem?.errors?.map((e) => ({ ...e, pointer: e.pointer.replace(/^\/robot\/(urdf|mjcf)$/, '/robot') }));
+  explain(place, problem ? Object.assign(error, { problem: { ...problem, errors } }) : error, form, { quiet: true });
+  if (problem && !errors?.length) markError(form, { pointer: '/robot', detail: problem.detail, hint: problem.hint });
 }
 
 /** Reads a document. */
@@ -57,7 +68,10 @@ async function text(place, content, take) {
   try {
     robot = xml ? { [/<mujoco[\s>]/.test(content) ? 'mjcf' : 'urdf']: content } : JSON.parse(content);
   } catch (error) {
-    fill(place, h('div', { class: 'problem', role: 'alert' }, h('strong', {}, 'This is neither XML (URDF, MJCF) nor JSON.'), h('p', {}, error.message)));
+    // Where in the text JSON goes wrong is of use to whoever wrote JSON.
+    const json = /^\s*[{[]/.test(content);
+    refuse(place, { problem: { detail: json ? `this is no JSON: ${error.message}` : 'this is no description of a robot', hint: json ? undefined : 'choose a URDF or MJCF file (XML), a JSON document, or a ZIP archive of the file with its meshes',
+      errors: [{ pointer: '/robot', detail: json ? 'is no JSON that can be read' : 'is neither XML (URDF, MJCF) nor JSON' }] } });
     return;
   }
   await show(place, robot, [], take);
@@ -75,6 +89,7 @@ export function editable(document, description) {
 
 /** Hands a robot on as it is understood, and what of its file was taken: another base or tip is read again. */
 async function show(place, robot, remarks, take, part = {}) {
+  unmark(place.parentElement);
   fill(place, h('p', { class: 'soft', role: 'status' }, 'Reading …'));
   const chain = chainOf(robot);
   const choice = () => (chain ? chainChoice(chain, part, (other) => show(place, robot, remarks, take, other)) : null);
@@ -84,7 +99,7 @@ async function show(place, robot, remarks, take, part = {}) {
     const own = editable(robot, description);
     take({ description: own.description, notes: [...remarks, ...own.remarks, ...notes], choice });
   } catch (error) {
-    explain(place, error);
+    refuse(place, described(error));
     if (chain) place.append(choice());
   }
 }
@@ -127,7 +142,7 @@ function dhPanel(place, take) {
     const unit = degrees.value === 'deg' ? '°' : 'rad';
     const heads = ['Joint', 'Kind', ...columns.map(([, shown, angle]) => `${shown} (${angle ? unit : 'm'})`)];
     const cell = (row, j, [key, shown]) => h('td', {}, h('input', { class: 'cell-number', value: value(row, key), inputmode: 'decimal', 'aria-label': `${row.name} ${shown}`, 'data-row': j, 'data-key': key, oninput: (e) => { row[key] = e.target.value; } }));
-    const line = (row, j) => h('tr', {}, h('td', {}, h('input', { class: 'cell-name', value: row.name, 'aria-label': `Name of joint ${j + 1}`, oninput: (e) => { row.name = e.target.value; } })),
+    const line = (row, j) => h('tr', {}, h('td', {}, h('input', { class: 'cell-name', value: row.name, 'aria-label': `Name of joint ${j + 1}`, 'data-pointer': `/robot/joints/${j}/name`, oninput: (e) => { row.name = e.target.value; } })),
       h('td', {}, h('select', { class: 'narrow', 'aria-label': `Kind of joint ${j + 1}`, onchange: (e) => { row.kind = e.target.value; } }, ['revolute', 'prismatic'].map((k) => h('option', { value: k, selected: row.kind === k }, k)))), columns.map((c) => cell(row, j, c)));
     fill(grid, h('table', { class: 'few' }, h('thead', {}, h('tr', {}, heads.map((t) => h('th', { scope: 'col' }, t === 'Joint' ? t : term(t === 'Kind' ? 'joint_kind' : 'dh_convention', t))))), h('tbody', {}, rows.map(line))));
   };

@@ -1,9 +1,9 @@
 // Two or more runs side by side: parameters with their deviations, errors per joint, findings; of designs their criteria.
 import { getJson, summaryOf } from './api.js';
 import { CRITERIA } from './criteria.js';
-import { fill, h, measured, number, shortNames, table, term, time, unit, words } from './dom.js';
+import { fill, h, measured, number, shortNames, table, term, time, unit } from './dom.js';
 import { nameOf } from './expression.js';
-import { effectName } from './finding.js';
+import { effectName, parameterName } from './finding.js';
 import { page, searchEnd } from './job-words.js';
 import { colour, plot, plotLater, plotly } from './plot.js';
 
@@ -113,7 +113,7 @@ function findings(runs) {
   const keys = [...new Set(all.flat().map((f) => `${f.effect}|${(f.joints ?? []).join(', ')}`))];
   const rows = keys.map((key) => { const [effect, joints] = key.split('|'); return { effect, joints, all: all.map((list) => list.find((f) => `${f.effect}|${(f.joints ?? []).join(', ')}` === key)) }; });
   if (!rows.length) return section('findings', 'Findings', h('p', { class: 'soft' }, 'No effect was found in any of them.'));
-  const said = (f) => (f ? h('span', {}, (f.parameters ?? []).map((p, i) => [i ? '; ' : '', `${words(p.name)} ${p.std_dev > 0 ? measured(p.value, p.std_dev) : number(p.value)} ${unit(p.unit)}`])) : '–');
+  const said = (f) => (f ? h('span', {}, (f.parameters ?? []).map((p, i) => [i ? '; ' : '', `${parameterName(f, p.name)} ${p.std_dev > 0 ? measured(p.value, p.std_dev) : number(p.value)} ${unit(p.unit === '1' ? '' : p.unit)}`])) : '–');
   return section('findings', [term('finding', 'Findings')], table([{ head: 'Effect', term: 'effect', cell: (r) => effectName({ effect: r.effect, law: r.all.find(Boolean)?.law }), sort: (r) => r.effect }, { head: 'Joints', cell: (r) => r.joints, sort: (r) => r.joints }, ...runs.map((run, i) => ({ head: run.label, own: true, cell: (r) => said(r.all[i]) }))], rows, { caption: 'Effects found, with their parameters' }));
 }
 

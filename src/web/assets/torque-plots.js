@@ -1,6 +1,6 @@
 // Measured and predicted torque on top of each other, the residual below, one joint at a time.
 import { fill, h, mark, number, sinceStart } from './dom.js';
-import { colour, plotLong, variable } from './plot.js';
+import { colour, gaps, plotLong, variable } from './plot.js';
 
 export const MODELS = { base: 'identified model (base parameters)', physical: 'identified model (physical parameters)', declared: 'declared model, without the effects' };
 
@@ -30,7 +30,7 @@ export function torquePlots(result, effort, { models: called = MODELS, first = 0
     const residual = one.measured.map((m, i) => m - one[model.value][i]);
     const rms = Math.sqrt(residual.reduce((sum, r) => sum + r * r, 0) / residual.length);
     const unit = effort[result.joints.indexOf(joint.value)];
-    text.textContent = `RMS difference of the points drawn: ${number(rms, 3)} ${unit}. ${innerWidth < 640 ? 'The buttons above the plot zoom.' : 'Drag over the plot to zoom, double-click to go back.'}`;
+    text.textContent = `RMS difference of the points drawn: ${number(rms, 3)} ${unit}. ${innerWidth < 640 ? 'The buttons above the plot zoom.' : 'Drag over the plot to zoom, double-click to go back.'}${gaps(time).length ? ' Gaps are rows that the fit leaves out, where the joint hardly moves.' : ''}`;
     plotLong(place, [
       { x: time, y: one.measured, trace: () => ({ name: 'measured', line: { color: variable('--soft'), width: 2.4 } }) },
       { x: time, y: one[model.value], trace: () => ({ name: 'predicted', line: { color: colour(1), width: 1.3 } }) },
