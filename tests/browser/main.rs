@@ -124,3 +124,13 @@ fn own_effects_are_written_kept_in_the_lab_and_used_on_a_laptop() {
 fn own_effects_are_written_kept_in_the_lab_and_used_on_a_phone() {
     run("own_effects.py", &["--width", "390", "--height", "844"]);
 }
+
+#[test]
+fn every_field_has_a_place_and_names_what_is_wrong_on_a_laptop() {
+    run("every_field.py", &["--width", "1440", "--height", "900"]);
+}
+
+#[test]
+fn every_field_has_a_place_and_names_what_is_wrong_on_a_phone() {
+    run("every_field.py", &["--width", "390", "--height", "844"]);
+}

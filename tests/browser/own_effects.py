@@ -43,7 +43,7 @@ def map_quantity(page, options, log):
     page.locator("#robot option").first.wait_for(state="attached")
     page.set_input_files("#log", log)
     page.locator("#columns").wait_for()
-    page.locator("#columns summary").click()
+    page.locator("#columns summary").first.click()
     page.locator("#columns tr", has_text="T_gear2").locator("select").select_option("channel")
     name, unit = page.get_by_label("T_gear2: name in formulas"), page.get_by_label("T_gear2: unit")
     # Its header says what it is.
@@ -52,7 +52,7 @@ def map_quantity(page, options, log):
     name.blur()
     page.locator("#columns .field-error", has_text="is no name in an expression").wait_for()
     said = page.locator("#columns .field-error").inner_text()
-    assert said == "T_gear2: name in formulas is no name in an expression. Use letters, digits and `_`, such as `temperature`.", said
+    assert said == "T_gear2: name in formulas is no name in an expression. Use letters, digits and “_”, such as “temperature”.", said
     page.trouble.clear()
     picture(page, options, "quantity-refused", "#columns")
     page.get_by_label("T_gear2: name in formulas").fill("temperature")
@@ -87,12 +87,12 @@ def write_effect(page, options):
         page.locator("#own-effects .formula", has_text=said).wait_for()
     assert not page.trouble, page.trouble
     field("expression").fill("c*(temperature - 22)")
-    page.locator("#own-effects .formula", has_text="`temperature` is neither a variable nor a parameter").wait_for()
+    page.locator("#own-effects .formula", has_text="“temperature” is neither a variable nor a parameter").wait_for()
     page.trouble.clear()
     page.get_by_role("button", name="Save to the lab").click()
-    page.locator("#own-effects .field-error", has_text="`temperature` is neither").wait_for()
+    page.locator("#own-effects .field-error", has_text="“temperature” is neither").wait_for()
     said = page.locator("#own-effects .field-error").inner_text()
-    assert said.startswith("Torque of own effect 1: `temperature` is neither a variable nor a parameter. Variables are "), said
+    assert said.startswith("Torque of own effect 1: “temperature” is neither a variable nor a parameter. Variables are "), said
     page.trouble.clear()
     picture(page, options, "effect-refused", "#own-effects")
     page.get_by_role("button", name="Add a quantity").click()
@@ -165,7 +165,7 @@ def of_robot(page, options):
     field("expression").fill("b*sin(q - q0)/sqrt(1 - rho*cos(q - q9))")
     page.get_by_role("button", name="Save robot").click()
     # At the field, and at the button.
-    page.locator("#own-effects .field-error", has_text="`q9` is neither").wait_for()
+    page.locator("#own-effects .field-error", has_text="“q9” is neither").wait_for()
     page.locator("#editor [role=alert]", has_text="The description has 1 problem").wait_for()
     page.trouble.clear()
     field("expression").fill("b*sin(q - q0)/sqrt(1 - rho*cos(q - q0))")
@@ -187,7 +187,7 @@ def rename(page, options, effects):
     """Edits elsewhere leave the effects as they are; a joint of another name is an error at the effect that acts on it."""
     page.get_by_role("button", name="Edit", exact=True).click()
     page.fill("[data-pointer='/robot/joints/1/name']", "elbow")
-    page.locator("#own-effects .field-error", has_text="no joint `J2`").nth(1).wait_for()
+    page.locator("#own-effects .field-error", has_text="no joint “J2”").nth(1).wait_for()
     page.trouble.clear()
     page.fill("[data-pointer='/robot/joints/1/name']", "J2")
     page.wait_for_function("() => !document.querySelector('.field-error')")

@@ -40,7 +40,7 @@ export function checkModel(result) {
       button.disabled = false;
     }
   } }, h('div', { class: 'row' }, h('label', { for: 'check-log', class: 'inline' }, 'Log'), h('span', { style: 'flex:1 1 15rem' }, file), button),
-  h('details', {}, h('summary', {}, 'Period, diagnosis'), h('div', { class: 'row' }, h('span', { class: 'labelled' }, h('label', { for: 'check-period', class: 'inline' }, 'Period (s)'), mark('period', 'Period')), h('span', {}, period), h('label', { class: 'inline' }, trace, 'Look for what has changed'))), trouble, place);
+  h('details', {}, h('summary', {}, 'Period, diagnosis'), h('div', { class: 'row' }, h('span', { class: 'labelled' }, h('label', { for: 'check-period', class: 'inline' }, 'Period (s)'), mark('period', 'Period')), h('div', { class: 'field', style: 'margin:0' }, period), h('label', { class: 'inline' }, trace, 'Look for what has changed'))), trouble, place);
   file.addEventListener('change', () => showColumns(result, asked, file.files, columns).catch((e) => { columns.clear(); explain(trouble, e); }));
   return h('section', { class: 'card', id: 'check', 'aria-labelledby': 'check-title' }, h('h2', { id: 'check-title' }, 'Check the model on another log'),
     h('p', { class: 'soft' }, 'How well the model predicts another log, and what has changed since: a payload, a tilt after remounting, a drift of friction.'), form);

@@ -90,9 +90,12 @@ export const sentence = (text) => (text ? `${/^\S+\.\w+/.test(text) ? text.charA
 /** Units of the interface within a text, as people write them. */
 export const dotted = (text) => text.replace(/\bN m\b/g, 'N·m');
 
+/** What a request would say, where the page has a place for it. */
+const onThePage = (text) => text.replace(/set “sign” to -1 in “columns”/g, 'choose “inverted” under “Scale and sign”');
+
 /** A text of the interface: terms in it get help on their first mention. */
 export function said(text) {
-  const place = h('span', {}, centred(text ?? ''));
+  const place = h('span', {}, onThePage(centred(text ?? '')));
   if (text) import('./glossary.js').then((help) => help.mention(place));
   return place;
 }

@@ -65,7 +65,7 @@ export class Preview {
   wrong({ problem }) {
     const [first] = problem?.errors ?? [];
     if (!first) return problem?.detail ?? 'The formula cannot be shown.';
-    return sentence(first.pointer === '/expression' ? first.detail : `${this.nameAt(first.pointer) ?? first.pointer} ${first.detail}`);
+    return sentence(first.pointer === '/expression' ? first.detail : `${this.nameAt(first.pointer) ?? first.pointer} ${first.detail}`).replace(/`([^`]*)`/g, '“$1”');
   }
 }
 

@@ -86,7 +86,8 @@ export function markError(form, error) {
   const id = `error-${Math.random().toString(36).slice(2)}`;
   field.setAttribute('aria-describedby', id);
   // A whole part of the form has its words at its end.
-  (field.closest('.field') ?? field).append(h('p', { class: 'field-error', id }, [words.name ?? error.pointer, words.said, words.hint && ` ${words.hint}`].filter(Boolean).join('')));
+  const place = (said) => (field.closest('.field') ? field.closest('.field').append(said) : field.matches(CONTROLS) ? field.after(said) : field.append(said));
+  place(h('p', { class: 'field-error', id }, [words.name ?? error.pointer, words.said, words.hint && ` ${words.hint}`].filter(Boolean).join('')));
   return { ...words, field: field.matches(CONTROLS) ? field : field.querySelector(`${CONTROLS}, summary`) ?? field };
 }
 

@@ -102,13 +102,14 @@ export class LogColumns {
   change() {
     this.touched = true;
     this.keep();
-    this.draw();
+    // What takes the focus has it when the table is drawn anew.
+    setTimeout(() => this.head && this.draw());
     this.changed();
   }
 
   draw() {
     const { head } = this;
-    const focused = document.activeElement?.id;
+    const focused = this.place.contains(document.activeElement) ? document.activeElement : null;
     const open = find('#transmissions', this.place)?.open;
     const used = head.columns.filter((c) => this.roles.has(c.name));
     const rest = head.columns.filter((c) => !this.roles.has(c.name));
@@ -117,11 +118,15 @@ export class LogColumns {
       UNITS[quantity].map((u) => h('option', { value: u, selected: this.units[quantity] === u }, SHOWN[u] ?? u))));
     fill(this.place, h('section', { class: 'card', id: 'columns', 'aria-labelledby': 'columns-title' }, h('div', { class: 'row spread' }, h('h2', { id: 'columns-title' }, `Columns of ${head.file}`), this.preset ? h('span', { class: 'tag good' }, this.preset) : null),
       missing.length ? h('div', { class: 'notice', role: 'status' }, h('p', {}, h('strong', {}, 'Assign the columns: '), missing.join('; '), '.', this.otherArm())) : null,
-      h('div', { class: 'row field' }, h('span', {}, term('column_unit', 'Units'), ':'), unit('time', 'time in'), unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
+      h('div', { class: 'row field' }, h('span', {}, term('column_unit', 'Units'), ':'), this.time() ? unit('time', 'time in') : null, unit('position', 'positions in'), this.named('velocity').some(Boolean) ? unit('velocity', 'velocities in') : null, unit('torque', 'torques in'),
         this.time() ? null : h('label', { class: 'inline' }, 'sample rate (Hz)', h('input', { class: 'cell-number', id: 'columns-rate', inputmode: 'decimal', value: this.rate, 'data-pointer': '/columns/sample_rate_hz', onchange: (e) => { this.rate = e.target.value; this.change(); } }))),
       this.units.torque === 'A' ? h('div', { class: this.factors.torque.scale.length ? 'field' : 'notice' }, h('p', {}, 'Currents become torques by ', term('torque_constant', 'N·m per ampere'), ' at the joint: torque constant × gear ratio. Enter it for every joint below, or all at once: ', h('input', { class: 'cell-number', id: 'scale-all', 'aria-label': 'N·m per ampere of all joints', placeholder: '8.5, 8.5, …', autocomplete: 'off', onchange: (e) => this.scaleAll(e.target.value) })), this.scaleTrouble ? h('p', { class: 'field-error', role: 'alert' }, this.scaleTrouble) : null) : null,
       this.table(used, 'Columns that are used'), h('details', { open: missing.length > 0 && rest.length < 60 }, h('summary', {}, `Columns that are not used (${rest.length})`), rest.length ? this.table(rest, 'Columns that are not used') : null), this.further.element(open), this.channels.units()));
-    if (focused) document.getElementById(focused)?.focus();
+    const again = focused?.id && document.getElementById(focused.id);
+    if (!again) return;
+    // Somebody is typing there already.
+    if (focused.matches('input, textarea')) again.value = focused.value;
+    again.focus();
   }
 
   table(columns, label) {

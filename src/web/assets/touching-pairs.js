@@ -56,10 +56,10 @@ export class TouchingPairs {
   draw() {
     const focused = document.activeElement?.id;
     const first = this.joints.filter((name) => this.partners(name).length);
-    const row = (pair, i) => h('div', { class: 'field' }, h('div', { class: 'row' }, this.choice(i, 0, first), 'and', this.choice(i, 1, this.partners(pair[0])),
-      h('button', { type: 'button', class: 'quiet', 'aria-label': `Remove pair ${i + 1}`, onclick: () => { this.list.splice(i, 1); this.draw(); this.changed(); } }, '✕')));
+    const row = (pair, i) => h('div', { class: 'row field' }, this.choice(i, 0, first), 'and', this.choice(i, 1, this.partners(pair[0])),
+      h('button', { type: 'button', class: 'quiet', 'aria-label': `Remove pair ${i + 1}`, onclick: () => { this.list.splice(i, 1); this.draw(); this.changed(); } }, '✕'));
     const next = () => first.flatMap((name) => this.partners(name).map((other) => [name, other])).find((pair) => !this.has(pair));
-    fill(this.place, h('div', { class: 'row field' }, h('span', { class: 'label' }, term('touching_pairs', 'Pairs that may touch')), h('button', { type: 'button', id: 'touch-add', disabled: !next(), onclick: () => this.add(next()) }, 'Add pair')),
+    fill(this.place, h('div', { class: 'row field' }, h('span', { class: 'labelled label' }, term('touching_pairs', 'Pairs that may touch')), h('button', { type: 'button', id: 'touch-add', disabled: !next(), onclick: () => this.add(next()) }, 'Add pair')),
       this.list.map(row));
     if (focused?.startsWith('touch-')) document.getElementById(focused)?.focus();
   }
