@@ -6,18 +6,15 @@ import { CRITERIA } from './criteria.js';
 import { askedFor } from './decide.js';
 import { fill, find, h, number } from './dom.js';
 import { unmark, unmarkAround } from './field-errors.js';
+import { harmonics, list, numeric, some, value } from './form-values.js';
 import { Live } from './design-live.js';
-import { reasonOf, showDesign } from './design-result.js';
+import { showDesign } from './design-result.js';
+import { sayWhatIsInTheWay } from './in-the-way.js';
 import { Known } from './known-form.js';
 import { Obstacles } from './obstacles.js';
 import { OwnEffects } from './own-effects.js';
 import { plotly } from './plot.js';
 import { TouchingPairs } from './touching-pairs.js';
-
-const value = (id) => find(`#${id}`).value.trim();
-const list = (text) => (text ? text.replaceAll('−', '-').split(/[\s,;]+/).filter(Boolean).map(numeric) : undefined);
-const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
-const some = (object) => (Object.values(object).some((v) => v !== undefined) ? object : undefined);
 
 const known = new Known(() => explainForm());
 const obstacles = new Obstacles(find('#obstacles'), () => explainForm());
@@ -27,16 +24,6 @@ let robots = [];
 const joints = () => robots.find((r) => r.id === value('robot'))?.joints ?? [];
 const own = new OwnEffects({ place: find('#own-effects-list'), add: find('#own-effects-add'), choose: find('#own-effects-choose'), joints, changed: () => explainForm() });
 const query = new URLSearchParams(location.search);
-
-/** `1-5; 1-3, 7` → one list per joint. */
-function harmonics(text) {
-  if (!text) return undefined;
-  const range = (part) => {
-    const [, from, to] = /^(\d+)[-–](\d+)$/.exec(part) ?? [];
-    return from ? Array.from({ length: Math.max(to - from + 1, 0) }, (_, i) => Number(from) + i) : [numeric(part)];
-  };
-  return text.split(';').map((joint) => joint.split(/[\s,]+/).filter(Boolean).flatMap(range)).filter((joint) => joint.length);
-}
 
 const shortened = (numbers) => numbers.join(', ');
 
@@ -121,10 +108,17 @@ async function avoidSelf(fresh) {
   explainForm();
 }
 
+/** Counts the floors that are being placed. */
+let placing = 0;
 /** A floor below the arm, as long as nobody has placed anything, and a start from where a motion is possible. */
 async function placeFloor(possible) {
   obstacles.set(null);
-  if (possible) await addObstacle('floor');
+  // Another robot may be chosen, or something placed, before the height of the floor is known.
+  placing += 1;
+  const mine = placing;
+  const wanted = () => mine === placing && !floorTouched;
+  if (possible) await addObstacle('floor', wanted);
+  if (!wanted()) return;
   const { robot, constraints: { start_position: start, space: placed } } = request();
   const [floor] = placed?.half_spaces ?? [];
   const low = floor !== undefined && await cell.startsLow(robot, floor, start).catch(() => false);
@@ -133,9 +127,10 @@ async function placeFloor(possible) {
   find('#start-low').hidden = !low;
 }
 
-async function addObstacle(what) {
+async function addObstacle(what, wanted = () => true) {
   const { robot, constraints: { start_position: start } } = request();
-  obstacles.add(what, what === 'floor' ? await cell.floor(robot, numeric(value('clearance')) || 0, start).catch(() => ({})) : {});
+  const placed = what === 'floor' ? await cell.floor(robot, numeric(value('clearance')) || 0, start).catch(() => ({})) : {};
+  if (wanted()) obstacles.add(what, placed);
 }
 
 async function fillRobots(chosen) {
@@ -176,15 +171,6 @@ async function refill(document) {
   for (const [id, key] of [['time-limit', 'time_limit_s'], ['search-starts', 'starts'], ['search-evaluations', 'max_evaluations'], ['jobs-per-round', 'jobs_per_round']]) set(id, document.search?.[key]);
   await known.load(value('robot'), document);
   explainForm();
-}
-
-/** No motion: said at the field that stands in its way, and at the button, beside the result. */
-function sayWhatIsInTheWay(result) {
-  const { space, torque } = result.request.constraints ?? {};
-  const [, from] = /from `([^`]+)`/.exec(result.reason) ?? [];
-  const obstacle = ['half_spaces', 'boxes'].flatMap((kind) => (space?.[kind] ?? []).map((o, i) => [o.name, `/constraints/space/${kind}/${i}`])).find(([name]) => name === from);
-  const field = obstacle?.[1] ?? (result.joints.includes(from) ? '/constraints/space/self_collision/ignore' : torque && result.reason.includes('constraints.torque') ? '/constraints/torque/limits' : '/constraints/start_position');
-  explain(find('#form-trouble'), { problem: { detail: 'no motion satisfies the request', errors: [{ pointer: field, detail: reasonOf(result).replace(/^W/, 'w') }] } }, find('#form'), { quiet: true });
 }
 
 let watching = null;

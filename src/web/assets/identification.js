@@ -4,17 +4,17 @@ import { Refused, explain, follow, getJson, send } from './api.js';
 import { reached } from './criteria.js';
 import { fill, find, h, number, time } from './dom.js';
 import { markError, unmark } from './field-errors.js';
+import { numeric, value } from './form-values.js';
 import { JsonFiles, trajectoryOf } from './json-files.js';
 import { LogColumns } from './log-columns.js';
 import { readHead } from './log-file.js';
 import { inShort, showPreview } from './log-preview.js';
+import { sayWhatJoins, showStep } from './identification-steps.js';
 import { showIdentification, showValidation } from './identify-result.js';
 import { OwnEffects } from './own-effects.js';
 import { plotly } from './plot.js';
 import { feasible, preprocess, showMethod } from './preparation-form.js';
 
-const value = (id) => find(`#${id}`).value.trim();
-const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
 
 /** Points of every plotted series: more than any screen shows, thinned by the server with all peaks kept. */
 const POINTS = 6000;
@@ -85,17 +85,6 @@ async function showColumns() {
     atLog(error);
     return false;
   }
-}
-
-/** A design that was made after an identification adds to its data: says which log is needed again. */
-async function sayWhatJoins(id) {
-  const { provenance } = await getJson(`/identify/${id}?predictions=false`);
-  const again = (provenance?.logs ?? []).filter((l) => l.role === 'identification').map((l) => l.file);
-  if (!again.length) return;
-  const place = find('#joins');
-  place.hidden = false;
-  fill(place, h('p', {}, h('strong', {}, 'Two logs together.'), ' This motion was designed for what ', again.length > 1 ? 'earlier logs leave' : 'an earlier log leaves', ' open. Give the new log and ',
-    again.map((name, i) => [i ? ', ' : null, h('span', { class: 'mono' }, name)]), ` once more (of the `, h('a', { href: `/identification?id=${id}` }, 'earlier identification'), ').'));
 }
 
 /** What is wrong with a log as a whole is said at its field as well. */
@@ -189,14 +178,6 @@ async function validation(id) {
   if (['queued', 'running'].includes(job.state)) await follow(id, (now) => showStep(find('#live'), now));
   find('#live').hidden = true;
   showValidation(find('#result'), await getJson(`/validate/${id}`), await modelOf(id));
-}
-
-function showStep(live, job) {
-  live.hidden = false;
-  const step = job.step;
-  const text = job.state === 'queued' ? 'Waiting for its turn' : step ? step.what : 'Beginning';
-  const cancel = h('button', { type: 'button', onclick: () => send(`/jobs/${job.id}`, { method: 'DELETE' }).catch((e) => explain(find('#trouble'), e)) }, 'Cancel');
-  fill(live, h('div', { class: 'row spread' }, h('h2', {}, text.charAt(0).toUpperCase() + text.slice(1)), cancel), h('progress', { value: step?.done ?? 0, max: step?.of ?? 1, 'aria-label': text }));
 }
 
 async function prepare(query) {

@@ -1,12 +1,8 @@
 // How logs are prepared and how physical parameters are found, as the form of an identification has it; what is left empty the program chooses.
 import { find } from './dom.js';
+import { numeric, some, value } from './form-values.js';
 
-const value = (id) => find(`#${id}`).value.trim();
-/** What is no number goes to the server as it is, which says so at its field. */
-const numeric = (text) => (text === '' ? undefined : Number.isFinite(Number(text)) ? Number(text) : text);
 const numbers = (of) => Object.fromEntries(Object.entries(of).map(([key, id]) => [key, numeric(value(id))]));
-/** Undefined where nothing is given. */
-const some = (object) => (Object.values(object).some((v) => v !== undefined) ? object : undefined);
 const chosen = (id) => (value(id) === '' ? undefined : value(id) === 'yes');
 
 /** `preprocess` of a request. */
