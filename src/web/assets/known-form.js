@@ -32,13 +32,15 @@ export class Known {
     // What a request carries in full came from files.
     this.asked = { model: wanted.model?.identification ? undefined : wanted.model, given: (wanted.given ?? []).filter((g) => !g.identification && !g.excitation) };
     const listed = (list, id) => (id && !list.some((j) => j.id === id) ? [{ id, finished_at: null }, ...list] : list);
-    const name = (j) => `${j.finished_at ? time(j.finished_at) : 'identification'} · ${j.id.slice(0, 8)}`;
-    fill(find('#model'), h('option', { value: '' }, 'none: rigid links and friction'), listed(identified, model).map((j) => h('option', { value: j.id, selected: j.id === model }, name(j))));
+    // By the name that it was given, or its log: several of one day are alike otherwise.
+    const name = (j) => j.name ?? `${j.finished_at ? time(j.finished_at) : 'identification'} · ${j.logs?.[0] ?? j.id.slice(0, 8)}`;
+    fill(find('#model'), h('option', { value: '' }, 'none: rigid links and friction'), this.asked.model ? h('option', { value: 'as-asked', selected: true }, 'as in this request') : null, listed(identified, model).map((j) => h('option', { value: j.id, selected: j.id === model }, name(j))));
     const given = new Map((wanted.given ?? []).map((g) => [g.identification ?? g.excitation, g]));
     const periods = (j) => h('label', { class: 'inline' }, h('input', { class: 'cell-number', type: 'number', min: 1, max: 1000, placeholder: '1', 'data-periods': j.id, 'aria-label': `Periods run of the design ${name(j)}`, value: given.get(j.id)?.periods ?? '' }), 'periods');
     const box = (j) => h('label', { class: 'inline' }, h('input', { type: 'checkbox', value: j.id, 'data-kind': j.kind === 'excitation' ? 'excitation' : 'identification', checked: given.has(j.id) }), `${j.kind === 'excitation' ? 'design, as if run:' : 'log of'} ${name(j)}`);
     const choices = [...identified, ...designs.slice(0, 6)];
-    fill(find('#given'), choices.length ? choices.map((j) => h('div', { class: 'row' }, box(j), j.kind === 'excitation' ? periods(j) : null)) : h('p', { class: 'help' }, 'No runs of this robot yet.'));
+    const asked = this.asked.given.length ? h('label', { class: 'inline' }, h('input', { type: 'checkbox', id: 'given-asked', checked: true }), 'documents of this request') : null;
+    fill(find('#given'), asked, choices.length ? choices.map((j) => h('div', { class: 'row' }, box(j), j.kind === 'excitation' ? periods(j) : null)) : h('p', { class: 'help' }, 'No runs of this robot yet.'));
     await this.loadRivals(wanted.rivals);
   }
 
@@ -46,7 +48,7 @@ export class Known {
   async loadRivals(wanted) {
     const id = find('#model').value;
     this.pairs = [];
-    if (id) {
+    if (id && id !== 'as-asked') {
       const { residual } = await getJson(`/identify/${id}?predictions=false`);
       this.pairs = (residual?.findings ?? []).flatMap((f) => f.rivals.map((r) => ({ finding: { effect: f.effect, joints: f.joints }, rival: { effect: r.effect, joints: r.joints } })));
     }
@@ -69,11 +71,11 @@ export class Known {
   /** Fields of a request. */
   value(criterion) {
     const run = (id) => find(`[data-periods="${id}"]`)?.value;
-    const chosen = [...find('#given').querySelectorAll('input:checked')].map((c) => ({ [c.dataset.kind]: c.value, periods: run(c.value) ? Number(run(c.value)) : undefined }));
+    const chosen = [...find('#given').querySelectorAll('input[data-kind]:checked')].map((c) => ({ [c.dataset.kind]: c.value, periods: run(c.value) ? Number(run(c.value)) : undefined }));
     const { files, asked } = this;
-    const given = [...chosen, ...(files.given.list.length ? files.given.list : asked?.given ?? [])];
+    const given = [...chosen, ...(files.given.list.length ? files.given.list : find('#given-asked')?.checked ? asked.given : [])];
     return {
-      warm_start: files.warmStart.list[0] ?? this.warmStart, model: files.model.list[0] ?? (find('#model').value ? { identification: find('#model').value } : asked?.model),
+      warm_start: files.warmStart.list[0] ?? this.warmStart, model: files.model.list[0] ?? (find('#model').value === 'as-asked' ? asked.model : find('#model').value ? { identification: find('#model').value } : undefined),
       rivals: criterion === 'rival_evidence' ? this.pairs[find('#rivals').value] : undefined, given: given.length ? given : undefined,
     };
   }
