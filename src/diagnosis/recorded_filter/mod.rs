@@ -36,7 +36,7 @@ pub(crate) fn recorded_filter(start: &AugmentedModel, stretches: &[Stretch], can
 /// against the declared model.
 struct Rows<'a> {
     start: &'a AugmentedModel,
-    stretches: &'a [Stretch],
+    coarse: Vec<Stretch>,
     /// Every how-manieth row of each stretch.
     steps: Vec<usize>,
     sparse: Vec<Stretch>,
@@ -45,17 +45,14 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(start: &'a AugmentedModel, stretches: &'a [Stretch], suspects: &[Suspect], cancel: &'a CancelFlag) -> Self {
+    fn new(start: &'a AugmentedModel, stretches: &[Stretch], suspects: &[Suspect], cancel: &'a CancelFlag) -> Self {
+        let coarse: Vec<Stretch> = stretches.iter().map(Stretch::as_coarse).collect();
         let step = |s: &Stretch| suspects.iter().map(|suspect| s.step(suspect.filter)).max().unwrap_or(1);
-        let steps: Vec<usize> = stretches.iter().map(step).collect();
-        let sparse = stretches
-            .iter()
-            .zip(&steps)
-            .map(|(s, &step)| s.as_coarse().sparse(step))
-            .collect();
+        let steps: Vec<usize> = coarse.iter().map(step).collect();
+        let sparse = coarse.iter().zip(&steps).map(|(s, &step)| s.sparse(step)).collect();
         let mut rows = Self {
             start,
-            stretches,
+            coarse,
             steps,
             sparse,
             noise: Vec::new(),
@@ -82,10 +79,10 @@ impl<'a> Rows<'a> {
     /// What the declared model leaves with columns behind the filter; nothing where it cannot be made.
     fn behind(&self, filter: RecordedFilter) -> Option<f64> {
         let smooth = self
-            .stretches
+            .coarse
             .iter()
             .zip(&self.steps)
-            .map(|(s, &step)| Some(s.behind_with(filter, step)?.as_coarse()));
+            .map(|(s, &step)| s.behind_with(filter, step));
         let smooth: Vec<Stretch> = smooth.collect::<Option<_>>()?;
         Some(self.chi_square(&self.of(&smooth)))
     }
