@@ -100,7 +100,7 @@ fn jobs_that_abort_hoard_or_never_end_fail_and_twenty_others_do_not_notice() {
     let folder = Folder::new("children");
     let log = log(&folder);
     // A place for each of the three, and one for those who come by.
-    let limits = ["--job-memory", "400000000", "--job-time-s", "3", "--short-jobs", "4"];
+    let limits = ["--job-memory", "400000000", "--job-time-s", "6", "--short-jobs", "4"];
     let server = server(&folder.place(), &limits);
     let alone = median(twenty(&server, &log));
     let faults = [
