@@ -15,6 +15,8 @@ pub(super) struct Gain {
     pub gain: f64,
     /// Parameters that pay for it.
     pub cost: usize,
+    /// The shape with which it gains most.
+    pub shape: Vec<f64>,
     /// Its coefficients, or parameters of a distortion, and their covariance.
     pub coefficients: DVector<f64>,
     pub covariance: DMatrix<f64>,
@@ -92,6 +94,7 @@ fn fitted(candidate: &Candidate, shape: &[f64], base: &DMatrix<f64>, gain: f64, 
     Gain {
         gain,
         cost: base.ncols() + free,
+        shape: shape.to_vec(),
         coefficients: base * along,
         covariance: base * base.transpose(),
         at_an_end: candidate.shapes.iter().zip(shape).any(at_an_end),

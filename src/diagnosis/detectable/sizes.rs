@@ -1,6 +1,7 @@
 //! The smallest size of every effect that is found.
 
 use super::gains::{Gain, Gains};
+use super::generalisation::generalises_from;
 use super::planned::{Planned, tried};
 use super::power::noncentrality;
 use super::signals::Signal;
@@ -21,6 +22,8 @@ pub enum Hidden {
     /// It would have to be larger than it is on robots, where the diagnosis takes it for an imitation; the size at which its
     /// columns would be seen.
     BeyondRange(f64),
+    /// One part of the motion alone shows it, which the rest could not confirm.
+    ShownOnce,
     /// Its torque depends on those of the robot, of which no values are known.
     NeedsValues,
     /// It is a part of the base parameters, and seen only as a change against an existing model.
@@ -82,14 +85,15 @@ fn visible(planned: &Planned, signals: &[Signal], gains: &Gains, needed: &Needed
         .parameters(candidate.form, &planned.system.model.robot, &candidate.joints);
     let both = !candidate.effect.positive(candidate.form).contains(&signal.parameter);
     let signs: &[f64] = if both { &[1.0, -1.0] } else { &[1.0] };
-    let least = |sign: f64| (sign, least_size(planned, gains, needed, at, sign));
+    let least = least_size(planned, signals, gains, needed, at, signs);
     let (sign, size) = signs
         .iter()
-        .map(|s| least(*s))
-        .fold((1.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        .zip(least)
+        .fold((1.0, 0.0), |a, (sign, size)| if size > a.1 { (*sign, size) } else { a });
     let seen = match () {
         _ if signal.own == 0.0 => Err(Hidden::NoTorque),
         _ if signal.left < REGRESSION.hidden_share * signal.own => Err(Hidden::Absorbed),
+        _ if size.is_infinite() && passes_by_gain(planned, gains, needed, at, signs) => Err(Hidden::ShownOnce),
         _ if !is_real(planned, candidate, signal, sign * size) => Err(Hidden::BeyondRange(size)),
         _ => Ok(size),
     };
@@ -104,19 +108,40 @@ fn visible(planned: &Planned, signals: &[Signal], gains: &Gains, needed: &Needed
     }
 }
 
-/// The size at which some candidate passes with the power asked for.
-fn least_size(planned: &Planned, gains: &Gains, needed: &Needed, at: usize, sign: f64) -> f64 {
-    let of = |(candidate, row): (&Candidate, &Vec<Option<Gain>>)| {
+/// The size at which some candidate passes with the power asked for, by its gain and on folds left out.
+fn least_size(planned: &Planned, signals: &[Signal], gains: &Gains, needed: &Needed, at: usize, signs: &[f64]) -> Vec<f64> {
+    let mut least = vec![f64::INFINITY; signs.len()];
+    for (by_gain, candidate, gain) in by_gain(planned, gains, needed, at) {
+        if least.iter().all(|known| by_gain >= *known) {
+            break;
+        }
+        let size = by_gain.max(generalises_from(planned, candidate, &gain.shape, &signals[at]));
+        for (known, sign) in least.iter_mut().zip(signs) {
+            if size < *known && is_physical(planned, candidate, gain, sign * size) {
+                *known = size;
+            }
+        }
+    }
+    least
+}
+
+/// The sizes at which candidates gain enough, the smallest first.
+fn by_gain<'a>(planned: &'a Planned, gains: &'a Gains, needed: &Needed, at: usize) -> Vec<(f64, &'a Candidate, &'a Gain)> {
+    let of = |(candidate, row): (&'a Candidate, &'a Vec<Option<Gain>>)| {
         let gain = row[at].as_ref().filter(|g| g.gain > 0.0 && !g.at_an_end)?;
-        let size = (needed[&key(candidate, gain)] / gain.gain).sqrt();
-        is_physical(planned, candidate, gain, sign * size).then_some(size)
+        Some(((needed[&key(candidate, gain)] / gain.gain).sqrt(), candidate, gain))
     };
-    planned
-        .candidates
-        .iter()
-        .zip(gains)
-        .filter_map(of)
-        .fold(f64::INFINITY, f64::min)
+    let mut open: Vec<_> = planned.candidates.iter().zip(gains).filter_map(of).collect();
+    open.sort_by(|a, b| a.0.total_cmp(&b.0));
+    open
+}
+
+/// Whether it is for the folds left out alone that no candidate passes.
+fn passes_by_gain(planned: &Planned, gains: &Gains, needed: &Needed, at: usize, signs: &[f64]) -> bool {
+    let physical = |(size, candidate, gain): &(f64, &Candidate, &Gain)| {
+        signs.iter().any(|sign| is_physical(planned, candidate, gain, sign * size))
+    };
+    by_gain(planned, gains, needed, at).iter().any(physical)
 }
 
 /// As the diagnosis judges an effect: positive where it must be, and that of a real thing.

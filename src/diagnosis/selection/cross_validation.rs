@@ -26,73 +26,157 @@ pub(crate) fn held_out_gain(data: &Data, system: &System, columns: &Whitened) ->
 
 fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
     let p = system.covariance.nrows();
-    let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
-    // Per fold: normal matrix and right side of [J C].
-    let mut folds: Vec<(DMatrix<f64>, DVector<f64>)> = (0..SETTINGS.selection.folds)
-        .map(|_| (DMatrix::zeros(p + k, p + k), DVector::zeros(p + k)))
-        .collect();
-    for (blocks, parts) in system.blocks.iter().zip(columns) {
-        for (j, block) in blocks.iter().enumerate() {
-            let own = parts.iter().find(|(joint, _)| *joint == j).map(|(_, m)| m);
-            let rows = block.residual.len();
-            for b in 0..SETTINGS.selection.fold_blocks {
-                let (from, to) = (
-                    b * rows / SETTINGS.selection.fold_blocks,
-                    (b + 1) * rows / SETTINGS.selection.fold_blocks,
-                );
-                let mut z = DMatrix::zeros(to - from, p + k);
-                z.columns_mut(0, p).copy_from(&block.jacobian.rows(from, to - from));
-                if let Some(m) = own {
-                    z.columns_mut(p, k).copy_from(&m.rows(from, to - from));
-                }
-                let fold = &mut folds[b % SETTINGS.selection.folds];
-                fold.0 += transposed_product(&z, &z);
-                fold.1 += z.tr_mul(&block.residual.rows(from, to - from));
-            }
-        }
-    }
-    let mut total = (DMatrix::zeros(p + k, p + k), DVector::zeros(p + k));
-    folds.iter().for_each(|(g, r)| {
-        total.0 += g;
-        total.1 += r;
+    let mut folds = Folds::new(system, columns);
+    let right = folds.sums(system, columns, |stretch, joint| {
+        Some(&system.blocks[stretch][joint].residual)
     });
+    let mut all = sum(&right);
     if let Some(prior) = data.prior {
         let n = prior.mean.len();
         let off = &prior.mean - system.model.vector().rows(0, n);
-        total.0.view_mut((0, 0), (n, n)).add_assign(&prior.information);
-        total.1.rows_mut(0, n).add_assign(&(&prior.information * off));
+        folds.total.view_mut((0, 0), (n, n)).add_assign(&prior.information);
+        all.rows_mut(0, n).add_assign(&(&prior.information * off));
     }
     let cost = |size: usize| {
-        let root = pseudo_root(
-            &total.0.view((0, 0), (size, size)).into_owned(),
-            REGRESSION_SETTINGS.rank_tolerance,
-        );
-        folds.iter().map(|fold| fold_cost(&root, &total.1, fold)).sum::<f64>()
+        let bases = folds.bases(size);
+        bases.iter().zip(&right).map(|(base, own)| base.cost(&all, own)).sum::<f64>()
     };
-    cost(p) - cost(p + k)
+    cost(p) - cost(folds.total.nrows())
 }
 
-/// Change of the sum of squares on a fold from the parameters of the model at hand to those fitted without the fold:
-/// `x'Gx − 2x'b`. In the coordinates of `root`, in which all data together have the unit matrix for their information.
-fn fold_cost(root: &DMatrix<f64>, right: &DVector<f64>, fold: &(DMatrix<f64>, DVector<f64>)) -> f64 {
-    let size = root.nrows();
-    // Rows that say nothing of any parameter.
-    if root.ncols() == 0 {
-        return 0.0;
+/// Sum over the folds.
+pub(crate) fn sum(parts: &[DVector<f64>]) -> DVector<f64> {
+    parts
+        .iter()
+        .fold(DVector::zeros(parts.first().map_or(0, |v| v.len())), |a, b| a + b)
+}
+
+/// Normal matrices of `[J C]` on the folds of time.
+pub(crate) struct Folds {
+    pub normal: Vec<DMatrix<f64>>,
+    /// Of all folds, and of what is known beforehand.
+    pub total: DMatrix<f64>,
+}
+
+impl Folds {
+    pub fn new(system: &System, columns: &Whitened) -> Self {
+        let size = system.covariance.nrows() + width(columns);
+        let mut normal = vec![DMatrix::zeros(size, size); SETTINGS.selection.folds];
+        each_block(system, columns, |block| {
+            normal[block.fold] += transposed_product(&block.rows, &block.rows)
+        });
+        let total = normal.iter().fold(DMatrix::zeros(size, size), |a, b| a + b);
+        Self { normal, total }
     }
-    let inside = (root.transpose() * fold.0.view((0, 0), (size, size)) * root).symmetric_eigen();
-    let along = |r: &DVector<f64>| inside.eigenvectors.tr_mul(&root.tr_mul(&r.rows(0, size)));
-    let (all, own) = (along(right), along(&fold.1));
-    let each = |(i, &share): (usize, &f64)| {
-        let outside = 1.0 - share;
-        let x = if outside > SETTINGS.selection.least_outside {
-            (all[i] - own[i]) / outside
-        } else {
-            0.0
+
+    /// `[J C]ᵀ` times values of the rows (per stretch and joint; none are zero), fold by fold.
+    pub fn sums<'v>(
+        &self,
+        system: &System,
+        columns: &Whitened,
+        values: impl Fn(usize, usize) -> Option<&'v DVector<f64>>,
+    ) -> Vec<DVector<f64>> {
+        let mut sums = vec![DVector::zeros(self.total.nrows()); self.normal.len()];
+        each_block(system, columns, |block| {
+            if let Some(values) = values(block.stretch, block.joint) {
+                sums[block.fold] += block.rows.tr_mul(&values.rows(block.from, block.rows.nrows()));
+            }
+        });
+        sums
+    }
+
+    /// Of the first `size` parameters.
+    pub fn bases(&self, size: usize) -> Vec<FoldBasis> {
+        let part = |m: &DMatrix<f64>| m.view((0, 0), (size, size)).into_owned();
+        let root = pseudo_root(&part(&self.total), REGRESSION_SETTINGS.rank_tolerance);
+        self.normal.iter().map(|fold| FoldBasis::new(&root, &part(fold))).collect()
+    }
+}
+
+/// Directions B of the parameters along which a fold and the rest have independent information: `BᵀGB` of all data is the unit
+/// matrix, that of the fold diagonal.
+pub(crate) struct FoldBasis {
+    pub directions: DMatrix<f64>,
+    /// Share of the information that is in the fold.
+    pub shares: Vec<f64>,
+}
+
+impl FoldBasis {
+    fn new(root: &DMatrix<f64>, fold: &DMatrix<f64>) -> Self {
+        // Rows that say nothing of any parameter.
+        if root.ncols() == 0 {
+            return Self {
+                directions: root.clone(),
+                shares: Vec::new(),
+            };
+        }
+        let inside = (root.transpose() * fold * root).symmetric_eigen();
+        Self {
+            directions: root * inside.eigenvectors,
+            shares: inside.eigenvalues.iter().copied().collect(),
+        }
+    }
+
+    /// Variance of a parameter along each direction by the rest of the data, of unit noise; nothing where the rest says too little
+    /// for it to be extrapolated.
+    pub fn outside(&self) -> impl Iterator<Item = (f64, f64)> {
+        let of = |&share: &f64| {
+            let outside = 1.0 - share;
+            let known = outside > SETTINGS.selection.least_outside;
+            (share, if known { outside.recip() } else { 0.0 })
         };
-        x * x * share - 2.0 * x * own[i]
-    };
-    inside.eigenvalues.iter().enumerate().map(each).sum()
+        self.shares.iter().map(of)
+    }
+
+    /// Change of the sum of squares on the fold from the parameters of the model at hand to those fitted without the fold:
+    /// `x'Gx − 2x'b`, by the sums of all data and of the fold.
+    fn cost(&self, all: &DVector<f64>, own: &DVector<f64>) -> f64 {
+        let along = |r: &DVector<f64>| self.directions.tr_mul(&r.rows(0, self.directions.nrows()));
+        let (all, own) = (along(all), along(own));
+        let each = |(i, (share, variance)): (usize, (f64, f64))| {
+            let x = (all[i] - own[i]) * variance;
+            x * x * share - 2.0 * x * own[i]
+        };
+        self.outside().enumerate().map(each).sum()
+    }
+}
+
+/// Rows of `[J C]` of a joint within a fold.
+struct FoldBlock {
+    fold: usize,
+    stretch: usize,
+    joint: usize,
+    from: usize,
+    rows: DMatrix<f64>,
+}
+
+fn each_block(system: &System, columns: &Whitened, mut take: impl FnMut(&FoldBlock)) {
+    let (p, k) = (system.covariance.nrows(), width(columns));
+    for (stretch, (blocks, parts)) in system.blocks.iter().zip(columns).enumerate() {
+        for (joint, block) in blocks.iter().enumerate() {
+            let own = parts.iter().find(|(j, _)| *j == joint).map(|(_, m)| m);
+            let place = |b: usize| b * block.residual.len() / SETTINGS.selection.fold_blocks;
+            for b in 0..SETTINGS.selection.fold_blocks {
+                let (from, to) = (place(b), place(b + 1));
+                let mut rows = DMatrix::zeros(to - from, p + k);
+                rows.columns_mut(0, p).copy_from(&block.jacobian.rows(from, to - from));
+                if let Some(m) = own {
+                    rows.columns_mut(p, k).copy_from(&m.rows(from, to - from));
+                }
+                take(&FoldBlock {
+                    fold: b % SETTINGS.selection.folds,
+                    stretch,
+                    joint,
+                    from,
+                    rows,
+                });
+            }
+        }
+    }
+}
+
+fn width(columns: &Whitened) -> usize {
+    columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0)
 }
 
 fn period_gain(data: &Data, system: &System, columns: &Whitened) -> Option<f64> {
@@ -111,7 +195,7 @@ fn period_gain(data: &Data, system: &System, columns: &Whitened) -> Option<f64> 
 /// `C_⊥ᵀ` times what the average of every second period deviates from the average of all.
 fn half_right_side(data: &Data, system: &System, columns: &Whitened, half: usize) -> DVector<f64> {
     let p = system.covariance.nrows();
-    let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+    let k = width(columns);
     let (mut direct, mut through, mut cross) = (DVector::zeros(k), DVector::zeros(p), DMatrix::zeros(p, k));
     for ((stretch, blocks), parts) in data.stretches.iter().zip(&system.blocks).zip(columns) {
         let which: Vec<usize> = (half..stretch.periods.len()).step_by(2).collect();
@@ -152,13 +236,11 @@ mod tests {
                 })
         };
         let (total, fold) = (sum(0..100), sum(0..20));
-        let cost = |size: usize| {
-            let root = pseudo_root(
-                &total.0.view((0, 0), (size, size)).into_owned(),
-                REGRESSION_SETTINGS.rank_tolerance,
-            );
-            fold_cost(&root, &total.1, &fold)
+        let folds = Folds {
+            normal: vec![fold.0],
+            total: total.0,
         };
+        let cost = |size: usize| folds.bases(size)[0].cost(&total.1, &fold.1);
         // The effect has amplitude 2 in twenty rows of mean square 1/2.
         let explained = 2.0 * 2.0 * 0.5 * 20.0;
         let gain = cost(1) - cost(2);

@@ -17,7 +17,7 @@ mod wald_test;
 
 pub(crate) use acceptance::{has_physical_signs, is_physical, is_plausible, is_simpler, judge};
 pub(crate) use candidate::{Candidate, candidates, columns_of, own_candidate, reach};
-pub(crate) use cross_validation::HeldOutGain;
+pub(crate) use cross_validation::{FoldBasis, Folds, HeldOutGain, sum};
 pub(crate) use elimination::drop_superfluous;
 pub(crate) use score::{Scored, appraise, chance, hypotheses};
 pub(crate) use screening::{best_on_grid, refine, scan, scan_on_grid};

@@ -52,9 +52,10 @@ pub struct DetectableEffectDocument {
     /// Smallest size that is found with the power given; null where none is.
     pub size: Option<f64>,
     /// Why there is no size: `absorbed` (base parameters imitate the effect exactly), `no_torque` (this motion makes it change no
-    /// torque), `beyond_range` (it would have to be larger than such effects are on robots), `no_values` (it depends on the
-    /// torques of the robot, which has no prior parameters), `against_model` (a change that is seen against an existing model
-    /// only), `between_periods` (looked for between the periods, from three on).
+    /// torque), `beyond_range` (it would have to be larger than such effects are on robots), `shown_once` (one part of the motion
+    /// alone shows it, which the rest could not confirm), `no_values` (it depends on the torques of the robot, which has no prior
+    /// parameters), `against_model` (a change that is seen against an existing model only), `between_periods` (looked for
+    /// between the periods, from three on).
     #[cfg_attr(feature = "service", schema(example = "absorbed"))]
     pub hidden: Option<&'static str>,
     /// Values that the other parameters are assumed to have: the middle of what a diagnosis tries.
@@ -154,6 +155,7 @@ fn why(hidden: Hidden) -> &'static str {
         Hidden::Absorbed => "absorbed",
         Hidden::NoTorque => "no_torque",
         Hidden::BeyondRange(_) => "beyond_range",
+        Hidden::ShownOnce => "shown_once",
         Hidden::NeedsValues => "no_values",
         Hidden::AgainstModel => "against_model",
         Hidden::BetweenPeriods => "between_periods",

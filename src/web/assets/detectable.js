@@ -6,6 +6,7 @@ const HIDDEN = {
   absorbed: 'absorbed by the base parameters',
   no_torque: 'changes no torque on this motion',
   beyond_range: 'only beyond the sizes that robots have',
+  shown_once: 'one part of the motion alone shows it',
   no_values: 'needs prior parameters of the robot',
   against_model: 'visible only against an existing model',
   between_periods: 'needs three periods',
