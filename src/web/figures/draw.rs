@@ -231,12 +231,18 @@ fn draw_series<DB: DrawingBackend>(chart: &mut Chart<DB>, series: &Series) -> Re
         .iter()
         .copied()
         .enumerate()
-        .filter(|(_, p)| p.0.is_finite() && p.1.is_finite())
+        .filter(|(_, p)| is_finite(p))
         .collect();
     let plain = || points.iter().map(|p| p.1);
 
     match &series.mark {
-        Mark::Line => chart.draw_series(LineSeries::new(plain(), colour.stroke_width(1))),
+        Mark::Line => {
+            for run in series.points.split(|p| !is_finite(p)) {
+                let line = LineSeries::new(run.iter().copied(), colour.stroke_width(1));
+                chart.draw_series(line).map_err(|e| said(&e))?;
+            }
+            return Ok(());
+        }
         Mark::Bar { at, of } => {
             let width = 0.8 / *of as f64;
             let left = |x: f64| x - 0.4 + width * *at as f64;
@@ -256,6 +262,10 @@ fn draw_series<DB: DrawingBackend>(chart: &mut Chart<DB>, series: &Series) -> Re
     }
     .map(drop)
     .map_err(|e| said(&e))
+}
+
+fn is_finite(point: &(f64, f64)) -> bool {
+    point.0.is_finite() && point.1.is_finite()
 }
 
 fn said(e: &impl Display) -> FigureError {
@@ -307,6 +317,25 @@ mod tests {
             assert!(words.contains(&word), "{word} not among {words:?}");
         }
         assert!(!text.contains("NaN"));
+    }
+
+    #[test]
+    fn a_line_is_parted_where_a_point_is_no_number() {
+        let lines = |points: Vec<(f64, f64)>| {
+            let series = Series {
+                name: String::new(),
+                mark: Mark::Line,
+                colour: 0,
+                points,
+            };
+            let mut figure = figure();
+            figure.panels[0].series = vec![series];
+            figure.svg().unwrap().matches("<polyline").count()
+        };
+        let whole = vec![(0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (3.0, 1.0)];
+        let mut parted = whole.clone();
+        parted.insert(2, (f64::NAN, f64::NAN));
+        assert_eq!(lines(parted), lines(whole) + 1);
     }
 
     #[test]

@@ -6,6 +6,24 @@ use crate::documents::{BaseValue, IdentifyDocument, LogRms, PredictionDocument};
 /// Points of every curve: as many as a printed page shows.
 const POINTS: usize = 700;
 
+/// Mean steps of a series after which it has a gap: thinned ones have steps of up to four.
+const GAP: f64 = 8.0;
+
+/// The `kept` ones of points, with one that is no number in every gap: a line across rows that the fit leaves out would be no
+/// measurement.
+fn parted(time: &[f64], kept: &[usize], values: &[f64]) -> Vec<(f64, f64)> {
+    let mean = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first) / (time.len().max(2) - 1) as f64;
+    let gap_within = |from: usize, to: usize| time[from..=to].windows(2).any(|t| t[1] - t[0] > GAP * mean);
+    let mut points = Vec::new();
+    for (k, &i) in kept.iter().enumerate() {
+        if k > 0 && gap_within(kept[k - 1], i) {
+            points.push((f64::NAN, f64::NAN));
+        }
+        points.push((time[i], values[i]));
+    }
+    points
+}
+
 /// Measured and predicted torque and their difference, from one of the document's `predictions`.
 pub fn torque_figure(prediction: &PredictionDocument, effort_unit: &str) -> Figure {
     let PredictionDocument {
@@ -20,7 +38,7 @@ pub fn torque_figure(prediction: &PredictionDocument, effort_unit: &str) -> Figu
         name: name.into(),
         mark: Mark::Line,
         colour,
-        points: kept.iter().map(|&i| (time[i], values[i])).collect(),
+        points: parted(time, &kept, values),
     };
     let unit = unit(effort_unit);
     Figure {

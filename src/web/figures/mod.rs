@@ -41,7 +41,7 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
-/// One set of values; points that are not finite are left out.
+/// One set of values; points that are not finite are left out, and part a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// In the legend; none if empty.
@@ -57,7 +57,7 @@ pub struct Series {
 /// How a series is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
-    /// A line through all points.
+    /// A line through all points, parted by those that are not finite.
     Line,
     /// A bar from zero to y; `of` bars stand beside each other, this is number `at`.
     Bar {
