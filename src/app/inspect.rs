@@ -1,5 +1,6 @@
 //! What is understood of logs, before anything is estimated.
 
+use super::identify::{Companions, split_companions};
 use super::{CancelFlag, Code, Error, LogFile};
 use crate::diagnosis::{DataFault, RawLog, column_faults_until, sample_faults};
 use crate::documents::{FindingDocument, IdentifyRequest, InspectDocument, InspectedJoint, InspectedLog, LogDocument};
@@ -24,12 +25,13 @@ pub fn inspect(
         let error = Error::new(Code::InvalidLog, "there is no log to look at");
         return Err(error.with_hint("send at least one part called `log`"));
     }
-    let roles = logs.iter().map(|log| (log, "identification"));
-    let roles = roles.chain(validation.iter().map(|log| (log, "validation")));
+    let kinds = [(logs, "identification"), (validation, "validation")];
     let all = || {
-        roles
-            .map(|(log, role)| one(request, log, role, cancel))
-            .collect::<Result<Vec<_>, _>>()
+        let of_kind = |(files, role)| -> Result<Vec<InspectedLog>, Error> {
+            let (logs, beside) = split_companions(&request.columns, files)?;
+            logs.iter().map(|log| one(request, log, &beside, role, cancel)).collect()
+        };
+        kinds.into_iter().map(of_kind).collect::<Result<Vec<_>, _>>()
     };
     let Ok(seen) = CancelFlag::run(all) else {
         return Ok(None);
@@ -37,17 +39,23 @@ pub fn inspect(
     let seen = seen?;
     Ok(Some(InspectDocument {
         robot: request.robot.name().to_string(),
-        logs: seen,
+        logs: seen.concat(),
         notes: request.notes.clone(),
     }))
 }
 
-fn one(request: &IdentifyRequest, file: &LogFile, role: &'static str, cancel: &CancelFlag) -> Result<InspectedLog, Error> {
+fn one(
+    request: &IdentifyRequest,
+    file: &LogFile,
+    beside: &Companions,
+    role: &'static str,
+    cancel: &CancelFlag,
+) -> Result<InspectedLog, Error> {
     let robot = &request.robot;
     let names: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
     let invalid = |e: String| Error::new(Code::InvalidLog, e);
-    let columns = found_columns(&file.path, &file.name, &request.columns, &names).map_err(|e| invalid(e.to_string()))?;
-    let (mut log, mut report) = read_joined_log_until(&file.path, &[], &request.columns, &names, cancel)
+    let columns = found_columns(&file.path, &file.name, beside, &request.columns, &names).map_err(|e| invalid(e.to_string()))?;
+    let (mut log, mut report) = read_joined_log_until(&file.path, beside, &request.columns, &names, cancel)
         .map_err(|e| invalid(e.named(&file.name).to_string()))?;
     log.name.clone_from(&file.name);
     report.file.clone_from(&file.name);

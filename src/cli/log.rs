@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments, json: bool) -> Result<Ending, Error> {
         Some(robot) => {
             let robot = files::read_robot(robot, &arguments.chain, &arguments.effects.read()?)?.robot;
             let joints: Vec<String> = robot.joints().iter().map(|j| j.name.clone()).collect();
-            Some(found_columns(&log.path, &log.name, &Columns::default(), &joints))
+            Some(found_columns(&log.path, &log.name, &[], &Columns::default(), &joints))
         }
         None => None,
     };

@@ -376,6 +376,40 @@ fn a_log_is_understood_before_it_is_used() {
 }
 
 #[test]
+fn a_file_beside_the_log_is_previewed_with_it() {
+    let server = Server::start();
+    let columns = json!({"torque": {"headers": ["tau1", "tau2"], "file": "torques.csv"}});
+    let request = json!({"robot": "planar_two_link", "columns": columns}).to_string();
+    let whole = log(0.3);
+    let heads: Vec<&str> = whole.lines().next().unwrap().split(',').collect();
+    let part = |of_torque: bool| -> String {
+        let chosen = |line: &str| -> Vec<String> {
+            let cells = line
+                .split(',')
+                .zip(&heads)
+                .filter(|(_, head)| head.starts_with("tau") == of_torque);
+            cells.map(|(cell, _)| cell.to_string()).collect()
+        };
+        whole.lines().map(|line| chosen(line).join(",") + "\n").collect()
+    };
+    let (positions, torques) = (part(false), part(true));
+    let parts = [
+        ("request", "", request.as_str()),
+        ("log", "run.csv", &positions),
+        ("log", "torques.csv", &torques),
+    ];
+    let answer = post(&server, "/identify/preview", false, &parts);
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    let seen = answer.json();
+    assert_eq!(seen["logs"].as_array().map(Vec::len), Some(1), "{seen}");
+    assert_eq!(seen["logs"][0]["columns"]["torque"], json!(["tau1", "tau2"]));
+    assert_eq!(seen["logs"][0]["columns"]["position"], json!(["q1", "q2"]));
+    let alone = post(&server, "/identify/preview", false, &parts[..2]);
+    assert_eq!(alone.problem()["code"], "invalid_log");
+    assert!(alone.text.contains("torques.csv"), "{}", alone.text);
+}
+
+#[test]
 fn the_report_is_one_file_with_all_that_is_needed() {
     let server = Server::start();
     let found = identify(&server);

@@ -4,8 +4,8 @@ mod model;
 mod reading;
 
 pub use model::ModelFiles;
+pub(super) use reading::{Companions, Reading, split_companions, use_log};
 pub use reading::{LogFile, UsedLog};
-pub(super) use reading::{Reading, split_companions, use_log};
 
 use self::model::{Found, model_files};
 use self::reading::{prepared, raw_log};

@@ -104,12 +104,6 @@ async function preview() {
     sayState('Assign the columns', '#columns-place');
     return;
   }
-  // The interface previews files one by one.
-  if (columns.joins) {
-    sayState('Ready, without a preview', '#result');
-    fill(find('#result'), h('section', { class: 'card' }, h('h2', {}, 'No preview'), h('p', {}, 'The columns are in two files, which are put together when the identification starts. What is wrong with them is said then.')));
-    return;
-  }
   looking = new AbortController();
   const { signal } = looking;
   unmark(find('#work'));

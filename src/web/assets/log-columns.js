@@ -69,11 +69,6 @@ export class LogColumns {
     return words;
   }
 
-  /** Whether columns of other files join those of the log. */
-  get joins() {
-    return Boolean(this.head) && QUANTITIES.some((q) => this.further.elsewhere(q));
-  }
-
   /** A log whose names count other joints than the robot has is most often of another robot. */
   otherArm() {
     const { count, joints } = this;
