@@ -406,6 +406,8 @@ pub struct DetectableSizes {
     pub least_share: f64,
     /// Shapes of a grid that an effect is looked for in the place of another.
     pub most_shapes: usize,
+    /// Share that the bend of an elastic joint may add to itself.
+    pub most_bend_of_bend: f64,
 }
 
 /// What every diagnosis uses.
@@ -565,5 +567,6 @@ pub const SETTINGS: Settings = Settings {
         most_joints: 16,
         least_share: 0.1,
         most_shapes: 64,
+        most_bend_of_bend: 0.2,
     },
 };

@@ -26,7 +26,7 @@ mod jacobian;
 mod joint_normal;
 mod kept;
 mod model;
-mod motion_error;
+pub(crate) mod motion_error;
 mod noise_floor;
 mod normal_equations;
 mod partial_regression;

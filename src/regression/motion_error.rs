@@ -74,7 +74,7 @@ fn disturbed(motion: &Motion, joint: usize, order: usize, size: f64) -> Motion {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::model::{Friction, Joint, JointKind, Mdh, Robot};
     use crate::preparation::MotionError;

@@ -71,7 +71,8 @@ fn with_few_handles_many_connections_do_not_take_those_of_the_work() {
     command.args(["--listen", "127.0.0.1:0", "--log", "off", "--header-timeout-s", "2"]);
     let server = Process::start(command);
     wait_until("the server is ready", || server.get("/health/ready").0 == 200);
-    // More than handles, and few enough to stand in the line of 128 that systems keep: further ones would try again after seconds.
+    // More than handles, and few enough to stand in the line of 128 that systems keep: further ones would try again after
+    // seconds.
     let idle: Vec<Kept> = (0..120).map(|_| Kept::open(&server)).collect();
     // Those without a request are closed after two seconds, a few at a time; meanwhile nothing fails for want of handles.
     std::thread::sleep(Duration::from_millis(200));

@@ -13,15 +13,16 @@
 //! the noncentrality `ρ² λ`, ρ the correlation of the effect with the columns of R, both orthogonal to J. The search accepts R
 //! where its gain passes the larger of two thresholds: of its evidence (`cost ln N + 2 ln tried`), and of chance (χ² at the
 //! false-alarm level over the number of hypotheses). The size reported is the least with which any candidate that would be
-//! physical passes with the power asked for, and predicts folds of time left out ([`generalisation`]): the diagnosis then says that something is there. What it is called is a question of
-//! its own (`pairs`): two effects are separated from the size on at which the BIC difference excludes the other one with the same
-//! power.
+//! physical passes with the power asked for, and predicts folds of time left out ([`generalisation`]): the diagnosis then says
+//! that something is there. What it is called is a question of its own (`pairs`): two effects are separated from the size on at
+//! which the BIC difference excludes the other one with the same power.
 
 mod assess;
 mod between;
 mod gains;
 mod generalisation;
 mod pairs;
+mod physical;
 mod plan;
 mod planned;
 mod power;

@@ -2,10 +2,11 @@
 
 use super::gains::{Gain, Gains};
 use super::generalisation::generalises_from;
+use super::physical::{is_physical, is_real};
 use super::planned::{Planned, tried};
 use super::power::noncentrality;
 use super::signals::Signal;
-use crate::diagnosis::selection::{Candidate, has_physical_signs, is_plausible};
+use crate::diagnosis::selection::Candidate;
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::{self, EffectKind, ParameterInfo};
 use crate::regression::SETTINGS as REGRESSION;
@@ -142,35 +143,6 @@ fn passes_by_gain(planned: &Planned, gains: &Gains, needed: &Needed, at: usize, 
         signs.iter().any(|sign| is_physical(planned, candidate, gain, sign * size))
     };
     by_gain(planned, gains, needed, at).iter().any(physical)
-}
-
-/// As the diagnosis judges an effect: positive where it must be, and that of a real thing.
-fn is_physical(planned: &Planned, candidate: &Candidate, gain: &Gain, size: f64) -> bool {
-    let values: Vec<f64> = gain.coefficients.iter().map(|c| c * size).collect();
-    let in_range = |(v, [low, high]): (&f64, &[f64; 2])| v > low && v < high;
-    has_physical_signs(&candidate.effect, candidate.form, &values, &gain.covariance)
-        && (!candidate.is_distortion() || values.iter().zip(&candidate.bounds).all(in_range))
-        && (candidate.is_distortion()
-            || is_plausible(
-                &planned.system,
-                &candidate.joints,
-                &candidate.effect,
-                &values,
-                &gain.covariance,
-            ))
-}
-
-/// Whether the effect of that size is one that robots have.
-fn is_real(planned: &Planned, candidate: &Candidate, signal: &Signal, size: f64) -> bool {
-    let values: Vec<f64> = signal.unit.iter().map(|u| u * size).collect();
-    let in_range = |(v, [low, high]): (&f64, &[f64; 2])| v > low && v < high;
-    match candidate.is_distortion() {
-        true => size.is_finite() && values.iter().zip(&candidate.bounds).all(in_range),
-        false => {
-            let certain = nalgebra::DMatrix::zeros(values.len(), values.len());
-            size.is_finite() && is_plausible(&planned.system, &candidate.joints, &candidate.effect, &values, &certain)
-        }
-    }
 }
 
 /// Values of the other parameters that an effect is assumed to have.

@@ -117,8 +117,8 @@ impl FoldBasis {
         }
     }
 
-    /// Variance of a parameter along each direction by the rest of the data, of unit noise; nothing where the rest says too little
-    /// for it to be extrapolated.
+    /// Variance of a parameter along each direction by the rest of the data, of unit noise; nothing where the rest says too
+    /// little for it to be extrapolated.
     pub fn outside(&self) -> impl Iterator<Item = (f64, f64)> {
         let of = |&share: &f64| {
             let outside = 1.0 - share;

@@ -17,6 +17,8 @@ mod wald_test;
 
 pub(crate) use acceptance::{has_physical_signs, is_physical, is_plausible, is_simpler, judge};
 pub(crate) use candidate::{Candidate, candidates, columns_of, own_candidate, reach};
+#[cfg(test)]
+pub(crate) use cross_validation::held_out_gain;
 pub(crate) use cross_validation::{FoldBasis, Folds, HeldOutGain, sum};
 pub(crate) use elimination::drop_superfluous;
 pub(crate) use score::{Scored, appraise, chance, hypotheses};
