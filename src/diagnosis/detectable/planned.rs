@@ -1,10 +1,11 @@
 //! The recording that is planned, as the diagnosis would see it.
 
 use super::plan::Plan;
-use crate::diagnosis::selection::{Candidate, candidates, hypotheses, own_candidate};
+use crate::diagnosis::selection::{Candidate, Folds, candidates, hypotheses, own_candidate};
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{AugmentedModel, Data, NoiseModel, NoiseSource, Stretch, System, spans};
 use crate::trajectory::Trajectory;
+use nalgebra::{DMatrix, DVector};
 
 /// One period of every trajectory. A sample stands for several of the log where that has more than a diagnosis works with, or
 /// than are needed here.
@@ -42,6 +43,8 @@ pub(super) struct Planned<'a> {
     pub chance: f64,
     /// Whether the torques of the model are known.
     pub has_values: bool,
+    /// Of the declared model, fold by fold: its normal matrix, and the covariance by the data of the others.
+    pub folds: Vec<[DMatrix<f64>; 2]>,
 }
 
 impl<'a> Planned<'a> {
@@ -68,6 +71,7 @@ impl<'a> Planned<'a> {
             log_rows: (rows * together).max(2.0).ln(),
             chance: plan.chance,
             has_values,
+            folds: folds(&system),
             system,
         }
     }
@@ -83,6 +87,22 @@ impl<'a> Planned<'a> {
         let by_chance = super::power::quantile(self.chance / tried, cost);
         by_chance.max(self.price(candidate, cost))
     }
+}
+
+fn folds(system: &System) -> Vec<[DMatrix<f64>; 2]> {
+    let folds = Folds::new(system, &vec![Vec::new(); system.blocks.len()]);
+    let bases = folds.bases(system.covariance.nrows());
+    let by_others = bases.iter().map(|base| {
+        let variances = base.outside().map(|(_, variance)| variance).collect();
+        &base.directions * DMatrix::from_diagonal(&DVector::from_vec(variances)) * base.directions.transpose()
+    });
+    let by_others: Vec<DMatrix<f64>> = by_others.collect();
+    folds
+        .normal
+        .into_iter()
+        .zip(by_others)
+        .map(|(own, others)| [own, others])
+        .collect()
 }
 
 /// Shapes of its grid.

@@ -45,7 +45,7 @@ fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
 }
 
 /// Sum over the folds.
-pub(crate) fn sum(parts: &[DVector<f64>]) -> DVector<f64> {
+fn sum(parts: &[DVector<f64>]) -> DVector<f64> {
     parts
         .iter()
         .fold(DVector::zeros(parts.first().map_or(0, |v| v.len())), |a, b| a + b)
@@ -155,16 +155,14 @@ fn each_block(system: &System, columns: &Whitened, mut take: impl FnMut(&FoldBlo
     for (stretch, (blocks, parts)) in system.blocks.iter().zip(columns).enumerate() {
         for (joint, block) in blocks.iter().enumerate() {
             let own = parts.iter().find(|(j, _)| *j == joint).map(|(_, m)| m);
-            let place = |b: usize| b * block.residual.len() / SETTINGS.selection.fold_blocks;
-            for b in 0..SETTINGS.selection.fold_blocks {
-                let (from, to) = (place(b), place(b + 1));
-                let mut rows = DMatrix::zeros(to - from, p + k);
-                rows.columns_mut(0, p).copy_from(&block.jacobian.rows(from, to - from));
+            for (fold, from, count) in fold_blocks(block.residual.len()) {
+                let mut rows = DMatrix::zeros(count, p + k);
+                rows.columns_mut(0, p).copy_from(&block.jacobian.rows(from, count));
                 if let Some(m) = own {
-                    rows.columns_mut(p, k).copy_from(&m.rows(from, to - from));
+                    rows.columns_mut(p, k).copy_from(&m.rows(from, count));
                 }
                 take(&FoldBlock {
-                    fold: b % SETTINGS.selection.folds,
+                    fold,
                     stretch,
                     joint,
                     from,
@@ -175,7 +173,13 @@ fn each_block(system: &System, columns: &Whitened, mut take: impl FnMut(&FoldBlo
     }
 }
 
-fn width(columns: &Whitened) -> usize {
+/// Blocks of so many rows: the fold, the first row and how many.
+pub(crate) fn fold_blocks(rows: usize) -> impl Iterator<Item = (usize, usize, usize)> {
+    let place = move |b: usize| b * rows / SETTINGS.selection.fold_blocks;
+    (0..SETTINGS.selection.fold_blocks).map(move |b| (b % SETTINGS.selection.folds, place(b), place(b + 1) - place(b)))
+}
+
+pub(crate) fn width(columns: &Whitened) -> usize {
     columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0)
 }
 
