@@ -26,7 +26,7 @@ fn begin(server: &Server, request: &Value, headers: &[(&str, &str)]) -> String {
     answer.json()["id"].as_str().unwrap().to_string()
 }
 
-fn wait_until(condition: impl Fn() -> bool) {
+pub fn wait_until(condition: impl Fn() -> bool) {
     let started = Instant::now();
     while !condition() {
         assert!(started.elapsed() < Duration::from_secs(60), "waited in vain");

@@ -1,5 +1,6 @@
 //! Names and notes of jobs, lists of some of them, and jobs that are forgotten.
 
+use crate::queue::wait_until;
 use crate::server::{Server, long_request, quick_request};
 use serde_json::{Value, json};
 
@@ -124,6 +125,9 @@ fn an_ended_job_is_forgotten_with_its_result_and_a_running_one_is_not() {
         .as_str()
         .unwrap()
         .to_string();
-    assert_eq!(server.delete(&format!("/jobs/{running}?forget=true")).status, 409);
-    assert_eq!(server.delete(&format!("/jobs/{running}")).status, 202);
+    let job = format!("/jobs/{running}");
+    // One that still waits for its turn ends at once.
+    wait_until(|| server.get(&job).json()["state"] == "running");
+    assert_eq!(server.delete(&format!("{job}?forget=true")).status, 409);
+    assert_eq!(server.delete(&job).status, 202);
 }

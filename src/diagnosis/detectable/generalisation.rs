@@ -95,8 +95,8 @@ struct Added {
 }
 
 impl Added {
-    /// With the covariance of the declared parameters by the same data. Directions of which less than the share `least` is left, of
-    /// their own columns or of `of`, are not determined.
+    /// With the covariance of the declared parameters by the same data. Directions of which less than the share `least` is
+    /// left, of their own columns or of `of`, are not determined.
     fn new(normal: &DMatrix<f64>, covariance: &DMatrix<f64>, of: Option<&DMatrix<f64>>, least: f64) -> Self {
         let p = covariance.nrows();
         let k = normal.nrows() - p;
