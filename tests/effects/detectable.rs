@@ -6,7 +6,7 @@ use dynident::diagnosis::{
 };
 use dynident::model::Robot;
 use dynident::regression::AugmentedModel;
-use dynident::simulate::{Experiment, HiddenEffect, simulate};
+use dynident::simulate::{Experiment, HiddenEffect, ListedEffect, simulate};
 use dynident::trajectory::FourierSeries;
 use rayon::prelude::*;
 
@@ -207,6 +207,13 @@ fn hidden(visible: &Visible, size: f64, joints: usize) -> HiddenEffect {
                 torque: (0..joints).map(|j| if j == joint { size } else { 0.0 }).collect(),
             }
         }
+        "torque_saturation" => Listed(ListedEffect {
+            code: visible.effect.clone(),
+            form: 0,
+            joints: vec![joint],
+            coefficients: vec![size],
+            shape: Vec::new(),
+        }),
         code => panic!("no such effect: {code}"),
     }
 }
