@@ -406,7 +406,8 @@ pub struct DetectableSizes {
     pub least_share: f64,
     /// Shapes of a grid that an effect is looked for in the place of another.
     pub most_shapes: usize,
-    /// Share that the bend of an elastic joint may add to itself.
+    /// Share that the bend of an elastic joint may add to itself: it is below 0.04 at the sizes of arms of four to seven axes,
+    /// and five where one rings.
     pub most_bend_of_bend: f64,
 }
 

@@ -13,6 +13,11 @@ use nalgebra::{DMatrix, DVector};
 /// Whitened columns: per stretch, `(joint, M × k)` for every joint where they are not zero.
 pub(crate) type Whitened = Vec<Vec<(usize, DMatrix<f64>)>>;
 
+/// Number of columns k.
+pub(crate) fn width(columns: &Whitened) -> usize {
+    columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0)
+}
+
 /// A block of columns after the model's own columns are projected out.
 #[derive(Debug, Clone)]
 pub(crate) struct Reduced {
@@ -98,7 +103,7 @@ impl System {
 
     /// `(C'C − A' G⁺ A, C'r)` with A = J'C.
     pub fn projected(&self, columns: &Whitened) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
-        let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+        let k = width(columns);
         let p = self.covariance.nrows();
         let (mut own, mut cross, mut right) = (DMatrix::zeros(k, k), DMatrix::zeros(p, k), DVector::zeros(k));
         for (blocks, parts) in self.blocks.iter().zip(columns) {
@@ -115,7 +120,7 @@ impl System {
 
     /// J'C.
     pub fn cross(&self, columns: &Whitened) -> DMatrix<f64> {
-        let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+        let k = width(columns);
         let mut cross = DMatrix::zeros(self.covariance.nrows(), k);
         for (blocks, parts) in self.blocks.iter().zip(columns) {
             for (j, m) in parts {

@@ -5,11 +5,16 @@ use nalgebra::{DMatrix, DVector};
 
 /// Combinations D of columns that the model does not hide, of unit information each: `Dᵀ rest D = 1`.
 pub(crate) fn directions(own: &DMatrix<f64>, rest: &DMatrix<f64>) -> DMatrix<f64> {
+    directions_above(own, rest, SETTINGS.hidden_share)
+}
+
+/// The same of those combinations of which `rest` is more than the share `least` of `own`.
+pub(crate) fn directions_above(own: &DMatrix<f64>, rest: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     let k = own.nrows();
     let scale = DVector::from_fn(k, |i, _| if own[(i, i)] > 0.0 { own[(i, i)].sqrt().recip() } else { 0.0 });
     let scaled = DMatrix::from_fn(k, k, |r, c| 0.5 * (rest[(r, c)] + rest[(c, r)]) * scale[r] * scale[c]);
     let eigen = scaled.symmetric_eigen();
-    let seen: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > SETTINGS.hidden_share).collect();
+    let seen: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > least).collect();
     DMatrix::from_fn(k, seen.len(), |r, c| {
         scale[r] * eigen.eigenvectors[(r, seen[c])] / eigen.eigenvalues[seen[c]].sqrt()
     })

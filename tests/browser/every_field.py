@@ -24,6 +24,14 @@ def refused(page, form, text):
     page.trouble.clear()
 
 
+def refused_at(page, field, value, text):
+    """What is wrong with a value stands at its field as soon as the field is left."""
+    page.fill(field, value)
+    page.locator(field).blur()
+    page.locator("#work .field-error", has_text=text).wait_for()
+    page.trouble.clear()
+
+
 def open_all(page, form):
     page.evaluate("form => document.querySelectorAll(`${form} details`).forEach(part => { part.open = true; })", form)
 
@@ -149,21 +157,12 @@ def identification(page, options):
     open_all(page, "#work")
     # The first motor counts backwards.
     page.get_by_label("motor_position_1: sign").select_option("-1")
-    page.fill("#columns-coupling", "1 0")
-    page.locator("#columns-coupling").blur()
-    page.locator("#work .field-error", has_text="Coupling of the motors").wait_for()
-    page.trouble.clear()
+    refused_at(page, "#columns-coupling", "1 0", "Coupling of the motors")
     page.fill("#columns-coupling", "1 0; 1 1")
     page.fill("#columns-torque-offset", "0, 0")
-    page.fill("#position-filter-cutoff", "20")
-    page.locator("#position-filter-cutoff").blur()
-    page.locator("#form .field-error", has_text="Order of the position filter is missing").wait_for()
-    page.trouble.clear()
+    refused_at(page, "#position-filter-cutoff", "20", "Order of the position filter is missing")
     page.fill("#position-filter-cutoff", "")
-    page.fill("#link-bounds", '[{"link": 1, "mass": [2, 1]}]')
-    page.locator("#link-bounds").blur()
-    page.locator("#form .field-error", has_text="the lower bound must not be above the upper one").wait_for()
-    page.trouble.clear()
+    refused_at(page, "#link-bounds", '[{"link": 1, "mass": [2, 1]}]', "the lower bound must not be above the upper one")
     page.fill("#link-bounds", '[{"link": 1, "mass": [0.1, 90]}]')
     page.locator("#link-bounds").blur()
     page.locator("#result h2", has_text=log.name).wait_for()

@@ -4,7 +4,7 @@ use super::planned::Planned;
 use super::signals::Signal;
 use crate::diagnosis::selection::{Candidate, columns_of};
 use crate::diagnosis::settings::SETTINGS;
-use crate::regression::{Whitened, directions, transposed_product};
+use crate::regression::{Whitened, directions, transposed_product, width};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -103,7 +103,7 @@ fn fitted(candidate: &Candidate, shape: &[f64], base: &DMatrix<f64>, gain: f64, 
 
 /// `(CᵀC, JᵀC)`.
 fn products(planned: &Planned, columns: &Whitened) -> (DMatrix<f64>, DMatrix<f64>) {
-    let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+    let k = width(columns);
     let p = planned.system.covariance.nrows();
     let (mut own, mut cross) = (DMatrix::zeros(k, k), DMatrix::zeros(p, k));
     for (blocks, parts) in planned.system.blocks.iter().zip(columns) {
@@ -117,7 +117,7 @@ fn products(planned: &Planned, columns: &Whitened) -> (DMatrix<f64>, DMatrix<f64
 
 /// `Cᵀ s` of every signal.
 fn met(columns: &Whitened, signals: &[Signal]) -> DMatrix<f64> {
-    let k = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+    let k = width(columns);
     let mut right = DMatrix::zeros(k, signals.len());
     for (stretch, parts) in columns.iter().enumerate() {
         for (j, m) in parts {

@@ -15,9 +15,9 @@
 
 use super::planned::Planned;
 use super::signals::Signal;
-use crate::diagnosis::selection::{Candidate, columns_of, fold_blocks, width};
+use crate::diagnosis::selection::{Candidate, columns_of, fold_blocks};
 use crate::diagnosis::settings::SETTINGS;
-use crate::regression::{SETTINGS as REGRESSION, Whitened};
+use crate::regression::{SETTINGS as REGRESSION, Whitened, directions_above, width};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -103,16 +103,7 @@ impl Added {
         let (cross, own) = (normal.view((0, p), (p, k)), normal.view((p, p), (k, k)).into_owned());
         let hidden = covariance * cross;
         let left = &own - cross.tr_mul(&hidden);
-        let scale = DVector::from_fn(k, |i, _| {
-            let whole = of.unwrap_or(&own)[(i, i)];
-            if whole > 0.0 { whole.sqrt().recip() } else { 0.0 }
-        });
-        let scaled = DMatrix::from_fn(k, k, |r, c| 0.5 * (left[(r, c)] + left[(c, r)]) * scale[r] * scale[c]);
-        let eigen = scaled.symmetric_eigen();
-        let known: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > least).collect();
-        let root = DMatrix::from_fn(k, known.len(), |r, c| {
-            scale[r] * eigen.eigenvectors[(r, known[c])] / eigen.eigenvalues[known[c]].sqrt()
-        });
+        let root = directions_above(of.unwrap_or(&own), &left, least);
         let mut directions = DMatrix::zeros(p + k, root.ncols());
         directions.rows_mut(0, p).copy_from(&(-hidden * &root));
         directions.rows_mut(p, k).copy_from(&root);

@@ -2,7 +2,7 @@
 
 use super::planned::Planned;
 use crate::diagnosis::selection::columns_of;
-use crate::regression::System;
+use crate::regression::{System, width};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -35,7 +35,7 @@ fn of_candidate(planned: &Planned, at: usize) -> Vec<Signal> {
     let candidate = &planned.candidates[at];
     let shape: Vec<f64> = candidate.shapes.iter().map(|s| s.grid[s.grid.len() / 2]).collect();
     let columns = columns_of(planned.data, &planned.system, candidate, std::slice::from_ref(&shape));
-    let count = columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0);
+    let count = width(&columns);
     let middle = candidate.joints.first().map_or(0.0, |&j| middle(&planned.system, j));
     let of = |(parameter, unit): (usize, Vec<f64>)| {
         let along = DVector::from_column_slice(&unit);

@@ -4,8 +4,10 @@
 //! fit has not seen can tell that. And noise that is not as assumed shows between periods.
 
 use crate::diagnosis::settings::SETTINGS;
-use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, pseudo_root, reduce, transposed_product};
-use nalgebra::{DMatrix, DVector};
+use crate::regression::{
+    Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, pseudo_root, reduce, transposed_product, width,
+};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use std::ops::AddAssign;
 
 /// Gain of a block of columns on data left out.
@@ -27,10 +29,8 @@ pub(crate) fn held_out_gain(data: &Data, system: &System, columns: &Whitened) ->
 fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
     let p = system.covariance.nrows();
     let mut folds = Folds::new(system, columns);
-    let right = folds.sums(system, columns, |stretch, joint| {
-        Some(&system.blocks[stretch][joint].residual)
-    });
-    let mut all = sum(&right);
+    let zero = DVector::zeros(folds.total.nrows());
+    let mut all = folds.right.iter().fold(zero, |a, b| a + b);
     if let Some(prior) = data.prior {
         let n = prior.mean.len();
         let off = &prior.mean - system.model.vector().rows(0, n);
@@ -39,50 +39,36 @@ fn block_gain(data: &Data, system: &System, columns: &Whitened) -> f64 {
     }
     let cost = |size: usize| {
         let bases = folds.bases(size);
-        bases.iter().zip(&right).map(|(base, own)| base.cost(&all, own)).sum::<f64>()
+        bases
+            .iter()
+            .zip(&folds.right)
+            .map(|(base, own)| base.cost(&all, own))
+            .sum::<f64>()
     };
     cost(p) - cost(folds.total.nrows())
 }
 
-/// Sum over the folds.
-fn sum(parts: &[DVector<f64>]) -> DVector<f64> {
-    parts
-        .iter()
-        .fold(DVector::zeros(parts.first().map_or(0, |v| v.len())), |a, b| a + b)
-}
-
-/// Normal matrices of `[J C]` on the folds of time.
+/// What `[J C]` has on the folds of time.
 pub(crate) struct Folds {
+    /// Normal matrices.
     pub normal: Vec<DMatrix<f64>>,
     /// Of all folds, and of what is known beforehand.
-    pub total: DMatrix<f64>,
+    total: DMatrix<f64>,
+    /// `[J C]ᵀ` times the residual.
+    right: Vec<DVector<f64>>,
 }
 
 impl Folds {
     pub fn new(system: &System, columns: &Whitened) -> Self {
         let size = system.covariance.nrows() + width(columns);
-        let mut normal = vec![DMatrix::zeros(size, size); SETTINGS.selection.folds];
-        each_block(system, columns, |block| {
-            normal[block.fold] += transposed_product(&block.rows, &block.rows)
+        let count = SETTINGS.selection.folds;
+        let (mut normal, mut right) = (vec![DMatrix::zeros(size, size); count], vec![DVector::zeros(size); count]);
+        each_block(system, columns, |fold, rows, residual| {
+            normal[fold] += transposed_product(rows, rows);
+            right[fold] += rows.tr_mul(&residual);
         });
         let total = normal.iter().fold(DMatrix::zeros(size, size), |a, b| a + b);
-        Self { normal, total }
-    }
-
-    /// `[J C]ᵀ` times values of the rows (per stretch and joint; none are zero), fold by fold.
-    pub fn sums<'v>(
-        &self,
-        system: &System,
-        columns: &Whitened,
-        values: impl Fn(usize, usize) -> Option<&'v DVector<f64>>,
-    ) -> Vec<DVector<f64>> {
-        let mut sums = vec![DVector::zeros(self.total.nrows()); self.normal.len()];
-        each_block(system, columns, |block| {
-            if let Some(values) = values(block.stretch, block.joint) {
-                sums[block.fold] += block.rows.tr_mul(&values.rows(block.from, block.rows.nrows()));
-            }
-        });
-        sums
+        Self { normal, total, right }
     }
 
     /// Of the first `size` parameters.
@@ -141,18 +127,10 @@ impl FoldBasis {
     }
 }
 
-/// Rows of `[J C]` of a joint within a fold.
-struct FoldBlock {
-    fold: usize,
-    stretch: usize,
-    joint: usize,
-    from: usize,
-    rows: DMatrix<f64>,
-}
-
-fn each_block(system: &System, columns: &Whitened, mut take: impl FnMut(&FoldBlock)) {
+/// Rows of `[J C]` and their residuals, block by block, with the fold that they are in.
+fn each_block(system: &System, columns: &Whitened, mut take: impl FnMut(usize, &DMatrix<f64>, DVectorView<f64>)) {
     let (p, k) = (system.covariance.nrows(), width(columns));
-    for (stretch, (blocks, parts)) in system.blocks.iter().zip(columns).enumerate() {
+    for (blocks, parts) in system.blocks.iter().zip(columns) {
         for (joint, block) in blocks.iter().enumerate() {
             let own = parts.iter().find(|(j, _)| *j == joint).map(|(_, m)| m);
             for (fold, from, count) in fold_blocks(block.residual.len()) {
@@ -161,13 +139,7 @@ fn each_block(system: &System, columns: &Whitened, mut take: impl FnMut(&FoldBlo
                 if let Some(m) = own {
                     rows.columns_mut(p, k).copy_from(&m.rows(from, count));
                 }
-                take(&FoldBlock {
-                    fold,
-                    stretch,
-                    joint,
-                    from,
-                    rows,
-                });
+                take(fold, &rows, block.residual.rows(from, count));
             }
         }
     }
@@ -177,10 +149,6 @@ fn each_block(system: &System, columns: &Whitened, mut take: impl FnMut(&FoldBlo
 pub(crate) fn fold_blocks(rows: usize) -> impl Iterator<Item = (usize, usize, usize)> {
     let place = move |b: usize| b * rows / SETTINGS.selection.fold_blocks;
     (0..SETTINGS.selection.fold_blocks).map(move |b| (b % SETTINGS.selection.folds, place(b), place(b + 1) - place(b)))
-}
-
-pub(crate) fn width(columns: &Whitened) -> usize {
-    columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0)
 }
 
 fn period_gain(data: &Data, system: &System, columns: &Whitened) -> Option<f64> {
@@ -243,8 +211,9 @@ mod tests {
         let folds = Folds {
             normal: vec![fold.0],
             total: total.0,
+            right: vec![fold.1.clone()],
         };
-        let cost = |size: usize| folds.bases(size)[0].cost(&total.1, &fold.1);
+        let cost = |size: usize| folds.bases(size)[0].cost(&total.1, &folds.right[0]);
         // The effect has amplitude 2 in twenty rows of mean square 1/2.
         let explained = 2.0 * 2.0 * 0.5 * 20.0;
         let gain = cost(1) - cost(2);

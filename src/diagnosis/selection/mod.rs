@@ -19,7 +19,7 @@ pub(crate) use acceptance::{has_physical_signs, is_physical, is_plausible, is_si
 pub(crate) use candidate::{Candidate, candidates, columns_of, own_candidate, reach};
 #[cfg(test)]
 pub(crate) use cross_validation::held_out_gain;
-pub(crate) use cross_validation::{Folds, HeldOutGain, fold_blocks, width};
+pub(crate) use cross_validation::{Folds, HeldOutGain, fold_blocks};
 pub(crate) use elimination::drop_superfluous;
 pub(crate) use score::{Scored, appraise, chance, hypotheses};
 pub(crate) use screening::{best_on_grid, refine, scan, scan_on_grid};

@@ -2,7 +2,7 @@
 
 use super::blocks::{Blocks, Partial, residual};
 use crate::diagnosis::selection::{Scored, columns_of, reach};
-use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, jackknife_sum, reduce};
+use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, jackknife_sum, reduce, width};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -198,10 +198,6 @@ impl<'a> Contender<'a> {
         let by_fold: Vec<Vec<f64>> = folds.par_iter().enumerate().map(of).collect();
         (0..joints).map(|j| by_fold.iter().map(|gains| gains[j]).collect()).collect()
     }
-}
-
-fn width(columns: &Whitened) -> usize {
-    columns.iter().flatten().map(|(_, m)| m.ncols()).next().unwrap_or(0)
 }
 
 /// Columns of several candidates as those of one.

@@ -55,8 +55,8 @@ function detailAt({ field, rest }, detail) {
   return detail.replace(/^is a string, expected/, entered ? `is “${entered}”, expected` : 'is empty, expected');
 }
 
-/** Angles are in degrees on the page, and numbers of an error those of the document. */
-const inDegrees = (detail) => detail.replace(/-?\d+(\.\d+)?(e-?\d+)?/g, (n) => String(Number(((Number(n) * 180) / Math.PI).toPrecision(7))));
+/** Angles are in degrees on the page, and numbers of an error those of the document; the number of a joint's name is none. */
+const inDegrees = (detail) => detail.replace(/(?<![\w.])-?\d+(\.\d+)?(e-?\d+)?/g, (n) => String(Number(((Number(n) * 180) / Math.PI).toPrecision(7))));
 /** Numbers that were computed have more digits than anybody entered. */
 const rounded = (detail) => detail.replace(/-?\d+\.\d{7,}/g, (n) => String(Number(Number(n).toPrecision(6))));
 
