@@ -32,6 +32,14 @@ pub struct Figure {
     pub size: (u32, u32),
 }
 
+impl Figure {
+    /// Whether a line of it is parted.
+    pub fn has_gaps(&self) -> bool {
+        let all = self.panels.iter().flat_map(|panel| &panel.series);
+        all.flat_map(|series| &series.points).any(|point| point.0.is_nan())
+    }
+}
+
 /// One pair of axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {

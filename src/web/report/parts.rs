@@ -254,12 +254,18 @@ pub(super) fn torques(page: &mut Html, result: &IdentifyDocument) {
             true => "the base parameters with the effects found",
             false => "the base parameters",
         };
+        let figure = torque_figure(prediction, if sliding { "N" } else { "N m" });
+        let gaps = if figure.has_gaps() {
+            " Gaps are rows that the fit leaves out, where the joint hardly moves."
+        } else {
+            ""
+        };
         let caption = format!(
-            "Joint {}, {}: measured, and predicted by {by}; below, their difference.",
+            "Joint {}, {}: measured, and predicted by {by}; below, their difference.{gaps}",
             text(&prediction.joint),
             text(&prediction.log)
         );
-        page.figure(&torque_figure(prediction, if sliding { "N" } else { "N m" }), &caption);
+        page.figure(&figure, &caption);
     }
 }
 
