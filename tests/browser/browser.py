@@ -9,9 +9,9 @@ import tempfile
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import sync_playwright
 
+from accessible import check_accessible
 from watch import watch
 
 # --no-sandbox: containers run as root. No GPU: the same pictures everywhere. Containers have little shared memory.
@@ -19,10 +19,6 @@ FLAGS = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disa
 # Milliseconds that Playwright waits for one thing, and seconds that a program may take.
 LONGEST_WAIT = 120_000
 LONGEST_RUN_S = 120
-# Of text on its ground in both themes (WCAG 2, level AA).
-LEAST_CONTRAST = 4.5
-PAIRS = [("--ink", "--ground"), ("--ink", "--card"), ("--soft", "--card"), ("--soft", "--ground"), ("--soft", "--sunk"), ("--accent", "--card"),
-         ("--accent", "--accent-soft"), ("--on-accent", "--accent"), ("--good", "--good-soft"), ("--warn", "--warn-soft"), ("--bad", "--bad-soft"), ("--ink", "--bad-soft")]
 
 
 def arguments():
@@ -157,50 +153,6 @@ def check_heads(page, name):
     assert not unknown, f"{name}: heads without help: {unknown}"
 
 
-def check_accessible(page, name):
-    """What axe-core finds by WCAG 2.1, levels A and AA; contrast in the other theme as well. What plotly.js draws is named as one picture."""
-    found = violations(page)
-    assert not found, f"{name}: {found}"
-    other = page.evaluate("""() => { const colours = () => getComputedStyle(document.body).color + getComputedStyle(document.body).backgroundColor;
-        const [before, other] = [colours(), matchMedia('(prefers-color-scheme: dark)').matches ? 'light' : 'dark'];
-        document.documentElement.dataset.theme = other;
-        return colours() === before ? null : other; }""")
-    # Reports are of paper: they have one theme.
-    found = violations(page, {"runOnly": {"type": "rule", "values": ["color-contrast"]}, "resultTypes": ["violations"]}, ONE_PER_COLOURS) if other else []
-    page.evaluate("delete document.documentElement.dataset.theme")
-    assert not found, f"{name}, {other}: {found}"
-
-
-# One part with text of its own for every combination of size, weight, colour, and grounds below it: looking at all of a long page again takes seconds.
-ONE_PER_COLOURS = """() => {
-    const [dressed, grounds] = [new Map(), new Map()];
-    const ground = (e) => {
-        if (!e) return '';
-        if (!grounds.has(e)) { const s = getComputedStyle(e); grounds.set(e, `${ground(e.parentElement)} ${s.backgroundColor} ${s.backgroundImage} ${s.opacity}`.replaceAll(' rgba(0, 0, 0, 0) none 1', '')); }
-        return grounds.get(e); };
-    for (const e of document.querySelectorAll('body *')) {
-        if (!e.checkVisibility() || !(e.matches('input, select, textarea') || [...e.childNodes].some(n => n.nodeType === 3 && n.data.trim()))) continue;
-        const s = getComputedStyle(e);
-        const key = `${s.color} ${s.fontSize} ${s.fontWeight} ${ground(e)}`;
-        if (!dressed.has(key)) dressed.set(key, e);
-    }
-    return [...dressed.values()]; }"""
-
-
-AXE = Axe().axe_script
-
-
-RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"], "resultTypes": ["violations"]}
-
-
-def violations(page, rules=RULES, parts="() => document"):
-    """What axe-core finds in parts of the page; its program is read once per page."""
-    if not page.evaluate("'axe' in window"):
-        page.evaluate(AXE)
-    found = page.evaluate(f"rules => axe.run({{include: ({parts})(), exclude: ['.js-plotly-plot']}}, rules)", rules)
-    return [(v["id"], v["help"], [n["html"][:140] for n in v["nodes"][:4]]) for v in found["violations"]]
-
-
 # Points of a printed page: its lower margin of 18 mm, and a heading with two lines below it.
 LOWER_MARGIN = 51
 HEADING_AND_TEXT = 45
@@ -214,25 +166,6 @@ def check_prints(page, name):
     stranded = [y for y in headings if y < LOWER_MARGIN + HEADING_AND_TEXT]
     assert not stranded, f"{name}: headings at the foot of a sheet: {stranded}"
     return len(re.findall(rb"/Type\s*/Page\b", printed))
-
-
-def check_contrast(page):
-    for theme in ["light", "dark"]:
-        page.evaluate(f"document.documentElement.dataset.theme = '{theme}'")
-        values = page.evaluate("names => Object.fromEntries(names.map(n => [n, getComputedStyle(document.documentElement).getPropertyValue(n).trim()]))", sorted({n for pair in PAIRS for n in pair}))
-        for front, ground in PAIRS:
-            ratio = contrast(values[front], values[ground])
-            assert ratio >= LEAST_CONTRAST, f"{theme}: {front} on {ground} has a contrast of {ratio:.2f}"
-    page.evaluate("delete document.documentElement.dataset.theme")
-
-
-def contrast(one, other):
-    def luminance(colour):
-        parts = [int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)]
-        linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-    light, dark = sorted([luminance(one), luminance(other)], reverse=True)
-    return (light + 0.05) / (dark + 0.05)
 
 
 def check_in_reach(page, button):

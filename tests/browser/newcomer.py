@@ -6,7 +6,8 @@ import math
 import re
 import time
 
-from browser import arguments, browser_page, check, check_accessible, check_contrast, check_error, check_in_reach, check_prints, picture, settle, simulate
+from accessible import check_accessible, check_contrast
+from browser import arguments, browser_page, check, check_error, check_in_reach, check_prints, picture, settle, simulate
 
 # Seconds of search, or as long as a busy machine needs to show it.
 SEARCH_S = 6

@@ -2,7 +2,8 @@
 
 import subprocess
 
-from browser import LONGEST_RUN_S, arguments, browser_page, check, check_accessible, settle, simulate
+from accessible import check_accessible
+from browser import LONGEST_RUN_S, arguments, browser_page, check, settle, simulate
 
 NOISE = [0.3, 0.2]
 

@@ -3,7 +3,8 @@
 import re
 import time
 
-from browser import arguments, browser_page, check, check_accessible, picture, settle, violations
+from accessible import check_accessible, violations
+from browser import arguments, browser_page, check, picture, settle
 
 # The demo is there to be waited for: on a busy machine of two cores.
 LONGEST_S = 60
