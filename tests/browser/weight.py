@@ -6,8 +6,9 @@ from playwright.sync_api import sync_playwright
 # kB as sent: pages of forms and lists, and those with 3-D views (three.js); plots are read when a result is drawn.
 LIGHT, WITH_VIEWS = 130, 330
 PAGES = {"/": LIGHT, "/runs": LIGHT, "/help": LIGHT, "/identification": WITH_VIEWS, "/loop": WITH_VIEWS, "/design": WITH_VIEWS, "/robot?new=1": WITH_VIEWS, "/robot?robot=iiwa14": WITH_VIEWS}
-# Milliseconds, the best of three visits: what else the machine does is not the page's.
+# Milliseconds, the best of three visits: what else the machine does is not the page's. One that is soon enough is the best as well as any.
 LONGEST_FIRST_CONTENT = 1500
+MOST_VISITS = 3
 
 
 def visit(browser, address):
@@ -24,13 +25,19 @@ def visit(browser, address):
     return sum(sent) / 1000, first, len(sent)
 
 
+def best(visits):
+    return min(first for _, first, _ in visits)
+
+
 def main():
     options = arguments()
     with sync_playwright() as playwright:
         browser = launch(playwright)
         for path, heaviest in PAGES.items():
-            visits = [visit(browser, options.server + path) for _ in range(3)]
-            weight, first = visits[0][0], min(v[1] for v in visits)
+            visits = [visit(browser, options.server + path)]
+            while len(visits) < MOST_VISITS and best(visits) >= LONGEST_FIRST_CONTENT:
+                visits.append(visit(browser, options.server + path))
+            weight, first = visits[0][0], best(visits)
             if options.pictures:
                 print(f"{path}: {weight:.0f} kB in {visits[0][2]} files, first content after {first:.0f} ms")
             assert 10 < weight < heaviest, f"{path}: {weight:.0f} kB"
