@@ -65,14 +65,15 @@ fn a_newcomer_gets_from_the_lab_to_the_report_on_a_phone() {
     run("newcomer.py", &["--width", "390", "--height", "844"]);
 }
 
+/// Tests start in the order of their names: those that run alone are among the first, so that others wait for them once.
 #[test]
-fn a_log_of_160_000_rows_is_drawn_in_under_a_second_and_zooms_smoothly() {
-    run_alone("long_log.py");
+fn a_first_visit_is_light_and_shows_its_first_content_soon() {
+    run_alone("weight.py");
 }
 
 #[test]
-fn pages_are_light_and_show_their_first_content_soon() {
-    run_alone("weight.py");
+fn a_log_of_160_000_rows_is_drawn_in_under_a_second_and_zooms_smoothly() {
+    run_alone("long_log.py");
 }
 
 #[test]
