@@ -13,6 +13,23 @@ pub(crate) const RIGID_LIMIT_HZ: f64 = 20.0;
 /// Cut-off of the row filter over the highest frequency of the signal.
 pub(crate) const ABOVE_SIGNAL: f64 = 1.5;
 
+/// Cut-off of the filter of positions over the highest frequency of the signal: there a filter of [`POSITION_ORDER`] takes 2^-16 off.
+const ABOVE_POSITIONS: f64 = 2.0;
+
+/// Order of the filter of positions.
+pub(crate) const POSITION_ORDER: usize = 8;
+
+/// What may be left of the padding in positions: it continues values and slopes, so that only curvature is wrong, and that by a hundredth.
+pub(crate) const POSITION_SETTLED: f64 = 0.01;
+
+/// Cycles of its cut-off in which the slowest mode of that filter decays to [`POSITION_SETTLED`]: `ln 100 / (2π sin(π/16))`, 16 twice the
+/// order.
+const POSITION_SETTLING_CYCLES: f64 = 3.76;
+
+/// Share of a record that may be lost at either end to what the filter of positions remembers of the padding: a lower cut-off takes
+/// noise off what is left, and leaves less of it.
+const EDGES: f64 = 0.1;
+
 /// Ten times the frequency below which 99 % of a velocity's power lies: friction reverses in steps, whose harmonics say more of
 /// it than the motion's own lines. A filter at the highest line of a slow, clean motion would leave a few dozen rows of a log.
 const ABOVE_SPEED: f64 = 10.0;
@@ -48,12 +65,10 @@ const LARGEST_NOISE: f64 = 3e-3;
 /// 20 dB above its own noise floor, so that the filter's roll-off stays clear of it, but no less than ten times that of the
 /// speeds (the joint in the middle), which does not go with the number of digits; at most 20 Hz and a fifth of the rate.
 pub fn signal_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
-    let of = |q: &Vec<f64>| {
-        cancel.leave_if_set();
-        Lines::from_positions(q, log.rate_hz)
-    };
-    let mut lines: Vec<Lines> = log.q.iter().map(of).collect();
-    raise_to_plateau(&mut lines);
+    cutoff_of(&lines_of(log, cancel), log)
+}
+
+fn cutoff_of(lines: &[Lines], log: &Log) -> f64 {
     let highest = lines.iter().map(Lines::highest).fold(0.0, f64::max);
     let speed = median(lines.iter().map(Lines::of_speed).collect());
     let slowest = 5.0 / log.duration_s();
@@ -62,6 +77,32 @@ pub fn signal_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
         .max(LEAST_HZ)
         .clamp(slowest, RIGID_LIMIT_HZ.max(slowest))
         .min(0.2 * log.rate_hz)
+}
+
+/// Cut-off (Hz) of the filter of positions of a log that does not repeat: over that of its rows by as much as those leave above the
+/// signal, but no higher than twice the frequency up to which the accelerations of some joint gain more signal than noise, nor so low
+/// that its ends cost more than [`EDGES`] of the record.
+///
+/// Below a cut-off `f` accelerations keep the noise `Σ ω⁴ N`, above it they lose the signal `Σ ω⁴ (P − N)`; the sum is least where the
+/// power `P` falls below twice the noise `N` for good (Wiener). Errors of accelerations shrink the inertias that are fitted to them,
+/// those of speeds round the jumps of friction off.
+pub(crate) fn position_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
+    let lines = lines_of(log, cancel);
+    let gains = lines.iter().map(Lines::last_gain).fold(0.0, f64::max);
+    let settles = POSITION_SETTLING_CYCLES / (EDGES * log.duration_s());
+    let beside_rows = cutoff_of(&lines, log) * (ABOVE_POSITIONS / ABOVE_SIGNAL);
+    beside_rows.min((ABOVE_POSITIONS * gains).max(settles))
+}
+
+/// Spectra of all positions, with the noise that they have below a filter's edge.
+fn lines_of(log: &Log, cancel: &CancelFlag) -> Vec<Lines> {
+    let of = |q: &Vec<f64>| {
+        cancel.leave_if_set();
+        Lines::from_positions(q, log.rate_hz)
+    };
+    let mut lines: Vec<Lines> = log.q.iter().map(of).collect();
+    raise_to_plateau(&mut lines);
+    lines
 }
 
 /// Power of a position, line by line, and its noise floor.
@@ -115,6 +156,18 @@ impl Lines {
     fn highest(&self) -> f64 {
         let signal = |&l: &usize| self.power[l] > ABOVE_NOISE * self.floor;
         (0..self.power.len()).rev().find(signal).unwrap_or(0) as f64 * self.step_hz
+    }
+
+    /// Frequency up to which the accelerations gain more signal than noise.
+    fn last_gain(&self) -> f64 {
+        let (mut sum, mut least) = (0.0, (0.0, 0));
+        for (l, p) in self.power.iter().enumerate() {
+            sum += (l as f64).powi(4) * (2.0 * self.floor - p);
+            if sum < least.0 {
+                least = (sum, l);
+            }
+        }
+        least.1 as f64 * self.step_hz
     }
 
     /// Frequency below which 99 % of the speed's power lies, of lines that stand 10 dB above the noise.

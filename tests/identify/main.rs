@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod accelerations;
 mod estimates;
 mod filter;
 mod formats;

@@ -103,11 +103,16 @@ impl LowPass {
     /// Samples after which the slowest mode has decayed to 1e-3 of where it began: what the ends of a record remember of the
     /// padding.
     pub fn settling_samples(&self) -> usize {
+        self.samples_to_decay(1e-3)
+    }
+
+    /// Samples after which the slowest mode has decayed to this part of where it began.
+    pub(crate) fn samples_to_decay(&self, part: f64) -> usize {
         let slowest = self
             .sections
             .iter()
             .map(|s| if s.b[2] == 0.0 { s.a[0].abs() } else { s.a[1].sqrt() })
             .fold(0.0, f64::max);
-        (1e-3f64.ln() / slowest.ln()).ceil() as usize
+        (part.ln() / slowest.ln()).ceil() as usize
     }
 }

@@ -3,7 +3,7 @@
 use super::{Chain, Record, describe, padding};
 use crate::dynamics::Motion;
 use crate::model::decimals;
-use crate::preparation::cutoff::{ABOVE_SIGNAL, signal_cutoff};
+use crate::preparation::cutoff::{POSITION_ORDER, position_cutoff};
 use crate::preparation::error::PreprocessError;
 use crate::preparation::filter::{
     LowPass, central_difference, central_difference_periodic, fourth_order_difference, fourth_order_difference_periodic,
@@ -20,23 +20,25 @@ const PAPER_POSITION: FilterSpec = FilterSpec {
     cutoff_hz: 2.0,
 };
 
-/// Order of the position filter beside the parallel one, see `Chain::position_default`.
-const POSITION_ORDER: usize = 8;
+/// A motion, and what is not known of it.
+pub(crate) struct Derivatives {
+    pub motion: Motion,
+    /// Per joint.
+    pub error: Vec<MotionError>,
+    /// What the positions went through, where that was a low-pass whose memory counts.
+    pub filter: Option<LowPass>,
+}
 
 impl Chain<'_> {
     /// q, qd, qdd, and what is not known of them.
-    pub(crate) fn differentiate(
-        &self,
-        record: &Record,
-        choices: &mut Vec<Choice>,
-    ) -> Result<(Motion, Vec<MotionError>), PreprocessError> {
+    pub(crate) fn differentiate(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<Derivatives, PreprocessError> {
         match self.method(record) {
             Method::FourierFit => self.by_fourier(record, choices),
             method => self.by_filter(record, method, choices),
         }
     }
 
-    fn by_fourier(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<(Motion, Vec<MotionError>), PreprocessError> {
+    fn by_fourier(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<Derivatives, PreprocessError> {
         let Some(periods) = &record.periods else {
             return Err(PreprocessError::NotPeriodic {
                 log: self.log.name.clone(),
@@ -73,22 +75,22 @@ impl Chain<'_> {
                  {worst:.2e} rad/s² (m/s²) of noise in the accelerations"
             ),
         ));
-        Ok((motion, fits.into_iter().map(|f| f.error).collect()))
+        Ok(Derivatives {
+            motion,
+            error: fits.into_iter().map(|f| f.error).collect(),
+            filter: None,
+        })
     }
 
-    fn by_filter(
-        &self,
-        record: &Record,
-        method: Method,
-        choices: &mut Vec<Choice>,
-    ) -> Result<(Motion, Vec<MotionError>), PreprocessError> {
+    fn by_filter(&self, record: &Record, method: Method, choices: &mut Vec<Choice>) -> Result<Derivatives, PreprocessError> {
         let periodic = record.periods.is_some();
         let (spec, why) = match (self.options.position_filter, method) {
             (Some(spec), _) => (spec, "given"),
             (None, Method::Paper) => (PAPER_POSITION, "the paper's section 4.3"),
             (None, _) => (
                 self.position_default(),
-                "twice as high as the positions stand above their noise, so that it leaves them as they are up to there",
+                "at least twice as high as the positions stand above their noise, so that it leaves them as they are up to there; above, \
+                 their accelerations would gain more noise than signal",
             ),
         };
         let filter = self.design(spec, record.rate_hz, "position_filter")?;
@@ -147,7 +149,12 @@ impl Chain<'_> {
             };
             choices.push(Choice::new("logged_velocities", choice.0, choice.1));
         }
-        Ok((motion, errors))
+        Ok(Derivatives {
+            motion,
+            error: errors,
+            // The paper asks no more of its ends than its filter of torques does.
+            filter: (method != Method::Paper).then_some(filter),
+        })
     }
 
     fn differs(&self, joint: usize, part: f64) -> String {
@@ -161,11 +168,11 @@ impl Chain<'_> {
     /// Positions are filtered before the model sees them, torques are not: what the filter takes off the motion, a fraction
     /// (f/f_c)^2n at frequency f, is missing in the model alone and bends the parameters. At twice the highest frequency of the
     /// signal that is 2^-16, a hundredth of what the noise of a good log leaves in a parameter; where noise lets more through,
-    /// the row filter ends it.
+    /// the row filter ends it, or the lower cut-off of [`position_cutoff`] does.
     fn position_default(&self) -> FilterSpec {
         FilterSpec {
             order: POSITION_ORDER,
-            cutoff_hz: signal_cutoff(self.log, self.cancel) * (2.0 / ABOVE_SIGNAL),
+            cutoff_hz: position_cutoff(self.log, self.cancel),
         }
     }
 }

@@ -4,6 +4,7 @@ mod derivatives;
 mod record;
 mod rows;
 
+use self::derivatives::Derivatives;
 use super::autocorrelation::{NO_MOTION, moments};
 use super::torque_column::{exclusions, resolution};
 use super::{Choice, Exclusion, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, Scatter};
@@ -52,12 +53,16 @@ pub fn prepare_until(
     chain.check_positions()?;
     let mut choices = Vec::new();
     let record = chain.record(&mut choices)?;
-    let (mut motion, motion_error) = chain.differentiate(&record, &mut choices)?;
-    let velocity_std: Vec<f64> = motion_error.iter().map(|e| e.std_dev[1]).collect();
+    let Derivatives {
+        mut motion,
+        error,
+        filter,
+    } = chain.differentiate(&record, &mut choices)?;
+    let velocity_std: Vec<f64> = error.iter().map(|e| e.std_dev[1]).collect();
     let still = hold_still(&mut motion, &velocity_std, log);
     let excluded = chain.excluded(&still, &mut choices)?;
     cancel.leave_if_set();
-    let row_filter = chain.row_filter(&record, &mut choices)?;
+    let row_filter = chain.row_filter(&record, filter.as_ref(), &mut choices)?;
     let dead_zone = chain.dead_zone(&velocity_std, &still, &mut choices);
     let samples = record.usable.len();
     let rows = row_filter.rows(samples).len();
@@ -87,7 +92,7 @@ pub fn prepare_until(
         dead_zone,
         excluded,
         resolution: recorded,
-        motion_error,
+        motion_error: error,
         choices,
     })
 }

@@ -1,7 +1,7 @@
 //! Filter, edges, decimation and dead zone of the rows.
 
 use super::{Chain, Record, SIGN_SIGMAS, describe, padding};
-use crate::preparation::cutoff::signal_cutoff;
+use crate::preparation::cutoff::{POSITION_SETTLED, signal_cutoff};
 use crate::preparation::error::PreprocessError;
 use crate::preparation::filter::LowPass;
 use crate::preparation::options::{Choice, FilterSpec, Method};
@@ -17,7 +17,12 @@ const PAPER_TORQUE: FilterSpec = FilterSpec {
 const PARALLEL_ORDER: usize = 4;
 
 impl Chain<'_> {
-    pub(crate) fn row_filter(&self, record: &Record, choices: &mut Vec<Choice>) -> Result<RowFilter, PreprocessError> {
+    pub(crate) fn row_filter(
+        &self,
+        record: &Record,
+        of_positions: Option<&LowPass>,
+        choices: &mut Vec<Choice>,
+    ) -> Result<RowFilter, PreprocessError> {
         let periodic = record.periods.is_some();
         let (spec, on_columns, why) = match (self.options.torque_filter, self.method(record)) {
             (Some(spec), Method::Paper) => (Some(spec), false, "given"),
@@ -55,7 +60,7 @@ impl Chain<'_> {
             padding: padding(periodic),
             ..RowFilter::none()
         };
-        self.edges_and_decimation(record, &mut rows, choices);
+        self.edges_and_decimation(record, of_positions, &mut rows, choices);
         Ok(rows)
     }
 
@@ -66,14 +71,24 @@ impl Chain<'_> {
         }
     }
 
-    fn edges_and_decimation(&self, record: &Record, rows: &mut RowFilter, choices: &mut Vec<Choice>) {
-        let settling = rows.torque.as_ref().map_or(0, LowPass::settling_samples);
+    fn edges_and_decimation(
+        &self,
+        record: &Record,
+        of_positions: Option<&LowPass>,
+        rows: &mut RowFilter,
+        choices: &mut Vec<Choice>,
+    ) {
+        let of_rows = rows.torque.as_ref();
+        // The lower filter remembers longer.
+        let lower = of_positions.filter(|p| of_rows.is_none_or(|r| p.cutoff_hz < r.cutoff_hz));
+        let lower = lower.map_or(0, |p| p.samples_to_decay(POSITION_SETTLED));
+        let settling = of_rows.map_or(0, LowPass::settling_samples).max(lower);
         let (edges, why) = match self.options.discard_edges_s {
             Some(seconds) => ((seconds * record.rate_hz).round() as usize, "given"),
             None if record.periods.is_some() => (0, "a period has no ends"),
             None => (
                 settling,
-                "what the filter remembers of the padding beyond the record, down to a thousandth",
+                "what the filters remember of the padding beyond the record: that of the rows down to a thousandth, that of the positions to a hundredth",
             ),
         };
         rows.edges = edges;

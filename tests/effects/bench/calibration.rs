@@ -43,10 +43,12 @@ pub fn calibration(
             .iter()
             .map(|f| (&f.effect, &f.joints, &f.parameters))
             .collect();
-        assert!(findings.is_empty(), "{} seed {seed}: {findings:?}", robot.name());
-        (squares.sum::<f64>(), known.len())
+        let found = (!findings.is_empty()).then(|| format!("{} seed {seed}: {findings:?}", robot.name()));
+        (squares.sum::<f64>(), known.len(), found)
     };
-    let parts: Vec<(f64, usize)> = seeds.into_par_iter().map(of).collect();
+    let parts: Vec<(f64, usize, Option<String>)> = seeds.into_par_iter().map(of).collect();
+    let findings: Vec<&String> = parts.iter().filter_map(|p| p.2.as_ref()).collect();
+    assert!(findings.is_empty(), "{findings:?}");
     let (sum, count) = parts.iter().fold((0.0, 0), |(s, n), p| (s + p.0, n + p.1));
     (sum / count as f64).sqrt()
 }
