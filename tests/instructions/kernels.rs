@@ -98,7 +98,7 @@ fn inverse_dynamics(rounds: usize) -> u64 {
 
 /// The paper's problem: local solves, one a round.
 fn criterion_in_search(rounds: usize) -> u64 {
-    paper_search(150 * rounds as u64)
+    paper_search(60 * rounds as u64)
 }
 
 /// Rows of the longest log that is read.
