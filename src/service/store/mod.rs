@@ -55,6 +55,20 @@ pub enum Dialect {
     Postgres,
 }
 
+impl Dialect {
+    /// How long a statement waits for a connection. A file is there, however slow its disk: every connection may be waiting for a
+    /// writer, as long as [`BUSY`] lets it. That a server is gone is said soon.
+    fn patience(self) -> Duration {
+        match self {
+            Dialect::Sqlite => BUSY + Duration::from_secs(5),
+            Dialect::Postgres => Duration::from_secs(5),
+        }
+    }
+}
+
+/// How long a writer of SQLite waits for another.
+const BUSY: Duration = Duration::from_secs(30);
+
 /// The database. Clones share its connections.
 #[derive(Debug, Clone)]
 pub struct Store {
@@ -102,16 +116,14 @@ impl Store {
         let options = options.log_slow_statements(tracing::log::LevelFilter::Debug, Duration::from_secs(5));
         let pool = AnyPoolOptions::new()
             .max_connections(8)
-            .acquire_timeout(Duration::from_secs(5))
+            .acquire_timeout(dialect.patience())
             .after_connect(move |connection, _| {
                 Box::pin(async move {
                     if dialect == Dialect::Sqlite {
                         // Readers and one writer side by side; a commit is on the disk before it is reported.
-                        for pragma in [
-                            "PRAGMA busy_timeout = 30000",
-                            "PRAGMA journal_mode = WAL",
-                            "PRAGMA synchronous = FULL",
-                        ] {
+                        let busy = format!("PRAGMA busy_timeout = {}", BUSY.as_millis());
+                        connection.execute(AssertSqlSafe(busy).into_sql_str()).await?;
+                        for pragma in ["PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL"] {
                             connection.execute(pragma).await?;
                         }
                     }
