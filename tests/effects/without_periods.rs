@@ -157,3 +157,25 @@ fn prop_a_clear_effect_survives_every_change_of_the_data() {
     // A log with periods that goes through no filter has no cut-off.
     assert_eq!(changes(traced(&robot, &hidden, &sensor_noise(7), 3)), all[..4]);
 }
+
+/// Positions of another zero than the robot's description has: a spring rests where the joint was, whatever the limits say. It was
+/// named a gain and an offset.
+#[test]
+fn prop_a_spring_that_rests_outside_the_stated_limits_is_named() {
+    let described = seven_axes();
+    let mut joints = described.joints().to_vec();
+    joints[3].limits.position = Some([-3.07, -0.07]);
+    let robot = Robot::new(described.name(), described.gravity(), joints, described.friction()).unwrap();
+    let spring = HiddenEffect::JointSpring {
+        joint: 3,
+        stiffness: 4.0,
+        rest: 0.2,
+    };
+    for seed in 0..3 {
+        let outcome = once(&robot, std::slice::from_ref(&spring), &sensor_noise(7), seed);
+        let [(effect, joints)] = &found(&outcome)[..] else {
+            panic!("seed {seed}: {:?}", found(&outcome))
+        };
+        assert_eq!((effect.as_str(), joints[0].as_str()), ("joint_spring", "J4"), "seed {seed}");
+    }
+}

@@ -97,15 +97,15 @@ pub(crate) fn is_plausible(
         .all(|&j| effect.is_plausible(coefficients, covariance, travel(system, j)))
 }
 
-/// Where a joint can be: its limits, or where it was.
+/// Where a joint can be: within its limits, and where it was.
 fn travel(system: &System, joint: usize) -> Travel {
     let limits = system.model.robot.joints()[joint].limits.position;
-    let [low, high] = limits.unwrap_or_else(|| {
-        let positions = system
-            .evaluated
-            .iter()
-            .flat_map(|e| e.motion.positions(joint).iter().copied());
-        positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], q| [l.min(q), h.max(q)])
+    let positions = system
+        .evaluated
+        .iter()
+        .flat_map(|e| e.motion.positions(joint).iter().copied());
+    let [low, high] = positions.fold(limits.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]), |[l, h], q| {
+        [l.min(q), h.max(q)]
     });
     Travel { low, high }
 }
