@@ -501,7 +501,8 @@ pub enum PerturbationCode {
 pub struct RemainderDocument {
     /// Names of the joints that it is left on.
     pub joints: Vec<String>,
-    /// `q2`, `qd4`, `load3`, `time` for a drift over the log, `period` for another level in every period; strongest first.
+    /// `q2`, `qd4`, `load3`, `time` for a drift over the log (with speeds: of friction), `period` for another level in every
+    /// period; strongest first.
     pub depends_on: Vec<String>,
     /// Share of it that smooth functions of these variables predict.
     pub predicted_share: Option<f64>,

@@ -40,8 +40,8 @@ impl Effect for SmoothCoulombFriction {
 
     fn shapes(&self, form: usize, joints: &[usize], spans: &[Span]) -> Vec<Shape> {
         // Below a thousandth of the top speed no row is left that shows it; above a third it is viscous friction. Within three
-        // deviations of the speed its sign is not known, and a jump at the wrong instant looks as smooth: eight deviations wide on 2
-        // of 104 logs with noise of positions of 1e-3 rad, at reversals so slow that the jump is off by milliseconds.
+        // deviations of the speed its sign is not known, and a jump at the wrong instant looks as smooth: eight deviations wide
+        // on 2 of 104 logs with noise of positions of 1e-3 rad, at reversals so slow that the jump is off by milliseconds.
         let Span { speed, speed_error, .. } = spans[joints[0]];
         let speed = speed.max(f64::MIN_POSITIVE);
         let least = (1e-3 * speed).max(10.0 * speed_error);

@@ -13,21 +13,23 @@ pub(crate) const RIGID_LIMIT_HZ: f64 = 20.0;
 /// Cut-off of the row filter over the highest frequency of the signal.
 pub(crate) const ABOVE_SIGNAL: f64 = 1.5;
 
-/// Cut-off of the filter of positions over the highest frequency of the signal: there a filter of [`POSITION_ORDER`] takes 2^-16 off.
+/// Cut-off of the filter of positions over the highest frequency of the signal: there a filter of [`POSITION_ORDER`] takes
+/// 2^-16 off.
 const ABOVE_POSITIONS: f64 = 2.0;
 
 /// Order of the filter of positions.
 pub(crate) const POSITION_ORDER: usize = 8;
 
-/// What may be left of the padding in positions: it continues values and slopes, so that only curvature is wrong, and that by a hundredth.
+/// What may be left of the padding in positions: it continues values and slopes, so that only curvature is wrong, and that by a
+/// hundredth.
 pub(crate) const POSITION_SETTLED: f64 = 0.01;
 
-/// Cycles of its cut-off in which the slowest mode of that filter decays to [`POSITION_SETTLED`]: `ln 100 / (2π sin(π/16))`, 16 twice the
-/// order.
+/// Cycles of its cut-off in which the slowest mode of that filter decays to [`POSITION_SETTLED`]: `ln 100 / (2π sin(π/16))`, 16
+/// twice the order.
 const POSITION_SETTLING_CYCLES: f64 = 3.76;
 
-/// Share of a record that may be lost at either end to what the filter of positions remembers of the padding: a lower cut-off takes
-/// noise off what is left, and leaves less of it.
+/// Share of a record that may be lost at either end to what the filter of positions remembers of the padding: a lower cut-off
+/// takes noise off what is left, and leaves less of it.
 const EDGES: f64 = 0.1;
 
 /// Ten times the frequency below which 99 % of a velocity's power lies: friction reverses in steps, whose harmonics say more of
@@ -79,13 +81,13 @@ fn cutoff_of(lines: &[Lines], log: &Log) -> f64 {
         .min(0.2 * log.rate_hz)
 }
 
-/// Cut-off (Hz) of the filter of positions of a log that does not repeat: over that of its rows by as much as those leave above the
-/// signal, but no higher than twice the frequency up to which the accelerations of some joint gain more signal than noise, nor so low
-/// that its ends cost more than [`EDGES`] of the record.
+/// Cut-off (Hz) of the filter of positions of a log that does not repeat: over that of its rows by as much as those leave above
+/// the signal, but no higher than twice the frequency up to which the accelerations of some joint gain more signal than noise,
+/// nor so low that its ends cost more than [`EDGES`] of the record.
 ///
-/// Below a cut-off `f` accelerations keep the noise `Σ ω⁴ N`, above it they lose the signal `Σ ω⁴ (P − N)`; the sum is least where the
-/// power `P` falls below twice the noise `N` for good (Wiener). Errors of accelerations shrink the inertias that are fitted to them,
-/// those of speeds round the jumps of friction off.
+/// Below a cut-off `f` accelerations keep the noise `Σ ω⁴ N`, above it they lose the signal `Σ ω⁴ (P − N)`; the sum is least
+/// where the power `P` falls below twice the noise `N` for good (Wiener). Errors of accelerations shrink the inertias that are
+/// fitted to them, those of speeds round the jumps of friction off.
 pub(crate) fn position_cutoff(log: &Log, cancel: &CancelFlag) -> f64 {
     let lines = lines_of(log, cancel);
     let gains = lines.iter().map(Lines::last_gain).fold(0.0, f64::max);

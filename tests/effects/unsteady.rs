@@ -82,3 +82,28 @@ fn prop_a_drift_is_seen_without_periods_too() {
         (["J3".to_string()].as_slice(), ["time".to_string()].as_slice())
     );
 }
+
+/// A gear that warms up, on a log without periods: "nothing is missing" was said beside seven times the noise.
+#[test]
+fn prop_friction_that_changes_is_seen_without_periods_too() {
+    for (robot, joint) in [(six_axes(), 2), (seven_axes(), 3)] {
+        for seed in 3..6 {
+            let drift = HiddenEffect::FrictionDrift {
+                joint,
+                viscous: 0.5,
+                coulomb: 0.5,
+                time_constant: 20.0,
+            };
+            let report = once(&robot, &[drift], &sensor_noise(robot.joint_count()), seed).report;
+            let rest = report.remainder.expect("something is left");
+            let expected = ["time".to_string(), format!("qd{}", joint + 1)];
+            assert_eq!(
+                (rest.joints.as_slice(), rest.depends_on.as_slice()),
+                ([format!("J{}", joint + 1)].as_slice(), expected.as_slice()),
+                "{} seed {seed}: {rest:?}",
+                robot.name()
+            );
+            assert_eq!(report.verdict, Verdict::Unexplained, "{} seed {seed}", robot.name());
+        }
+    }
+}

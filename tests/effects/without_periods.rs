@@ -158,8 +158,8 @@ fn prop_a_clear_effect_survives_every_change_of_the_data() {
     assert_eq!(changes(traced(&robot, &hidden, &sensor_noise(7), 3)), all[..4]);
 }
 
-/// Positions of another zero than the robot's description has: a spring rests where the joint was, whatever the limits say. It was
-/// named a gain and an offset.
+/// Positions of another zero than the robot's description has: a spring rests where the joint was, whatever the limits say. It
+/// was named a gain and an offset.
 #[test]
 fn prop_a_spring_that_rests_outside_the_stated_limits_is_named() {
     let described = seven_axes();

@@ -19,8 +19,8 @@ fn error(prepared: &PreparedLog, path: &dyn Trajectory, joint: usize, order: usi
     (rows.iter().map(square).sum::<f64>() / rows.len() as f64).sqrt()
 }
 
-/// The filter of positions goes with their noise: errors are those that are stated (in trials 0.78 to 1.05 of them), and where noise is
-/// large less than half of what a filter beside that of the rows lets through.
+/// The filter of positions goes with their noise: errors are those that are stated (in trials 0.78 to 1.05 of them), and where
+/// noise is large less than half of what a filter beside that of the rows lets through.
 #[test]
 fn prop_errors_of_derivatives_are_those_stated_whatever_the_noise_and_the_rate() {
     let (robot, path) = (Virtual::iiwa14(), way_points(3));

@@ -6,7 +6,7 @@ mod finding;
 mod tests;
 mod words;
 
-use self::words::{phrase, sentence, variable, variable_in_words};
+use self::words::{is_friction_over_time, phrase, sentence, variable, variable_in_words};
 use super::diagnose::beyond_repair;
 use crate::diagnosis::{
     Change, DataFault, Finding, HeldOutVerdict, JointHeldOut, NotTested, Remainder, Remedy, ResidualReport, Verdict,
@@ -195,6 +195,12 @@ impl Teller<'_> {
         );
         if r.depends_on.is_empty() {
             return format!("{what} It depends on no smooth function of one or two positions and speeds.");
+        }
+        if is_friction_over_time(&r.depends_on) {
+            return format!(
+                "{what} Friction changes over the log: that predicts {} % of it. The periods of a motion that repeats would tell how fast.",
+                significant(100.0 * r.predicted_share, 2),
+            );
         }
         let unsteady = |name: &String| ["time", "period"].contains(&name.as_str());
         let predicting = match (r.depends_on.iter().all(unsteady), r.depends_on.len()) {

@@ -60,6 +60,12 @@ pub(super) fn sentence(text: &str) -> String {
     format!("{first}{}.", letters.as_str())
 }
 
+/// Whether a remainder goes with time and speeds alone.
+pub(super) fn is_friction_over_time(depends_on: &[String]) -> bool {
+    let is_speed = |name: &String| name.starts_with("qd") && !name.starts_with("qdd");
+    depends_on.len() > 1 && depends_on[0] == "time" && depends_on[1..].iter().all(is_speed)
+}
+
 /// A variable of a remainder as it is said: states of joints by their symbols.
 pub(super) fn variable_in_words(name: &str) -> &str {
     match name {

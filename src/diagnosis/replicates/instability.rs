@@ -94,6 +94,25 @@ fn slow_noise(stretch: &Stretch, noise: &NoiseModel) -> f64 {
 
 /// The remainder that unsteady joints make.
 pub(crate) fn remainder_of(robot: &Robot, list: &[Unsteady]) -> Option<Remainder> {
+    let (of_friction, of_levels): (Vec<Unsteady>, Vec<Unsteady>) =
+        list.iter().cloned().partition(|u| u.along == [Along::FrictionOverTime]);
+    joined(levels_of(robot, &of_levels), frictions_of(robot, &of_friction))
+}
+
+/// Friction that changes over logs that do not repeat: how, only periods tell.
+fn frictions_of(robot: &Robot, list: &[Unsteady]) -> Option<Remainder> {
+    let mut whole = levels_of(robot, list)?;
+    whole.depends_on.extend(list.iter().map(|u| format!("qd{}", u.joint + 1)));
+    whole.depends_on.dedup();
+    whole.note = format!(
+        "the friction of {} changes over the log; that predicts {:.0} % of what is left there; record a motion that repeats, whose periods tell how fast",
+        whole.joints.join(", "),
+        100.0 * whole.predicted_share
+    );
+    Some(whole)
+}
+
+fn levels_of(robot: &Robot, list: &[Unsteady]) -> Option<Remainder> {
     if list.is_empty() {
         return None;
     }

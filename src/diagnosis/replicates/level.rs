@@ -10,13 +10,15 @@
 pub(crate) enum Along {
     Time,
     Period,
+    /// Friction, which changes with time.
+    FrictionOverTime,
 }
 
 impl Along {
     /// As in [`Remainder::depends_on`](super::Remainder::depends_on).
     pub fn name(self) -> &'static str {
         match self {
-            Along::Time => "time",
+            Along::Time | Along::FrictionOverTime => "time",
             Along::Period => "period",
         }
     }

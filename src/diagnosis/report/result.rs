@@ -237,8 +237,9 @@ pub struct Finding {
 pub struct Remainder {
     /// Names of the joints that it is left on.
     pub joints: Vec<String>,
-    /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the motion:
-    /// strongest first. Empty where more than noise is left and no smooth function accounts for it.
+    /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the
+    /// motion; `time` with speeds for friction that changes over the log: strongest first. Empty where more than noise is left
+    /// and no smooth function accounts for it.
     pub depends_on: Vec<String>,
     /// Share of what is left above the noise on those joints that smooth functions of these variables predict; of what changes
     /// slowly from period to period where they are `time` and `period`, and of all that is left where the log has no periods.

@@ -1,6 +1,6 @@
 //! Velocities and accelerations from positions: from their Fourier series, or by filter and differences.
 
-use super::{Chain, Record, describe, padding};
+use super::{Chain, Derivatives, Record, describe, padding};
 use crate::dynamics::Motion;
 use crate::model::decimals;
 use crate::preparation::cutoff::{POSITION_ORDER, position_cutoff};
@@ -19,15 +19,6 @@ const PAPER_POSITION: FilterSpec = FilterSpec {
     order: 20,
     cutoff_hz: 2.0,
 };
-
-/// A motion, and what is not known of it.
-pub(crate) struct Derivatives {
-    pub motion: Motion,
-    /// Per joint.
-    pub error: Vec<MotionError>,
-    /// What the positions went through, where that was a low-pass whose memory counts.
-    pub filter: Option<LowPass>,
-}
 
 impl Chain<'_> {
     /// q, qd, qdd, and what is not known of them.

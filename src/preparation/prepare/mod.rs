@@ -4,7 +4,6 @@ mod derivatives;
 mod record;
 mod rows;
 
-use self::derivatives::Derivatives;
 use super::autocorrelation::{NO_MOTION, moments};
 use super::torque_column::{exclusions, resolution};
 use super::{Choice, Exclusion, FilterSpec, Method, Period, Periods, PreparedLog, PreprocessError, PreprocessOptions, Scatter};
@@ -14,6 +13,7 @@ use crate::model::INPUT_LIMITS;
 use crate::preparation::Log;
 use crate::preparation::filter::{LowPass, Padding};
 use crate::preparation::fourier_fit::PositionNoise;
+use crate::preparation::motion_error::MotionError;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -238,6 +238,15 @@ impl Chain<'_> {
             source,
         })
     }
+}
+
+/// A motion, and what is not known of it.
+pub(crate) struct Derivatives {
+    pub motion: Motion,
+    /// Per joint.
+    pub error: Vec<MotionError>,
+    /// What the positions went through, where that was a low-pass whose memory counts.
+    pub filter: Option<LowPass>,
 }
 
 fn padding(periodic: bool) -> Padding {

@@ -161,6 +161,7 @@ function next(context) {
   const [first] = pairs;
   const text = first ? `Open: ${listed(pairs.map((p) => `${called(p.finding, result.joints)} or ${called(p.rival, result.joints)}`), 'and')}. On the motion that was run they cause nearly the same torque. The next trajectory is designed to separate them.`
     : report.remainder?.depends_on.length && report.remainder.depends_on.every((name) => ['time', 'period'].includes(name)) ? 'The remaining residual changes over time and not with the motion: record again with a warm arm, and check whether it disappears.'
+    : report.remainder?.depends_on[0] === 'time' && report.remainder.depends_on.every((name) => /^(time|qd\d+)$/.test(name)) ? 'Friction changes over the log: record a motion that repeats, whose periods tell how fast it does, or record with a warm arm.'
     : report.remainder?.depends_on.length === 0 ? 'The remaining residual depends on no pair of positions or velocities: look at it over time above, and record the same motion again to check whether it recurs.'
     : report.remainder ? 'The remaining residual depends on the variables above; a motion that passes through other combinations of them shows more of it.'
       : 'Test these findings on another motion: no new finding should appear. The next design complements these logs.';
