@@ -102,8 +102,12 @@ pub(crate) fn remainder_of(robot: &Robot, list: &[Unsteady]) -> Option<Remainder
 /// Friction that changes over logs that do not repeat: how, only periods tell.
 fn frictions_of(robot: &Robot, list: &[Unsteady]) -> Option<Remainder> {
     let mut whole = levels_of(robot, list)?;
-    whole.depends_on.extend(list.iter().map(|u| format!("qd{}", u.joint + 1)));
-    whole.depends_on.dedup();
+    for speed in list.iter().map(|u| format!("qd{}", u.joint + 1)) {
+        // A joint is in the list once for every log.
+        if !whole.depends_on.contains(&speed) {
+            whole.depends_on.push(speed);
+        }
+    }
     whole.note = format!(
         "the friction of {} changes over the log; that predicts {:.0} % of what is left there; record a motion that repeats, whose periods tell how fast",
         whole.joints.join(", "),
@@ -112,6 +116,7 @@ fn frictions_of(robot: &Robot, list: &[Unsteady]) -> Option<Remainder> {
     Some(whole)
 }
 
+/// Torques whose level goes with the time of the log or with its periods.
 fn levels_of(robot: &Robot, list: &[Unsteady]) -> Option<Remainder> {
     if list.is_empty() {
         return None;
@@ -189,6 +194,7 @@ pub(crate) fn joined(one: Option<Remainder>, other: Option<Remainder>) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::regression::motion_error::tests::two_links;
 
     fn remainder(joints: &[&str], depends_on: &[&str], rms: &[f64], share: f64) -> Remainder {
         let owned = |list: &[&str]| list.iter().map(|s| s.to_string()).collect();
@@ -199,6 +205,21 @@ mod tests {
             rms: rms.to_vec(),
             note: depends_on.join(" "),
         }
+    }
+
+    /// A joint whose friction changes in several logs is named once, in whatever order the logs come.
+    #[test]
+    fn prop_friction_of_several_logs_names_each_joint_once() {
+        let of = |joint: usize, along: Along| Unsteady {
+            joint,
+            along: vec![along],
+            rms: 1.0,
+            left: [2.0, 1.0],
+        };
+        let friction = [1, 0, 1, 0].map(|j| of(j, Along::FrictionOverTime));
+        let whole = remainder_of(&two_links(), &friction).unwrap();
+        assert_eq!(whole.depends_on, ["time", "qd2", "qd1"]);
+        assert_eq!(whole.joints, ["q2", "q1"]);
     }
 
     #[test]

@@ -80,8 +80,8 @@ impl Chain<'_> {
             (None, Method::Paper) => (PAPER_POSITION, "the paper's section 4.3"),
             (None, _) => (
                 self.position_default(),
-                "at least twice as high as the positions stand above their noise, so that it leaves them as they are up to there; above, \
-                 their accelerations would gain more noise than signal",
+                "it leaves what stands above the noise of the positions as it is, and takes off what would bring their accelerations more noise \
+                 than signal",
             ),
         };
         let filter = self.design(spec, record.rate_hz, "position_filter")?;
