@@ -84,6 +84,12 @@ impl MotionGradient {
 fn sweep(chain: &Chain, columns: &ColumnSet, motion: &Motion, weights: &RowBlocks, out: &mut MotionGradient) {
     let stride = motion.stride();
     let n = columns.joints();
+    // Columns of the links before each.
+    let before: Vec<usize> = columns
+        .inertial
+        .iter()
+        .scan(0, |sum, own| Some(std::mem::replace(sum, *sum + own.len())))
+        .collect();
     for at in (0..stride).step_by(LANES) {
         let (work, adjoint) = (&mut out.work, &mut out.adjoint);
         work.run(
@@ -92,17 +98,17 @@ fn sweep(chain: &Chain, columns: &ColumnSet, motion: &Motion, weights: &RowBlock
             |k| load(&motion.qd, stride, k, at),
             |k| load(&motion.qdd, stride, k, at),
         );
-        clear(adjoint);
-        for j in 0..n {
-            let block = weights.block(j);
-            let mut here = at;
-            for k in j..n {
-                let mut w = [Pack::zero(); 10];
-                for &(which, _) in &columns.inertial[k] {
-                    w[which as usize] = Pack::load(&block[here..here + LANES]);
-                    here += stride;
+        for k in 0..n {
+            // What is no column has no weight; zeroed once per link, not once per pair of joints.
+            let mut w = [Pack::zero(); 10];
+            clear_link(&mut adjoint.links[k]);
+            for j in 0..=k {
+                let (block, first) = (weights.block(j), before[k] - before[j]);
+                for (column, &(which, _)) in (first..).zip(&columns.inertial[k]) {
+                    w[which as usize] = Pack::load(&block[column * stride + at..]);
                 }
-                let at_pair = pair(j, k);
+                let (at_pair, v) = (pair(j, k), Vec3::zero());
+                adjoint.twists[at_pair] = JointTwist { axis: v, lever: v };
                 entries_adjoint(
                     &w,
                     &work.twists[at_pair],
@@ -125,12 +131,9 @@ fn sweep(chain: &Chain, columns: &ColumnSet, motion: &Motion, weights: &RowBlock
 }
 
 #[inline(always)]
-fn clear<R: Real>(adjoint: &mut Kinematics<R>) {
+fn clear_link<R: Real>(link: &mut LinkMotion<R>) {
     let v = Vec3::zero();
-    for link in &mut adjoint.links {
-        (link.angular_velocity, link.angular_acceleration, link.acceleration) = (v, v, v);
-    }
-    adjoint.twists.fill(JointTwist { axis: v, lever: v });
+    (link.angular_velocity, link.angular_acceleration, link.acceleration) = (v, v, v);
 }
 
 /// Derivative of `y = Rz(q)ᵀ x` by q, weighted: `−(z × y)·dy`.
