@@ -4,8 +4,8 @@
 //! second order in their sizes. Sign changes that a distortion moves by a fraction of a sample are left out, as they are in an
 //! identification.
 
-use crate::dynamics::{Chain, Motion, inverse_dynamics_batch};
-use crate::effects::{Reads, Scene, World};
+use crate::dynamics::{Chain, inverse_dynamics_batch};
+use crate::effects::{Motions, Reads, Scene, World};
 use crate::excitation::{AddedColumn, AddedColumns, Course};
 use crate::model::Robot;
 use crate::parameters::{BaseParameters, Layout, ParameterKind};
@@ -26,9 +26,10 @@ pub struct EffectColumns {
 struct Group {
     term: Term,
     first: usize,
-    /// Standard parameters without Coulomb friction, and without any friction.
-    smooth: Vec<f64>,
+    /// Standard parameters without friction.
     rigid: Vec<f64>,
+    /// Friction of every joint.
+    viscous: Vec<f64>,
     coulomb: Vec<f64>,
 }
 
@@ -58,50 +59,41 @@ impl EffectColumns {
 impl Group {
     fn new(robot: &Robot, term: &Term, model: &AugmentedModel, first: usize) -> Self {
         let layout = Layout::standard(robot);
-        let mut smooth = vec![0.0; layout.len()];
+        let mut rigid = vec![0.0; layout.len()];
         let kept = model.base.kept.iter().zip(model.values.iter());
-        kept.for_each(|(&at, &value)| smooth[at] = value);
-        let mut rigid = smooth.clone();
-        let mut coulomb = vec![0.0; robot.joint_count()];
+        kept.for_each(|(&at, &value)| rigid[at] = value);
+        let (mut viscous, mut coulomb) = (vec![0.0; robot.joint_count()], vec![0.0; robot.joint_count()]);
         for (at, parameter) in layout.parameters().iter().enumerate() {
-            match parameter.kind {
-                ParameterKind::Inertial(_) => {}
-                ParameterKind::Viscous => rigid[at] = 0.0,
-                ParameterKind::Coulomb => {
-                    coulomb[parameter.link] = smooth[at];
-                    (rigid[at], smooth[at]) = (0.0, 0.0);
-                }
-            }
+            let friction = match parameter.kind {
+                ParameterKind::Inertial(_) => continue,
+                ParameterKind::Viscous => &mut viscous,
+                ParameterKind::Coulomb => &mut coulomb,
+            };
+            friction[parameter.link] = std::mem::take(&mut rigid[at]);
         }
         Self {
             term: term.clone(),
             first,
-            smooth,
             rigid,
+            viscous,
             coulomb,
         }
     }
 
-    /// Torques along `motion`, with the signs of the velocities of `signs`.
-    fn carried(&self, robot: &Robot, motion: &Motion, signs: &Course) -> Carried {
+    /// Torques along a motion, with the signs of the velocities of `signs`.
+    fn carried(&self, robot: &Robot, Motions { motors, links }: Motions, signs: &Course) -> Carried {
         let (chain, layout) = (Chain::new(robot), Layout::standard(robot));
-        let torques = |parameters: &[f64]| -> Vec<Vec<f64>> {
-            let flat = inverse_dynamics_batch(&chain, &layout, parameters, motion, signs.coulomb);
-            (0..motion.joints())
-                .map(|j| flat[j * motion.stride()..j * motion.stride() + motion.samples()].to_vec())
-                .collect()
-        };
-        let mut declared = torques(&self.smooth);
-        for (j, row) in declared.iter_mut().enumerate().filter(|(j, _)| self.coulomb[*j] != 0.0) {
-            let speeds = signs.motion.velocities(j);
+        let flat = inverse_dynamics_batch(&chain, &layout, &self.rigid, links, signs.coulomb);
+        let row = |j: usize| flat[j * links.stride()..j * links.stride() + links.samples()].to_vec();
+        let rigid: Vec<Vec<f64>> = (0..links.joints()).map(row).collect();
+        let mut declared = rigid.clone();
+        for (j, row) in declared.iter_mut().enumerate() {
+            let speeds = motors.velocities(j).iter().zip(signs.motion.velocities(j));
             row.iter_mut()
                 .zip(speeds)
-                .for_each(|(t, &v)| *t += self.coulomb[j] * signs.coulomb.value(v));
+                .for_each(|(t, (&v, &sign))| *t += self.viscous[j] * v + self.coulomb[j] * signs.coulomb.value(sign));
         }
-        Carried {
-            rigid: torques(&self.rigid),
-            declared,
-        }
+        Carried { rigid, declared }
     }
 
     fn scene<'a>(robot: &'a Robot, course: &Course<'a>, carried: &'a Carried) -> Scene<'a> {
@@ -123,7 +115,7 @@ impl Group {
                 rigid: vec![Vec::new(); robot.joint_count()],
                 declared: vec![Vec::new(); robot.joint_count()],
             },
-            _ => self.carried(robot, course.motion, course),
+            _ => self.carried(robot, Motions::stiff(course.motion), course),
         };
         let scene = Self::scene(robot, course, &carried);
         let term = &self.term;
@@ -163,21 +155,17 @@ impl Group {
     /// Torque of the declared model in the world that the distortion makes.
     fn torque_in(&self, robot: &Robot, course: &Course, theta: &[f64]) -> Vec<Vec<f64>> {
         let carried = match self.term.effect.reads() {
-            Reads::Course => self.carried(robot, course.motion, course),
+            Reads::Course => self.carried(robot, Motions::stiff(course.motion), course),
             _ => Carried {
                 rigid: Vec::new(),
                 declared: Vec::new(),
             },
         };
-        let mut world = World {
-            motion: course.motion.clone(),
-            gravity: robot.gravity(),
-            gain: vec![1.0; robot.joint_count()],
-        };
+        let mut world = World::measured(course.motion, robot);
         let scene = Self::scene(robot, course, &carried);
         self.term.effect.distort(&scene, &self.term.joints, theta, &mut world);
         let mut torque = self
-            .carried(&robot.with_gravity(world.gravity), &world.motion, course)
+            .carried(&robot.with_gravity(world.gravity), world.motions(), course)
             .declared;
         for (row, gain) in torque.iter_mut().zip(&world.gain) {
             row.iter_mut().for_each(|t| *t *= gain);

@@ -141,7 +141,8 @@ impl RowBlocks {
         self.clear_padding();
     }
 
-    fn fill_friction(&mut self, columns: &ColumnSet, motion: &Motion, coulomb: Coulomb) {
+    /// The friction columns alone, for velocities that may be those of another motion.
+    pub(crate) fn fill_friction(&mut self, columns: &ColumnSet, motion: &Motion, coulomb: Coulomb) {
         for j in 0..columns.joints() {
             let qd = &motion.qd[j * self.stride..(j + 1) * self.stride];
             let end = self.offsets[j + 1];

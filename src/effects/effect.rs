@@ -55,12 +55,53 @@ impl Column {
 /// What the regressor is evaluated at: a distortion changes it before Y is computed.
 #[derive(Debug, Clone)]
 pub struct World {
-    /// The motion that the robot really makes.
+    /// The motion that the motors really make, on whose side friction is.
     pub motion: Motion,
+    /// The motion of the links, where a gear gives way between.
+    pub links: Option<Motion>,
     /// The gravity that it is really under [m/s²].
     pub gravity: Vector3<f64>,
     /// Factor on the torque of every joint.
     pub gain: Vec<f64>,
+}
+
+impl World {
+    /// A motion as it was measured, under the robot's own gravity, read by true torque channels.
+    pub fn measured(motion: &Motion, robot: &Robot) -> Self {
+        Self {
+            motion: motion.clone(),
+            links: None,
+            gravity: robot.gravity(),
+            gain: vec![1.0; robot.joint_count()],
+        }
+    }
+
+    /// What both sides of the gears do.
+    pub fn motions(&self) -> Motions<'_> {
+        Motions {
+            motors: &self.motion,
+            links: self.links.as_ref().unwrap_or(&self.motion),
+        }
+    }
+}
+
+/// What both sides of the gears do: rigid bodies follow the links, friction the motors (Spong 1987).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motions<'a> {
+    /// Of the motors.
+    pub motors: &'a Motion,
+    /// Of the links.
+    pub links: &'a Motion,
+}
+
+impl<'a> Motions<'a> {
+    /// Gears that do not give way.
+    pub fn stiff(motion: &'a Motion) -> Self {
+        Self {
+            motors: motion,
+            links: motion,
+        }
+    }
 }
 
 /// How an effect enters the equations.

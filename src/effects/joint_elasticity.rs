@@ -5,8 +5,8 @@ use super::ranges::{COMPLIANCE_M, COMPLIANCE_RAD, by_kind};
 use super::{About, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene, World};
 use crate::model::Robot;
 
-/// Encoder on the motor side: `q_link = q − c tau_rigid(q_link)`, c = 1/K the compliance, with velocity and acceleration to
-/// match.
+/// Encoder and friction on the motor side: `q_link = q − c tau_rigid(q_link)`, c = 1/K the compliance, with velocity and
+/// acceleration to match. Bodies move with the link.
 pub struct JointElasticity;
 
 impl Effect for JointElasticity {
@@ -37,14 +37,16 @@ impl Effect for JointElasticity {
     fn distort(&self, scene: &Scene, joints: &[usize], theta: &[f64], world: &mut World) {
         let j = joints[0];
         let [load, load_d, load_dd] = derivatives(&scene.rigid[j], scene.interval, scene.periodic);
+        let mut links = world.motions().links.clone();
         for s in 0..scene.samples() {
-            let [q, qd, qdd] = world.motion.get(j, s);
-            world.motion.set(
+            let [q, qd, qdd] = links.get(j, s);
+            links.set(
                 j,
                 s,
                 [q - theta[0] * load[s], qd - theta[0] * load_d[s], qdd - theta[0] * load_dd[s]],
             );
         }
+        world.links = Some(links);
     }
 
     fn distorts_by_load(&self) -> bool {

@@ -16,7 +16,9 @@ mod statements;
 mod unexplained;
 
 pub use base_tilt::tilted;
-pub use effect::{About, Column, Effect, EffectKind, ParameterInfo, PlotVariable, Reads, Scene, Shape, Span, Travel, World};
+pub use effect::{
+    About, Column, Effect, EffectKind, Motions, ParameterInfo, PlotVariable, Reads, Scene, Shape, Span, Travel, World,
+};
 pub(crate) use effect::{own_joint, times_position_unit};
 pub use formula::Formula;
 pub use handle::AnyEffect;

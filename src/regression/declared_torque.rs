@@ -2,7 +2,8 @@
 
 use super::dataset::{ShapedRows, Stretch};
 use super::model::AugmentedModel;
-use crate::dynamics::{Chain, ColumnSet, Coulomb, Motion, RowBlocks};
+use crate::dynamics::{Chain, ColumnSet, Coulomb, RowBlocks};
+use crate::effects::Motions;
 use crate::model::Robot;
 use crate::parameters::{Layout, ParameterKind};
 use crate::regression::settings::SETTINGS;
@@ -18,7 +19,7 @@ impl AugmentedModel {
     /// Rows of the base parameters along the motion as measured.
     pub(crate) fn base_rows(&self, stretch: &Stretch) -> ShapedRows {
         let mut shaped: ShapedRows = vec![Vec::new(); self.robot.joint_count()];
-        self.for_batches(&self.robot, &stretch.motion, |first, set, rows| {
+        self.for_batches(&self.robot, Motions::stiff(&stretch.motion), |first, set, rows| {
             for (j, own) in shaped.iter_mut().enumerate() {
                 let shaped = stretch.shaped_block(rows, j, set.row(j)).into_iter();
                 own.extend(shaped.map(|(at, values)| (first + at, values)));
@@ -29,21 +30,19 @@ impl AugmentedModel {
 
     /// Rows of some base parameters after others along a motion, as many at a time as a long log leaves room for; with the number
     /// of the first.
-    pub(super) fn for_batches(&self, robot: &Robot, motion: &Motion, mut each: impl FnMut(usize, &ColumnSet, &RowBlocks)) {
+    pub(super) fn for_batches(&self, robot: &Robot, motions: Motions, mut each: impl FnMut(usize, &ColumnSet, &RowBlocks)) {
         let (layout, chain) = (Layout::standard(robot), Chain::new(robot));
-        let batch = (SETTINGS.regressor_numbers / (motion.samples() * robot.joint_count()).max(1)).max(1);
+        let batch = (SETTINGS.regressor_numbers / (motions.motors.samples() * robot.joint_count()).max(1)).max(1);
         for (i, part) in self.base.kept.chunks(batch).enumerate() {
             let set = ColumnSet::new(robot, &layout, part);
-            let mut rows = RowBlocks::new(&set, motion.samples());
-            rows.fill(&chain, &set, motion, Coulomb::Sign);
+            let rows = filled(&chain, &set, motions);
             each(i * batch, &set, &rows);
         }
     }
 
-    pub(crate) fn fill(&self, robot: &Robot, motion: &Motion) -> (ColumnSet, RowBlocks) {
+    pub(crate) fn fill(&self, robot: &Robot, motions: Motions) -> (ColumnSet, RowBlocks) {
         let set = self.columns();
-        let mut rows = RowBlocks::new(&set, motion.samples());
-        rows.fill(&Chain::new(robot), &set, motion, Coulomb::Sign);
+        let rows = filled(&Chain::new(robot), &set, motions);
         (set, rows)
     }
 
@@ -51,8 +50,8 @@ impl AugmentedModel {
         ColumnSet::new(&self.robot, &Layout::standard(&self.robot), &self.base.kept)
     }
 
-    /// Rigid and declared torque along `motion`, from rows where they are there already.
-    pub(crate) fn torques(&self, motion: &Motion, robot: &Robot, rows: Option<(&ColumnSet, &RowBlocks)>) -> Torques {
+    /// Rigid and declared torque along a motion, from rows where they are there already.
+    pub(crate) fn torques(&self, motions: Motions, robot: &Robot, rows: Option<(&ColumnSet, &RowBlocks)>) -> Torques {
         let layout = Layout::standard(robot);
         let n = robot.joint_count();
         let mut phi = vec![0.0; layout.len()];
@@ -79,9 +78,10 @@ impl AugmentedModel {
                     .enumerate()
                     .map(|(at, &v)| if inertial(at) { v } else { 0.0 })
                     .collect();
-                let flat = crate::dynamics::inverse_dynamics_batch(&Chain::new(robot), &layout, &bare, motion, Coulomb::Sign);
+                let links = motions.links;
+                let flat = crate::dynamics::inverse_dynamics_batch(&Chain::new(robot), &layout, &bare, links, Coulomb::Sign);
                 (0..n)
-                    .map(|j| flat[j * motion.stride()..j * motion.stride() + motion.samples()].to_vec())
+                    .map(|j| flat[j * links.stride()..j * links.stride() + links.samples()].to_vec())
                     .collect::<Vec<_>>()
             }
         };
@@ -92,7 +92,7 @@ impl AugmentedModel {
             .enumerate()
             .filter(|(at, _)| phi[*at] != 0.0 && !inertial(*at))
         {
-            let speeds = motion.velocities(parameter.link);
+            let speeds = motions.motors.velocities(parameter.link);
             let column = |v: f64| {
                 if parameter.kind == ParameterKind::Viscous {
                     v
@@ -107,4 +107,14 @@ impl AugmentedModel {
         }
         Torques { rigid, declared }
     }
+}
+
+/// Rows of some columns along a motion: bodies by the links, friction by the motors.
+fn filled(chain: &Chain, set: &ColumnSet, motions: Motions) -> RowBlocks {
+    let mut rows = RowBlocks::new(set, motions.links.samples());
+    rows.fill(chain, set, motions.links, Coulomb::Sign);
+    if motions.motors != motions.links {
+        rows.fill_friction(set, motions.motors, Coulomb::Sign);
+    }
+    rows
 }

@@ -44,12 +44,12 @@ impl AugmentedModel {
         let steps: Vec<f64> = term.effect.steps().iter().map(|step| step.max(least)).collect();
         let torque = |term: &Term| {
             let world = self.world_beside(stretch, plain, (at, term), known.map(|k| &k.world.motion));
-            let same = known.filter(|k| (&world.motion, world.gravity) == (&k.world.motion, k.world.gravity));
+            let same = known.filter(|k| (world.motions(), world.gravity) == (k.world.motions(), k.world.gravity));
             let declared = match same {
                 Some(known) => Cow::Borrowed(known.declared),
                 None => {
                     let robot = self.robot.with_gravity(world.gravity);
-                    Cow::Owned(self.torques(&world.motion, &robot, None).declared)
+                    Cow::Owned(self.torques(world.motions(), &robot, None).declared)
                 }
             };
             gained(&declared, &world.gain)
@@ -90,7 +90,7 @@ impl AugmentedModel {
             |t: &&&Term| t.effect.distorts_by_load() && t.shape.iter().zip(t.effect.steps()).any(|(v, h)| v.abs() > 1.5 * h);
         if list.iter().any(|t| bends(&t)) {
             for _ in 0..SETTINGS.load_rounds {
-                let there = self.torques(&world.motion, &self.robot.with_gravity(world.gravity), None);
+                let there = self.torques(world.motions(), &self.robot.with_gravity(world.gravity), None);
                 world = self.distorted(stretch, &there, &list, &stretch.motion);
             }
         }
@@ -135,11 +135,7 @@ impl AugmentedModel {
 
     /// The world that the distortions of a list make in turn, from `motion`, by the torques of the motion before.
     fn distorted(&self, stretch: &Stretch, before: &Torques, list: &[&Term], motion: &Motion) -> World {
-        let mut world = World {
-            motion: motion.clone(),
-            gravity: self.robot.gravity(),
-            gain: vec![1.0; self.robot.joint_count()],
-        };
+        let mut world = World::measured(motion, &self.robot);
         let scene = Scene {
             robot: &self.robot,
             motion: &stretch.motion,

@@ -4,14 +4,14 @@ use super::dataset::{ShapedRows, Stretch};
 use super::model::{AugmentedModel, Term};
 use super::present::KnownTorque;
 use crate::dynamics::{Coulomb, Motion};
-use crate::effects::{Column, Scene};
+use crate::effects::{Column, Motions, Scene};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// A model's rows over one stretch.
 #[derive(Clone)]
 pub(crate) struct Evaluated {
-    /// The motion after all distortions.
+    /// The motion of the motors after all distortions.
     pub motion: Motion,
     /// n × M, shaped.
     pub torque: Vec<Vec<f64>>,
@@ -54,7 +54,7 @@ impl AugmentedModel {
         // Along the measured motion of a distorted model they are asked for by what bends with the load alone.
         let needed = !distorted || self.terms.iter().any(|t| t.effect.distorts_by_load());
         let plain = match needed {
-            true => self.torques(&stretch.motion, &self.robot, None),
+            true => self.torques(Motions::stiff(&stretch.motion), &self.robot, None),
             false => Default::default(),
         };
         let world = self.world(stretch, &plain, None);
@@ -62,7 +62,7 @@ impl AugmentedModel {
         let (mut jacobian, here) = match base {
             Some(rows) if !distorted => (rows.clone(), plain.clone()),
             Some(_) => {
-                let (set, rows) = self.fill(&robot, &world.motion);
+                let (set, rows) = self.fill(&robot, world.motions());
                 let block = |j: usize| {
                     let mut columns = stretch.shaped_block(&rows, j, set.row(j));
                     let values = columns.iter_mut().flat_map(|c| &mut c.1);
@@ -70,9 +70,9 @@ impl AugmentedModel {
                     columns
                 };
                 let jacobian = (0..self.robot.joint_count()).into_par_iter().map(block).collect();
-                (jacobian, self.torques(&world.motion, &robot, Some((&set, &rows))))
+                (jacobian, self.torques(world.motions(), &robot, Some((&set, &rows))))
             }
-            None if distorted => (Vec::new(), self.torques(&world.motion, &robot, None)),
+            None if distorted => (Vec::new(), self.torques(world.motions(), &robot, None)),
             None => (Vec::new(), plain.clone()),
         };
         let scene = Scene {
@@ -95,7 +95,7 @@ impl AugmentedModel {
             }
         }
         if base.is_some_and(|rows| rows.iter().any(|r| !r.is_empty())) {
-            self.push_torque_derivatives(&mut jacobian, stretch, &scene, &world.gain);
+            self.push_torque_derivatives(&mut jacobian, stretch, &scene, &world);
         }
         let gained = torque.into_iter().zip(&world.gain);
         let torque = stretch.shaped(gained.map(|(row, g)| row.into_iter().map(|v| v * g).collect()).collect());

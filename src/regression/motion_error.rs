@@ -4,6 +4,7 @@ use super::dataset::Stretch;
 use super::model::AugmentedModel;
 use super::rows::clear_of_reversals;
 use crate::dynamics::{Coulomb, Motion};
+use crate::effects::Motions;
 use crate::regression::settings::SETTINGS;
 
 /// Variance of white noise on the torque of every joint, for one measurement, that weighs as much as what errors in the positions
@@ -26,7 +27,7 @@ pub(crate) fn motion_error_variance(model: &AugmentedModel, stretches: &[Stretch
 fn of_stretch(model: &AugmentedModel, stretch: &Stretch) -> Vec<f64> {
     let at = sampled(stretch.motion.samples());
     let motion = Motion::from_fn(stretch.joints(), at.len(), |j, s| stretch.motion.get(j, at[s]));
-    let predicted = |motion: &Motion| model.torques(motion, &model.robot, None).declared;
+    let predicted = |motion: &Motion| model.torques(Motions::stiff(motion), &model.robot, None).declared;
     let undisturbed = predicted(&motion);
     let samples_per_row = match stretch.samples.as_slice() {
         [first, second, ..] => (second - first) as f64,

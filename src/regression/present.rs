@@ -3,7 +3,7 @@
 use super::dataset::Stretch;
 use super::declared_torque::Torques;
 use super::model::AugmentedModel;
-use crate::effects::World;
+use crate::effects::{Motions, World};
 
 /// The world of a model, and the declared torque in it before any gain, n × N [N·m or N].
 #[derive(Clone, Copy)]
@@ -21,13 +21,13 @@ pub(crate) struct Present {
 
 impl Present {
     pub fn of(model: &AugmentedModel, stretch: &Stretch) -> Self {
-        let undistorted = model.torques(&stretch.motion, &model.robot, None);
+        let undistorted = model.torques(Motions::stiff(&stretch.motion), &model.robot, None);
         let world = model.world(stretch, &undistorted, None);
-        let declared = match (&world.motion, world.gravity) == (&stretch.motion, model.robot.gravity()) {
+        let declared = match (world.motions(), world.gravity) == (Motions::stiff(&stretch.motion), model.robot.gravity()) {
             true => undistorted.declared.clone(),
             false => {
                 let robot = model.robot.with_gravity(world.gravity);
-                model.torques(&world.motion, &robot, None).declared
+                model.torques(world.motions(), &robot, None).declared
             }
         };
         Self {

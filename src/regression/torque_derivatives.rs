@@ -12,7 +12,7 @@
 use super::dataset::{ShapedRows, Stretch};
 use super::jacobian::summed;
 use super::model::{AugmentedModel, Term};
-use crate::effects::Scene;
+use crate::effects::{Scene, World};
 use crate::parameters::{Layout, ParameterKind};
 
 /// `∂(C c)_j/∂tau_j` over the samples, by the rigid torque alone or by that of the declared model.
@@ -29,7 +29,7 @@ impl AugmentedModel {
     }
 
     /// Adds to the derivatives by the base parameters what they have through the effects that read the torque of their joint.
-    pub(crate) fn push_torque_derivatives(&self, jacobian: &mut ShapedRows, stretch: &Stretch, scene: &Scene, gain: &[f64]) {
+    pub(crate) fn push_torque_derivatives(&self, jacobian: &mut ShapedRows, stretch: &Stretch, scene: &Scene, world: &World) {
         let terms = self.terms.iter().filter(|t| reads_own_torque(t));
         let slopes: Vec<Slope> = terms.flat_map(|t| slopes(t, scene)).collect();
         if slopes.is_empty() {
@@ -37,12 +37,12 @@ impl AugmentedModel {
         }
         let layout = Layout::standard(scene.robot);
         let is_rigid = |at: usize| matches!(layout.parameters()[self.base.kept[at]].kind, ParameterKind::Inertial(_));
-        self.for_batches(scene.robot, scene.motion, |first, set, rows| {
+        self.for_batches(scene.robot, world.motions(), |first, set, rows| {
             for slope in &slopes {
                 let columns = rows.block(slope.joint).chunks_exact(rows.stride()).zip(set.row(slope.joint));
                 let read = columns.filter(|(_, at)| !slope.rigid || is_rigid(first + **at));
                 let through = |(column, at): (&[f64], &usize)| {
-                    let values = column.iter().zip(&slope.values).map(|(y, s)| y * s * gain[slope.joint]);
+                    let values = column.iter().zip(&slope.values).map(|(y, s)| y * s * world.gain[slope.joint]);
                     (first + at, values.collect())
                 };
                 jacobian[slope.joint].extend(stretch.shaped_with(read.map(through)));

@@ -3,7 +3,7 @@
 //! With these a later design knows, without the data, how far they tell finding and rival apart, and what a new motion adds.
 
 use crate::dynamics::Coulomb;
-use crate::effects::{Column, Scene};
+use crate::effects::{Column, Motions, Scene};
 use crate::regression::{Data, Stretch, System, Term, shape_derivatives};
 use nalgebra::{DMatrix, DVector};
 
@@ -59,7 +59,9 @@ pub(crate) fn border(data: &Data, system: &System, term: &Term) -> (DMatrix<f64>
 }
 
 fn distorted(system: &System, stretch: &Stretch, term: &Term) -> Vec<Column> {
-    let plain = system.model.torques(&stretch.motion, &system.model.robot, None);
+    let plain = system
+        .model
+        .torques(Motions::stiff(&stretch.motion), &system.model.robot, None);
     let derivatives = system.model.distortion_columns(stretch, &plain, term, None, None);
     let column = |rows: Vec<Vec<f64>>| Column {
         rows: rows.into_iter().enumerate().collect(),

@@ -61,8 +61,8 @@ pub(super) fn touches(plan: &Plan, planned: &Planned) -> Vec<Visible> {
     (0..planned.data.noise.len()).map(|j| touch(plan, planned, j)).collect()
 }
 
-/// It has to be beyond chance, and above the noise of single measurements, both against the median over the periods, which leans
-/// towards the touched one by its share.
+/// It has to be beyond chance against the median over the periods, which leans towards the touched one by its share, and above the
+/// noise of single measurements beside the other periods.
 fn touch(plan: &Plan, planned: &Planned, joint: usize) -> Visible {
     let effect = by_code("external_contact").expect("is in the list");
     let robot = &planned.system.model.robot;
@@ -78,7 +78,8 @@ fn touch(plan: &Plan, planned: &Planned, joint: usize) -> Visible {
     let wanted = noncentrality(threshold, robot.joint_count(), SETTINGS.detectable.power);
     let beyond_chance = single * (wanted * unfair / rows).sqrt();
     let z = Normal::standard().inverse_cdf(SETTINGS.detectable.power);
-    let felt = single * (1.0 + z * (unfair / rows).sqrt()) / (1.0 - 1.0 / plan.periods);
+    // The level beside the other periods has the noise of both.
+    let felt = single * (1.0 + z * ((1.0 + 1.0 / (plan.periods - 1.0)) / rows).sqrt());
     let infos = effect.parameters(0, robot, &[joint]);
     Visible {
         effect: effect.code().into(),

@@ -6,6 +6,7 @@
 
 use super::noise_density::{NoiseDensity, tapered};
 use crate::diagnosis::settings::SETTINGS;
+use crate::effects::Motions;
 use crate::preparation::spectrum::forward_of;
 use crate::regression::{AugmentedModel, Phase, RecordedFilter, SampledFilter, Stretch};
 use rayon::prelude::*;
@@ -45,7 +46,7 @@ impl OneRecord {
         let first = ((SETTINGS.recorded_filter.beyond_rows * source.band_hz()? / step_hz) as usize).max(1);
         let end = (samples / 2).min((SETTINGS.recorded_filter.sight * first as f64) as usize);
         let width = end.checked_sub(first)? / SETTINGS.recorded_filter.bands;
-        let predicted = model.torques(&source.motion, &model.robot, None).declared;
+        let predicted = model.torques(Motions::stiff(&source.motion), &model.robot, None).declared;
         let lines = |x: &Vec<f64>| forward_of(tapered(x.clone()))[first..end].to_vec();
         let of_joint = |j: usize| [&source.torque[j], &predicted[j]].map(lines);
         let joints: Vec<usize> = (0..stretch.joints()).filter(|&j| stretch.has_rows(j)).collect();

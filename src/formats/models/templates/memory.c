@@ -92,22 +92,32 @@ static void loads(const sample *at, const double *gravity, int with_offset, doub
     rigid_body(q, at->qd, at->qdd, gravity, load);
 }
 
-static void torque_at(const sample *at, const double *z,@CHANNELS@ double *tau)
+/* Bodies move with the links, friction with the motors. */
+static void torque_at(const sample *at, const sample *link, const double *z,@CHANNELS@ double *tau)
 {
-    @PREFIX@_inverse_dynamics@AT@(at->q, at->qd, at->qdd,@PASS@ tau);
+    double q[N], load[N];
+    for (int k = 0; k < N; k++) q[k] = at->q[k] + OFFSET[k];
+    loads(link, GRAVITY, 1, load);
+    torques(q, at->qd, at->qdd, load,@PASS@ tau);
     for (int i = 0; i < HYSTERESES; i++) {
         int j = HYSTERESIS[i].joint;
         tau[j] += GAIN[j] * HYSTERESIS[i].level * (z[i] - sign(at->qd[j]));
     }
 }
 
-/* The motion as the links see it: elastic joints give way under their loads, a late torque belongs to an earlier sample. */
-static void distort(long count, double h, const sample *in, const double *load, sample *spare, double *window, sample *out)
+/* Motion of the motors, then of the links: a late torque belongs to an earlier sample, elastic joints give way under their loads. */
+static void distort(long count, double h, const sample *in, const double *load, sample *spare, double *window, sample *motors, sample *links)
 {
-    int reach = reach_at(h);
-    memcpy(out, in, (size_t)count * sizeof *in);
+    int reach = reach_at(h), bends = 0;
+    sample *out = motors;
+    memcpy(motors, in, (size_t)count * sizeof *in);
     for (int d = 0; d < DISTORTIONS; d++) {
         int j = DISTORTION[d].joint;
+        if (j >= 0 && !bends) {
+            memcpy(links, motors, (size_t)count * sizeof *in);
+            out = links;
+            bends = 1;
+        }
         double value = DISTORTION[d].value;
         if (j < 0) memcpy(spare, out, (size_t)count * sizeof *out);
         for (long s = 0; s < count; s++) {
@@ -133,6 +143,7 @@ static void distort(long count, double h, const sample *in, const double *load, 
             out[s].qdd[j] -= value * second / (h * h);
         }
     }
+    if (!bends) memcpy(links, motors, (size_t)count * sizeof *in);
 }
 
 /* Torques along a whole motion that is known: count samples, sample_time (s) apart, rows of N values. 0 if done, 1 where there is no memory for it or
@@ -141,9 +152,9 @@ int @PREFIX@_predict@AT@(long count, double sample_time, const double *q, const 
 {
     if (count < 1 || !(sample_time > 0.0)) return 1;
     size_t size = (size_t)count;
-    sample *in = malloc(size * sizeof *in), *out = malloc(size * sizeof *out), *spare = malloc(size * sizeof *spare);
+    sample *in = malloc(size * sizeof *in), *out = malloc(size * sizeof *out), *links = malloc(size * sizeof *links), *spare = malloc(size * sizeof *spare);
     double *load = malloc(size * N * sizeof *load), *window = malloc((2 * (size_t)reach_at(sample_time) + 1) * sizeof *window);
-    int failed = !in || !out || !spare || !load || !window;
+    int failed = !in || !out || !links || !spare || !load || !window;
     double z[HYSTERESES + 1] = {0};
     if (!failed) {
         for (long s = 0; s < count; s++) {
@@ -152,21 +163,22 @@ int @PREFIX@_predict@AT@(long count, double sample_time, const double *q, const 
             memcpy(in[s].qdd, qdd + s * N, sizeof in[s].qdd);
             loads(&in[s], LEVEL_GRAVITY, 0, load + s * N);
         }
-        distort(count, sample_time, in, load, spare, window, out);
+        distort(count, sample_time, in, load, spare, window, out, links);
         for (int round = 0; round < LOAD_ROUNDS; round++) {
-            for (long s = 0; s < count; s++) loads(&out[s], GRAVITY, 1, load + s * N);
-            distort(count, sample_time, in, load, spare, window, out);
+            for (long s = 0; s < count; s++) loads(&links[s], GRAVITY, 1, load + s * N);
+            distort(count, sample_time, in, load, spare, window, out, links);
         }
         for (int i = 0; i < HYSTERESES; i++)
             for (long s = 0; s < count && z[i] == 0.0; s++) z[i] = sign(out[s].qd[HYSTERESIS[i].joint]);
         for (long s = 0; s < count; s++) {
             for (int i = 0; i < HYSTERESES && s > 0; i++)
                 z[i] = presliding(z[i], &out[s - 1], &out[s], HYSTERESIS[i].joint, sample_time, HYSTERESIS[i].width);
-            torque_at(&out[s], z,@PASS_ROW@ tau + s * N);
+            torque_at(&out[s], &links[s], z,@PASS_ROW@ tau + s * N);
         }
     }
     free(in);
     free(out);
+    free(links);
     free(spare);
     free(load);
     free(window);
@@ -208,7 +220,7 @@ static void bend(struct @PREFIX@_state *state, double *back, double load, double
 /* Torque for the next sample: the same as predict gives, but for elastic joints, whose loads are differentiated looking back only. */
 void @PREFIX@_step@AT@(struct @PREFIX@_state *state, const double *q, const double *qd, const double *qdd,@CHANNELS@ double *tau)
 {
-    sample now, out;
+    sample now, link;
     double load[N], delay = 0.0;
     /* late[0] is the present sample. The delay comes first: samples as they are given belong together, bent ones do not. */
     long kept = state->count < LATE - 1 ? state->count : LATE - 1;
@@ -226,21 +238,21 @@ void @PREFIX@_step@AT@(struct @PREFIX@_state *state, const double *q, const doub
         now = state->late[whole];
     else
         between(&state->late[whole], &state->late[whole - 1], (double)whole - ago, state->sample_time, &now);
-    out = now;
+    link = now;
     for (int round = 0; round <= LOAD_ROUNDS; round++) {
-        loads(&out, round ? GRAVITY : LEVEL_GRAVITY, round, load);
-        out = now;
+        loads(&link, round ? GRAVITY : LEVEL_GRAVITY, round, load);
+        link = now;
         for (int d = 0, e = 0; d < DISTORTIONS; d++)
             if (DISTORTION[d].joint >= 0)
-                bend(state, state->load[round][e++], load[DISTORTION[d].joint], DISTORTION[d].value, DISTORTION[d].joint, &out);
+                bend(state, state->load[round][e++], load[DISTORTION[d].joint], DISTORTION[d].value, DISTORTION[d].joint, &link);
     }
     for (int i = 0; i < HYSTERESES; i++) {
         int j = HYSTERESIS[i].joint;
-        if (!state->started[i]) state->z[i] = sign(out.qd[j]);
-        else state->z[i] = presliding(state->z[i], &state->before, &out, j, state->sample_time, HYSTERESIS[i].width);
+        if (!state->started[i]) state->z[i] = sign(now.qd[j]);
+        else state->z[i] = presliding(state->z[i], &state->before, &now, j, state->sample_time, HYSTERESIS[i].width);
         state->started[i] = state->started[i] || state->z[i] != 0.0;
     }
-    torque_at(&out, state->z,@PASS@ tau);
-    state->before = out;
+    torque_at(&now, &link, state->z,@PASS@ tau);
+    state->before = now;
     state->count++;
 }

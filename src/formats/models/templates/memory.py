@@ -57,8 +57,10 @@ def _loads(at, gravity, with_offset):
     return _rigid_body([x + o for x, o in zip(q, OFFSET)] if with_offset else q, qd, qdd, gravity)
 
 
-def _torque_at(at, z@CHANNELS@):
-    tau = inverse_dynamics(*zip(*at)@PASS@)
+def _torque_at(at, link, z@CHANNELS@):
+    """Bodies move with the links, friction with the motors."""
+    q, qd, qdd = ([float(x) for x in values] for values in zip(*at))
+    tau = _torques([x + o for x, o in zip(q, OFFSET)], qd, qdd, _loads(link, GRAVITY, True)@PASS@)
     for (j, level, _), state in zip(HYSTERESIS, z):
         tau[j] += GAIN[j] * level * (state - sign(at[j][1]))
     return tau
@@ -70,16 +72,17 @@ def _bent(at, joint, compliance, load, first, second):
 
 
 def _distort(motion, load, h):
-    """The motion as the links see it: elastic joints give way under their loads, a late torque belongs to an earlier sample."""
+    """Motion of the motors and of the links: a late torque belongs to an earlier sample, elastic joints give way under their loads."""
     reach, last = _reach(h), len(motion) - 1
+    links = None
     for joint, value in DISTORTION:
         if joint >= 0:
             bent = []
-            for s, at in enumerate(motion):
+            for s, at in enumerate(links or motion):
                 window = [load[min(max(s + k, 0), last)][joint] for k in range(-reach, reach + 1)]
                 first, second = _cubic(window, reach, 0.0)
                 bent.append(_bent(at, joint, value, load[s][joint], first / h, second / (h * h)))
-            motion = bent
+            links = bent
             continue
         moved = []
         for s in range(last + 1):
@@ -91,21 +94,21 @@ def _distort(motion, load, h):
             else:
                 moved.append(motion[first] if at == first else _between(motion[first], motion[first + 1], at - first, h))
         motion = moved
-    return motion
+    return motion, links or motion
 @CHANNEL_ROWS@
 
 def predict(q, qd, qdd, sample_time@CHANNELS@):
     """Torques along a whole motion that is known: rows of N values, sample_time (s) apart."""
     given = [[(float(x), float(v), float(a)) for x, v, a in zip(*row)] for row in zip(q, qd, qdd)]
-    motion = _distort(given, [_loads(at, LEVEL_GRAVITY, False) for at in given], sample_time)
+    motion, links = _distort(given, [_loads(at, LEVEL_GRAVITY, False) for at in given], sample_time)
     for _ in range(LOAD_ROUNDS):
-        motion = _distort(given, [_loads(at, GRAVITY, True) for at in motion], sample_time)
+        motion, links = _distort(given, [_loads(at, GRAVITY, True) for at in links], sample_time)
     z = [next((sign(at[j][1]) for at in motion if at[j][1] != 0.0), 0.0) for j, _, _ in HYSTERESIS]
     torques = []
     for s, at in enumerate(motion):
         if s > 0:
             z = [_presliding(v, motion[s - 1][j], at[j], sample_time, w) for v, (j, _, w) in zip(z, HYSTERESIS)]
-        torques.append(_torque_at(at, z@PASS_ROW@))
+        torques.append(_torque_at(at, links[s], z@PASS_ROW@))
     return torques
 
 
@@ -132,20 +135,20 @@ class Stepper:
         """Torque for the next sample, N values."""
         # The delay comes first: samples as they are given belong together, bent ones do not.
         now = self._delayed([(float(x), float(v), float(a)) for x, v, a in zip(q, qd, qdd)])
-        at = now
+        link = now
         for rounds in range(LOAD_ROUNDS + 1):
-            load = _loads(at, GRAVITY if rounds else LEVEL_GRAVITY, rounds > 0)
-            at = now
+            load = _loads(link, GRAVITY if rounds else LEVEL_GRAVITY, rounds > 0)
+            link = now
             for d, (joint, value) in enumerate(DISTORTION):
                 if joint >= 0:
-                    at = self._bend(at, (rounds, d), joint, value, load[joint])
+                    link = self._bend(link, (rounds, d), joint, value, load[joint])
         for i, (j, _, width) in enumerate(HYSTERESIS):
             if self._z[i] is None:
-                self._z[i] = float(sign(at[j][1])) or None
+                self._z[i] = float(sign(now[j][1])) or None
             else:
-                self._z[i] = _presliding(self._z[i], self._before[j], at[j], self.sample_time, width)
-        self._before = at
-        return _torque_at(at, [z or 0.0 for z in self._z]@PASS@)
+                self._z[i] = _presliding(self._z[i], self._before[j], now[j], self.sample_time, width)
+        self._before = now
+        return _torque_at(now, link, [z or 0.0 for z in self._z]@PASS@)
 
     def _delayed(self, at):
         ago = sum(value for joint, value in DISTORTION if joint < 0) / self.sample_time

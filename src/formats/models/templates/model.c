@@ -91,15 +91,24 @@ static void rigid_body(const double *q, const double *qd, const double *qdd, con
     }
 }
 
-void @PREFIX@_inverse_dynamics@AT@(const double *position, const double *qd, const double *qdd,@CHANNELS@ double *tau)
+/* Torque of the joints beside that of the bodies, for the true position, velocity and acceleration of the motors. */
+static void torques(const double *q, const double *qd, const double *qdd, const double *rigid,@CHANNELS@ double *tau)
 {
-    double q[N], rigid[N], declared[N];
-    for (int k = 0; k < N; k++) q[k] = position[k] + OFFSET[k];
-    rigid_body(q, qd, qdd, GRAVITY, rigid);
+    double declared[N];
     for (int k = 0; k < N; k++) declared[k] = rigid[k] + VISCOUS[k] * qd[k] + COULOMB[k] * sign(qd[k]);
     memcpy(tau, declared, sizeof declared);
 @EFFECTS@    for (int k = 0; k < N; k++) tau[k] *= GAIN[k];
 @UNUSED@    (void)clamp;
+    (void)q;
+    (void)qdd;
+}
+
+void @PREFIX@_inverse_dynamics@AT@(const double *position, const double *qd, const double *qdd,@CHANNELS@ double *tau)
+{
+    double q[N], rigid[N];
+    for (int k = 0; k < N; k++) q[k] = position[k] + OFFSET[k];
+    rigid_body(q, qd, qdd, GRAVITY, rigid);
+    torques(q, qd, qdd, rigid,@PASS@ tau);
 }
 
 void @PREFIX@_gravity@AT@(const double *position,@CHANNELS@ double *tau)

@@ -57,14 +57,18 @@ def _rigid_body(q, qd, qdd, gravity):
     return tau
 
 
+def _torques(q, qd, qdd, rigid@CHANNELS@):
+    """Torque of the joints beside that of the bodies, for the true position, velocity and acceleration of the motors."""
+    declared = [t + fv * v + fs * sign(v) for t, fv, fs, v in zip(rigid, VISCOUS, COULOMB, qd)]
+    tau = list(declared)
+@EFFECTS@    return [g * t for g, t in zip(GAIN, tau)]
+
+
 def inverse_dynamics(q, qd, qdd@CHANNELS@):
     """Torque of the joints, N values, for N positions, velocities and accelerations."""
     q, qd, qdd = ([float(x) for x in values] for values in (q, qd, qdd))
     q = [x + o for x, o in zip(q, OFFSET)]
-    rigid = _rigid_body(q, qd, qdd, GRAVITY)
-    declared = [t + fv * v + fs * sign(v) for t, fv, fs, v in zip(rigid, VISCOUS, COULOMB, qd)]
-    tau = list(declared)
-@EFFECTS@    return [g * t for g, t in zip(GAIN, tau)]
+    return _torques(q, qd, qdd, _rigid_body(q, qd, qdd, GRAVITY)@PASS@)
 
 
 def gravity(q@CHANNELS@):
