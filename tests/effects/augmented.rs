@@ -6,6 +6,7 @@ use dynident::documents::{Cursor, Findings, augmented_value, read_augmented};
 use dynident::dynamics::Motion;
 use dynident::effects::by_code;
 use dynident::formats::{Parsed, parse};
+use dynident::parameters::{Layout, ParameterKind};
 use dynident::regression::{AugmentedModel, Prior, Stretch, Term};
 use dynident::simulate::HiddenEffect;
 
@@ -196,4 +197,55 @@ fn prop_the_late_torque_of_an_elastic_arm_is_that_of_the_earlier_motion() {
         let error = differences(&found, &expected, 3);
         assert!(error < 0.005 * bent, "{error:e} of {bent:e}");
     }
+}
+
+/// Bodies move with the link, friction with the motor: what friction adds to the torque of an elastic arm is that of the motion as
+/// measured, to the last sample beside a reversal.
+#[test]
+fn prop_friction_of_an_elastic_joint_follows_its_motor() {
+    let robot = seven_axes();
+    let declared = AugmentedModel::declared(&robot);
+    let layout = Layout::standard(&robot);
+    let motion = Motion::from_fn(7, 400, |j, s| {
+        let (t, w) = (0.005 * s as f64, 3.0 + 0.5 * j as f64);
+        [0.4 * (w * t).sin(), 0.4 * w * (w * t).cos(), -0.4 * w * w * (w * t).sin()]
+    });
+    let soft = Term {
+        effect: by_code("joint_elasticity").unwrap().into(),
+        form: 0,
+        joints: vec![1],
+        coefficients: Vec::new(),
+        shape: vec![2e-3],
+        free_shapes: 0,
+        bounds: Vec::new(),
+    };
+    let torque = |phi: &[f64], terms: &[Term]| {
+        let model = AugmentedModel {
+            values: declared.base.project(phi),
+            terms: terms.to_vec(),
+            ..declared.clone()
+        };
+        model.predict(&Stretch::of_motion(motion.clone(), 0.005, false))[1].clone()
+    };
+    let phi = bodies(&robot, 3);
+    let mut smooth = phi.clone();
+    let (mut viscous, mut coulomb) = (0.0, 0.0);
+    for (at, parameter) in layout.parameters().iter().enumerate().filter(|(_, p)| p.link == 1) {
+        match parameter.kind {
+            ParameterKind::Viscous => viscous = std::mem::take(&mut smooth[at]),
+            ParameterKind::Coulomb => coulomb = std::mem::take(&mut smooth[at]),
+            ParameterKind::Inertial(_) => {}
+        }
+    }
+    let soft = std::slice::from_ref(&soft);
+    let (with, without, stiff) = (torque(&phi, soft), torque(&smooth, soft), torque(&smooth, &[]));
+    assert!(viscous > 0.0 && coulomb > 0.0);
+    for (s, (a, b)) in with.iter().zip(&without).enumerate() {
+        let speed = motion.velocities(1)[s];
+        let friction = viscous * speed + coulomb * speed.signum();
+        // Rounding of torques of some hundred N m.
+        assert!((a - b - friction).abs() < 1e-10, "sample {s}: {} for {friction}", a - b);
+    }
+    let bent = without.iter().zip(&stiff).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(bent > 1.0, "the gear gives way: {bent} N m");
 }

@@ -326,7 +326,7 @@ const SEEDS: u64 = 60;
 fn val_effects_of_the_size_given_are_found_as_often_as_said() {
     let bench = Bench::new(four_axes(), 7);
     let planned = bench.planned();
-    for (effect, joint) in [("torque_offset", 2), ("presliding_hysteresis", 0)] {
+    for (effect, joint) in [("torque_offset", 2), ("presliding_hysteresis", 0), ("external_contact", 3)] {
         let visible = planned
             .effects
             .iter()
@@ -335,6 +335,20 @@ fn val_effects_of_the_size_given_are_found_as_often_as_said() {
         let (rate, names) = bench.rate(visible, 1.0, 0..SEEDS);
         let hits = (rate * SEEDS as f64).round() as u64;
         assert!((47..=58).contains(&hits), "{visible:?}: {hits} of {SEEDS}, {names:?}");
+    }
+}
+
+/// Twice the size has four times the gain: no log misses it. Friction acts on the motors; along the bent motion its sign would be
+/// wrong beside every reversal, and the fit worse than without elasticity.
+#[test]
+fn prop_elasticity_of_a_soft_joint_is_found_beside_its_friction() {
+    let bench = Bench::new(four_axes(), 7);
+    let planned = bench.planned();
+    let is_third = |v: &&Visible| v.effect == "joint_elasticity" && v.joints == [2];
+    let visible = planned.effects.iter().find(is_third).unwrap();
+    let hidden = [hidden(visible, 2.0 * visible.size.unwrap(), 4)];
+    for seed in 0..4 {
+        assert_eq!(bench.found(&hidden, seed), ["joint_elasticity J3"], "seed {seed}");
     }
 }
 
