@@ -199,8 +199,8 @@ fn prop_the_late_torque_of_an_elastic_arm_is_that_of_the_earlier_motion() {
     }
 }
 
-/// Bodies move with the link, friction with the motor: what friction adds to the torque of an elastic arm is that of the motion as
-/// measured, to the last sample beside a reversal.
+/// Bodies move with the link, friction with the motor: what friction adds to the torque of an elastic arm is that of the motion
+/// as measured, to the last sample beside a reversal.
 #[test]
 fn prop_friction_of_an_elastic_joint_follows_its_motor() {
     let robot = seven_axes();

@@ -61,8 +61,8 @@ pub(super) fn touches(plan: &Plan, planned: &Planned) -> Vec<Visible> {
     (0..planned.data.noise.len()).map(|j| touch(plan, planned, j)).collect()
 }
 
-/// It has to be beyond chance against the median over the periods, which leans towards the touched one by its share, and above the
-/// noise of single measurements beside the other periods.
+/// It has to be beyond chance against the median over the periods, which leans towards the touched one by its share, and above
+/// the noise of single measurements beside the other periods.
 fn touch(plan: &Plan, planned: &Planned, joint: usize) -> Visible {
     let effect = by_code("external_contact").expect("is in the list");
     let robot = &planned.system.model.robot;
