@@ -113,7 +113,7 @@ impl AugmentedModel {
 fn filled(chain: &Chain, set: &ColumnSet, motions: Motions) -> RowBlocks {
     let mut rows = RowBlocks::new(set, motions.links.samples());
     rows.fill(chain, set, motions.links, Coulomb::Sign);
-    if motions.motors != motions.links {
+    if !std::ptr::eq(motions.motors, motions.links) {
         rows.fill_friction(set, motions.motors, Coulomb::Sign);
     }
     rows
