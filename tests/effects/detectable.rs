@@ -395,8 +395,7 @@ fn what_base_parameters_hold_is_absorbed_and_what_is_alike_is_a_pair() {
         assert_eq!(of(effect, joint).size, Err(Hidden::Absorbed), "{effect} {joint}");
     }
     assert!(of("rotor_inertia", 2).size.is_ok());
-    // The second joint turns round within one fold of the motion, and a gear so soft that the last one's light link would bend it
-    // visibly is none.
+    // The second joint turns round within one fold of the motion. The last link is light: only a gear softer than any would show.
     assert_eq!(of("smooth_coulomb_friction", 1).size, Err(Hidden::ShownOnce));
     assert!(matches!(of("joint_elasticity", 3).size, Err(Hidden::BeyondRange(size)) if size > 1e-3));
     for joint in 0..4 {

@@ -31,7 +31,7 @@ export function detectable(result) {
   const seen = d.effects.filter((e) => e.size !== null);
   const percent = `${number(100 * d.power, 2)} %`;
   return h('section', { class: 'card', id: 'detectable', 'aria-labelledby': 'detectable-title' }, h('h2', { id: 'detectable-title' }, term('detectable', 'Detectable effects')),
-    h('p', {}, `Recorded for ${number(d.periods)} periods, a log of this motion is predicted to reveal each effect below in ${percent} of cases from the stated size on, with no more than one false finding in ${number(1 / d.false_alarm)} logs. On simulated logs most effects of these sizes were found in 77 to 100 % of cases, smooth Coulomb friction and joint elasticity on some joints in a fifth.`),
+    h('p', {}, `Recorded for ${number(d.periods)} periods, a log of this motion is predicted to reveal each effect below in ${percent} of cases from the stated size on, with no more than one false finding in ${number(1 / d.false_alarm)} logs. On simulated logs effects of these sizes were found in 77 to 100 % of cases, 88 % on average.`),
     h('p', { class: 'soft' }, `Torque noise: ${d.torque_noise.map((n) => number(n, 3)).join(', ')} N·m (N for prismatic joints), ${NOISE[d.noise_source]}. Sizes grow in proportion to it, and fall with the root of the number of periods.`),
     h('details', {}, h('summary', {}, `Smallest detectable sizes (${seen.length} of ${d.effects.length} effects are detectable)`), sizes(d)),
     d.pairs.length ? h('details', {}, h('summary', {}, `Not separated at these sizes (${d.pairs.length})`), h('p', { class: 'soft' }, ['Either is reported, with the other as its ', term('rival', 'rival'), '. From the size in the last column on, the log excludes the rival.']), pairs(d)) : null);

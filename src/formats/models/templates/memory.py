@@ -59,7 +59,7 @@ def _loads(at, gravity, with_offset):
 
 def _torque_at(at, link, z@CHANNELS@):
     """Bodies move with the links, friction with the motors."""
-    q, qd, qdd = ([float(x) for x in values] for values in zip(*at))
+    q, qd, qdd = zip(*at)
     tau = _torques([x + o for x, o in zip(q, OFFSET)], qd, qdd, _loads(link, GRAVITY, True)@PASS@)
     for (j, level, _), state in zip(HYSTERESIS, z):
         tau[j] += GAIN[j] * level * (state - sign(at[j][1]))
