@@ -169,6 +169,20 @@ impl Shape {
             grid: (0..count).map(|i| low * ratio.powi(i as i32)).collect(),
         }
     }
+
+    /// A value that is given and not estimated, such as the position at which an amplitude holds. Fixed shapes come after all others.
+    pub fn fixed(value: f64) -> Self {
+        Self {
+            low: value,
+            high: value,
+            grid: vec![value],
+        }
+    }
+
+    /// Whether it is given.
+    pub fn is_fixed(&self) -> bool {
+        self.low == self.high
+    }
 }
 
 /// How far a joint moved over all data: shape parameters are searched where the data can show them.
@@ -176,6 +190,8 @@ impl Shape {
 pub struct Span {
     /// Difference of the largest and smallest position [rad or m].
     pub range: f64,
+    /// Largest position [rad or m].
+    pub highest: f64,
     /// Largest speed [rad/s or m/s].
     pub speed: f64,
     /// Time between samples (s).

@@ -22,6 +22,25 @@ fn fenced(inner: &str, [open, close]: [&str; 2]) -> String {
     format!("<mrow><mo stretchy=\"false\">{open}</mo>{inner}<mo stretchy=\"false\">{close}</mo></mrow>")
 }
 
+/// What `fenced` puts around a parenthesis.
+const PARENTHESIS: [&str; 2] = ["<mrow><mo stretchy=\"false\">(</mo>", "<mo stretchy=\"false\">)</mo></mrow>"];
+
+/// Whether a factor is a function with a name.
+fn is_function(factor: &str) -> bool {
+    factor
+        .split_once("</mi>")
+        .is_some_and(|(name, rest)| name.starts_with("<mi>") && rest.starts_with(APPLIED))
+}
+
+/// Between a function and what it is applied to.
+const APPLIED: &str = "<mo>\u{2061}</mo>";
+
+/// A parenthesis without its signs: above and below a bar they say nothing.
+fn opened(text: &str) -> &str {
+    let [open, close] = PARENTHESIS;
+    text.strip_prefix(open).and_then(|t| t.strip_suffix(close)).unwrap_or(text)
+}
+
 impl Reader<'_> {
     fn next(&self) -> Option<char> {
         self.text.get(self.at).copied()
@@ -52,12 +71,23 @@ impl Reader<'_> {
     /// Factors side by side; what stands before a bar is the numerator.
     fn product(&mut self) -> Option<String> {
         let mut product = self.power()?;
+        let mut factors = 1;
         loop {
             if self.takes('*') {
                 product += &operator("\u{2062}");
-                product += &self.power()?;
+                let factor = self.power()?;
+                // Without a space `a sin q` is read as `asin q`.
+                product += if is_function(&factor) {
+                    "<mspace width=\"0.17em\"/>"
+                } else {
+                    ""
+                };
+                product += &factor;
+                factors += 1;
             } else if self.takes('/') {
-                product = format!("<mfrac><mrow>{product}</mrow><mrow>{}</mrow></mfrac>", self.power()?);
+                let above = if factors == 1 { opened(&product) } else { &product };
+                let below = self.power()?;
+                product = format!("<mfrac><mrow>{above}</mrow><mrow>{}</mrow></mfrac>", opened(&below));
             } else {
                 return Some(product);
             }
@@ -104,7 +134,7 @@ impl Reader<'_> {
         Some(match word.as_str() {
             "sqrt" => format!("<msqrt>{inner}</msqrt>"),
             "abs" => fenced(&inner, ["|", "|"]),
-            name => format!("<mi>{name}</mi><mo>\u{2061}</mo>{}", fenced(&inner, ["(", ")"])),
+            name => format!("<mi>{name}</mi>{APPLIED}{}", fenced(&inner, ["(", ")"])),
         })
     }
 }
@@ -157,6 +187,9 @@ mod tests {
                 .unwrap()
                 .contains("<msub><mi>q</mi><mtext>A2</mtext></msub>")
         );
+        let hose = mathml("a*tanh((q1 + r*q3)/c)*(a + b)/(2)").unwrap();
+        assert!(hose.contains("<mspace width=\"0.17em\"/><mi>tanh</mi>"), "{hose}");
+        assert_eq!(hose.matches("<mo stretchy=\"false\">").count(), 4, "{hose}");
         assert!(mathml("b*sin(u)/sqrt(1 - rho*cos(u))").unwrap().contains("<msqrt>"));
         for text in [set, spring] {
             assert!(roxmltree::Document::parse(&text).is_ok(), "{text}");

@@ -27,12 +27,15 @@ pub fn significant(value: f64, digits: usize) -> String {
     without_zeros(&format!("{rounded:.decimals$}")).replace('-', "−")
 }
 
-/// `value ± deviation` to the second digit of the deviation.
+/// `value ± deviation` to the second digit of the deviation; the value alone where it was given and has none.
 ///
 /// ```
 /// assert_eq!(dynident_io::formats::measured(5.996_31, 0.005_71), "5.9963 ± 0.0057");
 /// ```
 pub fn measured(value: f64, deviation: f64) -> String {
+    if deviation == 0.0 {
+        return significant(value, 3);
+    }
     let decimals = 1 - deviation.log10().floor() as i32;
     if !(deviation > 0.0 && deviation.is_finite()) || decimals > 8 || value.abs() >= 1e6 {
         return format!("{} ± {}", significant(value, 3), significant(deviation, 2));
@@ -97,7 +100,7 @@ mod tests {
     #[test]
     fn deviations_set_the_digits() {
         assert_eq!(measured(-3.127, 0.3), "−3.13 ± 0.30");
-        assert_eq!(measured(2.0, 0.0), "2 ± 0");
+        assert_eq!(measured(2.0, 0.0), "2");
         assert_eq!(measured(123.4, 37.0), "123 ± 37");
     }
 

@@ -209,12 +209,14 @@ pub(crate) fn spans(stretches: &[Stretch]) -> Vec<Span> {
     };
     (0..stretches[0].joints())
         .map(|j| {
-            let range = extreme(j, Motion::positions, false) - extreme(j, Motion::positions, true);
+            let highest = extreme(j, Motion::positions, false);
+            let range = highest - extreme(j, Motion::positions, true);
             let speed = extreme(j, Motion::velocities, false).max(-extreme(j, Motion::velocities, true));
             // Rows, not samples, limit what can be distinguished where a filter thins them out.
             let thinned = stretches[0].motion.samples() as f64 / stretches[0].rows().max(1) as f64;
             Span {
                 range,
+                highest,
                 speed,
                 interval: stretches[0].interval * thinned,
                 speed_error: stretches.iter().map(|s| s.motion_error[j].std_dev[1]).fold(0.0, f64::max),

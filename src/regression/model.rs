@@ -84,6 +84,7 @@ impl Term {
         }
         let span = Span {
             range: 1.0,
+            highest: 0.5,
             speed: 1.0,
             interval: 1e-3,
             speed_error: 0.0,

@@ -38,6 +38,7 @@ pub(super) struct Part<'a> {
 fn shapes(effect: &dyn Effect, form: usize, robot: &Robot, joints: &[usize]) -> Vec<Shape> {
     let span = Span {
         range: 2.0,
+        highest: 1.0,
         speed: 1.5,
         interval: 0.01,
         speed_error: 0.0,

@@ -70,6 +70,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
     let joints = places[places.len() / 2].clone();
     let span = Span {
         range: 1.5,
+        highest: 0.7,
         speed: 1.2,
         interval: 1.0 / RATE,
         speed_error: 0.0,
@@ -94,7 +95,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
         form,
         joints,
         coefficients: (0..count).map(|i| 0.7 - 0.4 * i as f64).collect(),
-        free_shapes: shape.len(),
+        free_shapes: bounds.iter().filter(|[low, high]| low < high).count(),
         shape,
         bounds,
     };

@@ -156,7 +156,7 @@ struct Nature {
     formula: String,
 }
 
-/// Twelve laws on joints `j < m`, at `size` times a torque of `level`; the last three are in no form of the library.
+/// Fourteen laws on joints `j < m`, at `size` times a torque of `level`; the last three are in no form of the library.
 fn natures(j: usize, m: usize, level: f64) -> Vec<Nature> {
     let law = |name, acts_on: &[usize], formula: String, torque: Torque| Nature {
         name,
@@ -239,17 +239,29 @@ fn natures(j: usize, m: usize, level: f64) -> Vec<Nature> {
         law(
             "soft stop",
             &[m],
-            String::new(),
+            format!("a*exp((q{b} - s)/c)"),
             Box::new(move |s| vec![(m, 0.4 * level * (2.5 * s[m][0]).exp())]),
         ),
         law(
             "saturating hose",
             &both,
-            String::new(),
+            format!("a*tanh((q{a} + r*q{b})/c)"),
             Box::new(move |s| {
                 let f = level * (2.0 * (s[j][0] - s[m][0])).tanh();
                 vec![(j, f), (m, -f)]
             }),
+        ),
+        law(
+            "bump",
+            &[m],
+            String::new(),
+            Box::new(move |s| vec![(m, 1.2 * level * (-((s[m][0] - 0.1) / 0.15).powi(2)).exp())]),
+        ),
+        law(
+            "product with a root",
+            &[j],
+            String::new(),
+            Box::new(move |s| vec![(j, 1.2 * level * s[m][0].abs().sqrt() * (2.0 * s[j][0]).sin())]),
         ),
         law(
             "product of waves",
@@ -426,7 +438,7 @@ fn prop_a_model_with_a_law_is_the_same_after_writing_and_reading() {
 #[test]
 fn prop_what_no_formula_explains_is_described() {
     let robot = seven_axes();
-    let law = &natures(1, 4, 1.0)[11];
+    let law = &natures(1, 4, 1.0)[13];
     let diagnosis = with_law(&robot, &[], Some(law), &sensor_noise(7), 45);
     let report = &diagnosis.report;
     assert!(

@@ -3,6 +3,7 @@
 use crate::support::{general_arm, rng, structured_arm, uniform};
 use dynident::documents::{NamedRobots, shipped::Shipped};
 use dynident::dynamics::{Channel, Motion, inverse_dynamics};
+use dynident::effects::law::{LawForm, OfPosition, OfSpeed};
 use dynident::effects::own::ParameterDefinition;
 use dynident::effects::{ChannelVariable, Definition, OwnEffect, by_code};
 use dynident::formats::{FinalModel, ModelFormat, Patched};
@@ -202,6 +203,39 @@ fn of_mujoco(robot: &Robot) -> Vec<Term> {
     list
 }
 
+/// Laws with every function that laws have: on one joint and on both joints of an energy, with powers, waves, roots, exponentials
+/// and hyperbolic tangents.
+fn of_laws(robot: &Robot) -> Vec<Term> {
+    let law = |form: LawForm, joints: &[usize], coefficients: &[f64], shape: &[f64]| {
+        let number = LawForm::all().iter().position(|f| *f == form).expect("is in the list");
+        term("law", number, joints, coefficients, shape)
+    };
+    let wave = LawForm::Combination {
+        a: 1,
+        b: -2,
+        f: OfPosition::Wave(1),
+    };
+    let product = LawForm::CrossProduct {
+        f: OfPosition::Power(2),
+        g: OfSpeed::Sign,
+    };
+    let speeds = LawForm::SpeedProduct(OfSpeed::Linear);
+    let all = vec![
+        law(LawForm::PinSpring, &[0], &[0.8, -0.5], &[0.4, 0.7]),
+        law(LawForm::Spring { rest: true }, &[0, 1], &[0.6, 0.2], &[-0.7]),
+        law(LawForm::SoftStop { upper: true }, &[1], &[0.5], &[0.3, 0.9]),
+        law(LawForm::SoftStop { upper: false }, &[1], &[-0.4], &[0.5, -0.8]),
+        law(LawForm::Saturating, &[0, 1], &[0.7], &[-1.2, 0.4]),
+        law(wave, &[0, 1], &[0.3, -0.2], &[]),
+        law(product, &[1, 0], &[0.25], &[]),
+        law(speeds, &[1, 0], &[0.15], &[]),
+        law(LawForm::Damper, &[0, 1], &[0.2], &[0.6]),
+    ];
+    // Angles are no lengths: not every law has a place on every arm.
+    let has_place = |t: &Term| t.effect.places_of(t.form, robot).contains(&t.joints);
+    all.into_iter().filter(has_place).collect()
+}
+
 /// All other effects that are functions of the state.
 fn of_source() -> Vec<Term> {
     vec![
@@ -330,7 +364,14 @@ fn cases() -> Vec<(String, Case)> {
             .collect();
         let (springs, mujoco) = (springs(), of_mujoco(&robot));
         let joined = |lists: &[&[Term]]| lists.concat();
-        let everything = joined(&[&geometry, &springs, &mujoco, &of_source(), &of_formulas(&robot)]);
+        let everything = joined(&[
+            &geometry,
+            &springs,
+            &mujoco,
+            &of_source(),
+            &of_laws(&robot),
+            &of_formulas(&robot),
+        ]);
         let motion = states(&mut rng, robot.joint_count());
         let whole = vec![
             (ModelFormat::Urdf, geometry.clone()),
@@ -400,7 +441,14 @@ fn shipped_cases() -> Vec<(String, Case)> {
             there(springs()),
             if n > 2 { there(of_mujoco(&robot)) } else { Vec::new() },
         );
-        let everything = [geometry.clone(), springs.clone(), mujoco.clone(), there(of_source())].concat();
+        let everything = [
+            geometry.clone(),
+            springs.clone(),
+            mujoco.clone(),
+            there(of_source()),
+            of_laws(&robot),
+        ]
+        .concat();
         let case = Case {
             motion: states(&mut rng, n),
             held: vec![

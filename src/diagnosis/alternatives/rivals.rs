@@ -139,7 +139,7 @@ fn contest(
         return (Contest::default(), None);
     };
     let tried = mine.grid().len();
-    let cost = own.parameters() - mine.shapes.len();
+    let cost = own.parameters() - mine.free_shapes();
     let finding = appraise(&without, mine, own.clone(), loss, cost, tried, Some(&selected.system));
     // A rival moves the same rows.
     let joints = without.model.robot.joint_count();
@@ -165,7 +165,7 @@ fn contest(
             model.terms.push(s.term.clone());
             let fitted = data.fit(model);
             let gain = data.gain(&without, &fitted);
-            let free = s.candidate.shapes.len().min(s.cost);
+            let free = s.candidate.free_shapes().min(s.cost);
             let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
             let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));
             let evidence = said_against(&finding, &there, &fitted);

@@ -88,7 +88,7 @@ fn fitted(candidate: &Candidate, shape: &[f64], base: &DMatrix<f64>, gain: f64, 
     let free = if candidate.is_distortion() {
         0
     } else {
-        candidate.shapes.len()
+        candidate.free_shapes()
     };
     let at_an_end = |(shape, value): (&crate::effects::Shape, &f64)| *value <= shape.low || *value >= shape.high;
     Gain {

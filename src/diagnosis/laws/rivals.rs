@@ -32,7 +32,7 @@ fn law_contest(data: &Data, selected: &Selected, at: usize, known: &[Candidate],
         return Contest::default();
     };
     let gain = data.gain(&without, &selected.system);
-    let cost = own.parameters() - mine.candidate.shapes.len();
+    let cost = own.parameters() - mine.candidate.free_shapes();
     let finding = appraise(
         &without,
         &mine.candidate,

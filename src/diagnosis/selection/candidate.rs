@@ -73,6 +73,11 @@ fn within(mut shapes: Vec<Shape>, ranges: &[[f64; 2]]) -> Vec<Shape> {
 }
 
 impl Candidate {
+    /// Number of shapes that are estimated; the fixed ones come after them.
+    pub fn free_shapes(&self) -> usize {
+        self.shapes.iter().filter(|s| !s.is_fixed()).count()
+    }
+
     /// What the columns at `shape` are kept under.
     fn key(&self, shape: &[f64]) -> ColumnKey {
         let bits = shape.iter().map(|v| v.to_bits()).collect();
@@ -124,7 +129,7 @@ impl Candidate {
             joints: self.joints.clone(),
             coefficients: coefficients.to_vec(),
             shape: shape.to_vec(),
-            free_shapes: if distortion { shape.len() } else { self.shapes.len() },
+            free_shapes: if distortion { shape.len() } else { self.free_shapes() },
             bounds,
         }
     }

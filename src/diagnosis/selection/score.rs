@@ -65,7 +65,7 @@ pub(crate) fn appraise(
         + if candidate.is_distortion() {
             0
         } else {
-            candidate.shapes.len()
+            candidate.free_shapes()
         };
     let joints = reach(candidate, system.model.robot.joint_count());
     let Weighed {

@@ -82,7 +82,7 @@ pub(crate) fn refine(data: &Data, system: &System, scored: &Scored) -> Scored {
     let gain_at = |shape: &[f64]| system.reduced(&columns_of(data, system, &scored.candidate, &[shape.to_vec()]));
     let mut shape = scored.term.shape.clone();
     for _ in 0..SETTINGS.selection.refinement_rounds {
-        for i in 0..shape.len() {
+        for i in 0..scored.candidate.free_shapes() {
             let (low, high) = neighbours(&scored.candidate.shapes[i], shape[i]);
             let along = |v: f64| {
                 let mut there = shape.clone();

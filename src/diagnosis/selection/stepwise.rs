@@ -145,7 +145,7 @@ pub(crate) fn fitted(data: &Data, system: &System, scored: &Scored) -> Fitted {
     let rank = if scored.term.is_distortion() {
         scored.cost
     } else {
-        scored.cost - scored.candidate.shapes.len().min(scored.cost)
+        scored.cost - scored.candidate.free_shapes().min(scored.cost)
     };
     let term = scored.term.clone();
     let scored = appraise(system, &scored.candidate, term, gain, rank, scored.tried, Some(&there));

@@ -24,7 +24,7 @@ fn contest(data: &Data, system: &System, at: usize, candidates: &[Candidate]) ->
     };
     let without = system.without_term(data, at);
     let loss = data.gain(&without, system);
-    let cost = own.parameters() - mine.shapes.len().min(own.parameters());
+    let cost = own.parameters() - mine.free_shapes().min(own.parameters());
     let finding = appraise(&without, mine, own.clone(), loss, cost, mine.grid().len(), Some(system));
     let joints = without.model.robot.joint_count();
     let reached = reach(mine, joints);

@@ -76,6 +76,15 @@ pub enum LawForm {
     SpeedProduct(OfSpeed),
     /// The gradient of the dissipation function `½ c (qd_i + a qd_k)²` by the speeds.
     Damper,
+    /// A soft stop, `tau_j = a exp(± (q_j − s) / c)`: rising towards the upper end of the joint's travel, or towards the lower one. The
+    /// end s, where the torque is a, is given: it is how far the log goes.
+    SoftStop {
+        /// Whether it stands at the upper end.
+        upper: bool,
+    },
+    /// A hose that gives way, the gradient of `a c ln cosh((q_i + r q_k)/c)`: `a tanh((q_i + r q_k)/c)` on joint i, r times that on
+    /// joint k.
+    Saturating,
 }
 
 /// Ratios of two joints that a spring or damper acts on the combination of.
@@ -83,6 +92,9 @@ const RATIO: f64 = 5.0;
 /// Between four fifths of the geometric mean of the radii and none of it: `ρ` of a pin spring beyond which the two pins meet, and
 /// below which it is a sine.
 const PIN: [f64; 2] = [0.05, 0.995];
+/// Lengths of a soft stop or of a hose that gives way, as shares of the travel: below the first it is a step that a few rows show,
+/// beyond the last a polynomial or a spring.
+const LENGTH: [f64; 2] = [0.04, 0.8];
 
 static ALL: LazyLock<Vec<LawForm>> = LazyLock::new(listed);
 
@@ -112,6 +124,9 @@ fn listed() -> Vec<LawForm> {
     all.extend(OfSpeed::ALL.map(LawForm::CrossSpeed));
     all.extend([OfSpeed::Linear, OfSpeed::Sign].map(LawForm::SpeedProduct));
     all.push(LawForm::Damper);
+    // Models name a form by its number: new ones come last.
+    all.extend([true, false].map(|upper| LawForm::SoftStop { upper }));
+    all.push(LawForm::Saturating);
     all
 }
 
@@ -132,10 +147,10 @@ impl LawForm {
     /// Which class of the search it belongs to.
     pub fn class(self) -> Class {
         match self {
-            Self::Position(_) | Self::PinSpring | Self::Product { .. } => Class::Own,
+            Self::Position(_) | Self::PinSpring | Self::Product { .. } | Self::SoftStop { .. } => Class::Own,
             Self::HalfCombination { .. } => Class::HalfEnergy,
             Self::CrossPosition | Self::CrossProduct { .. } | Self::CrossSpeed(_) | Self::SpeedProduct(_) => Class::Cross,
-            Self::Spring { .. } | Self::Bilinear | Self::Combination { .. } | Self::Damper => Class::Energy,
+            Self::Spring { .. } | Self::Bilinear | Self::Combination { .. } | Self::Damper | Self::Saturating => Class::Energy,
         }
     }
 
@@ -148,7 +163,13 @@ impl LawForm {
     /// so.
     pub fn is_conservative(self) -> bool {
         match self {
-            Self::Position(_) | Self::PinSpring | Self::Spring { .. } | Self::Bilinear | Self::Combination { .. } => true,
+            Self::Position(_)
+            | Self::PinSpring
+            | Self::Spring { .. }
+            | Self::Bilinear
+            | Self::Combination { .. }
+            | Self::SoftStop { .. }
+            | Self::Saturating => true,
             Self::HalfCombination { .. } | Self::CrossPosition => false,
             Self::Product { .. } | Self::CrossProduct { .. } | Self::CrossSpeed(_) | Self::SpeedProduct(_) | Self::Damper => {
                 false
@@ -165,7 +186,7 @@ impl LawForm {
     pub fn is_periodic(self) -> bool {
         match self {
             Self::Position(f) | Self::Product { f, .. } | Self::CrossProduct { f, .. } => f.is_periodic(),
-            Self::Spring { .. } | Self::Bilinear | Self::CrossPosition => false,
+            Self::Spring { .. } | Self::Bilinear | Self::CrossPosition | Self::SoftStop { .. } | Self::Saturating => false,
             _ => true,
         }
     }
@@ -241,20 +262,17 @@ impl LawForm {
                     grid: vec![0.3, 0.6, 0.8, 0.93],
                 },
             ],
-            Self::Spring { .. } | Self::Damper => {
-                // Near zero the second joint takes no part: what it adds to the combination is a twentieth of what the first
-                // does, or more.
-                let travel = |j: usize| spans[j].range.max(f64::MIN_POSITIVE);
-                let least = (0.05 * travel(joints[0]) / travel(joints[1])).min(0.2);
-                vec![Shape {
-                    low: -RATIO,
-                    high: RATIO,
-                    grid: [-3.0, -1.5, -0.75, -0.35, 0.35, 0.75, 1.5, 3.0]
-                        .into_iter()
-                        .filter(|a: &f64| a.abs() > least)
-                        .collect(),
-                }]
+            Self::Spring { .. } | Self::Damper => vec![ratio(joints, spans)],
+            Self::SoftStop { upper } => {
+                let below = if upper { 0.0 } else { spans[joints[0]].range };
+                let end = Shape::fixed(spans[joints[0]].highest - below);
+                vec![length(travel(joints[0], spans)), end]
             }
+            // The combination goes as far as both joints together at a ratio of one.
+            Self::Saturating => vec![
+                ratio(joints, spans),
+                length(travel(joints[0], spans) + travel(joints[1], spans)),
+            ],
             _ => Vec::new(),
         }
     }
@@ -303,6 +321,14 @@ impl LawForm {
                 let a = shape[0];
                 vec![both(scene, joints, [1.0, a], |s| v(first, s) + a * v(last, s))]
             }
+            Self::SoftStop { upper } => {
+                let towards = if upper { 1.0 } else { -1.0 };
+                vec![on(&|s| (towards * (q(first, s) - shape[1]) / shape[0]).exp())]
+            }
+            Self::Saturating => {
+                let (a, c) = (shape[0], shape[1]);
+                vec![both(scene, joints, [1.0, a], |s| ((q(first, s) + a * q(last, s)) / c).tanh())]
+            }
         }
     }
 
@@ -319,6 +345,31 @@ impl LawForm {
             Self::Spring { rest: true } => vec![coefficients[0], shape[0], coefficients[1] / coefficients[0]],
             _ => coefficients.iter().chain(shape).copied().collect(),
         }
+    }
+}
+
+fn travel(joint: usize, spans: &[Span]) -> f64 {
+    spans[joint].range.max(f64::MIN_POSITIVE)
+}
+
+/// Factor of the second joint. Near zero it takes no part: what it adds to the combination is a twentieth of what the first does,
+/// or more.
+fn ratio(joints: &[usize], spans: &[Span]) -> Shape {
+    let least = (0.05 * travel(joints[0], spans) / travel(joints[1], spans)).min(0.2);
+    let grid = [-3.0, -1.5, -0.75, -0.35, 0.35, 0.75, 1.5, 3.0].into_iter();
+    Shape {
+        low: -RATIO,
+        high: RATIO,
+        grid: grid.filter(|a: &f64| a.abs() > least).collect(),
+    }
+}
+
+/// A length along `travel`.
+fn length(travel: f64) -> Shape {
+    Shape {
+        low: LENGTH[0] * travel,
+        high: LENGTH[1] * travel,
+        grid: [0.08, 0.16, 0.32].map(|share| share * travel).to_vec(),
     }
 }
 

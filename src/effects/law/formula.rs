@@ -44,6 +44,8 @@ impl LawForm {
             Self::Bilinear | Self::CrossPosition => &["k"],
             Self::Damper => &["c", "r"],
             Self::CrossSpeed(_) | Self::SpeedProduct(_) => &["c"],
+            Self::SoftStop { .. } => &["a", "c", "s"],
+            Self::Saturating => &["a", "r", "c"],
             _ => &["a"],
         }
     }
@@ -206,6 +208,14 @@ impl Writer<'_> {
                 self.absolute(&v(last)),
                 self.of_speed(g, &v(first))
             )),
+            LawForm::SoftStop { upper } => {
+                let sign = if upper { "" } else { "-" };
+                own(format!("{}*exp({sign}({} - {})/{})", c[0], q(first), c[2], c[1]))
+            }
+            LawForm::Saturating => {
+                let sum = format!("({} + {}*{})", q(first), c[1], q(last));
+                gradient(format!("{}*tanh({sum}/{})", c[0], c[2]), &c[1])
+            }
             LawForm::Damper => gradient(format!("{}*({} + {}*{})", c[0], v(first), c[1], v(last)), &c[1]),
         }
     }
@@ -241,6 +251,24 @@ impl Writer<'_> {
             }
             LawForm::Bilinear => Some(format!("{}*{}*{}", c[0], q(first), q(last))),
             LawForm::Combination { a, b, f } => Some(wave(f, &self.combination([a, b], joints))),
+            LawForm::SoftStop { upper } => {
+                let sign = if upper { "" } else { "-" };
+                Some(format!(
+                    "{sign}{}*{c}*exp({sign}({} - {})/{c})",
+                    c[0],
+                    q(first),
+                    c[2],
+                    c = c[1]
+                ))
+            }
+            LawForm::Saturating => Some(format!(
+                "{}*{c}*log(cosh(({} + {}*{})/{c}))",
+                c[0],
+                q(first),
+                c[1],
+                q(last),
+                c = c[2]
+            )),
             _ => None,
         }
     }

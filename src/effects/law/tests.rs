@@ -150,6 +150,10 @@ impl Reader<'_> {
             "cos" => x.cos(),
             "sqrt" => x.sqrt(),
             "abs" | "fabs" => x.abs(),
+            "exp" => x.exp(),
+            "log" => x.ln(),
+            "cosh" => x.cosh(),
+            "tanh" => x.tanh(),
             "sign" => x.signum(),
             "pow" => x.powf(second.unwrap()),
             other => panic!("no function {other}"),
@@ -161,6 +165,7 @@ impl Reader<'_> {
 fn constants(number: usize, robot: &Robot, joints: &[usize]) -> (Vec<f64>, Vec<f64>) {
     let span = Span {
         range: 1.5,
+        highest: 0.9,
         speed: 1.0,
         interval: 0.01,
         speed_error: 0.0,

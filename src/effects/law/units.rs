@@ -22,6 +22,8 @@ fn unit(form: LawForm, at: usize, robot: &Robot, joints: &[usize]) -> String {
     match (form, at) {
         (LawForm::PinSpring, 1) => effort.into(),
         (LawForm::PinSpring, 3) | (LawForm::Spring { .. } | LawForm::Damper, 1) => "1".into(),
+        (LawForm::Saturating, 1) => "1".into(),
+        (LawForm::SoftStop { .. }, 1 | 2) | (LawForm::Saturating, 2) => robot.joints()[first].position_unit().into(),
         (LawForm::Spring { .. }, 2) => robot.joints()[first].position_unit().into(),
         // Of the remaining forms only the phase of a wave, and that of a pin spring, comes after the factor.
         (_, 1..) => "rad".into(),
@@ -33,7 +35,14 @@ fn unit(form: LawForm, at: usize, robot: &Robot, joints: &[usize]) -> String {
         (LawForm::CrossSpeed(g), _) => per(&[(last, g.power())], g.power()),
         (LawForm::SpeedProduct(g), _) => per(&[(last, 1), (first, g.power())], 1 + g.power()),
         (LawForm::Damper, _) => per(&[(last, 1)], 1),
-        (LawForm::PinSpring | LawForm::Combination { .. } | LawForm::HalfCombination { .. }, _) => effort.into(),
+        (
+            LawForm::PinSpring
+            | LawForm::Combination { .. }
+            | LawForm::HalfCombination { .. }
+            | LawForm::SoftStop { .. }
+            | LawForm::Saturating,
+            _,
+        ) => effort.into(),
     }
 }
 

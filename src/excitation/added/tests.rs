@@ -59,6 +59,7 @@ fn term(robot: &Robot, effect: &'static dyn Effect, form: usize) -> Term {
     let joints = places[places.len() / 2].clone();
     let span = Span {
         range: 1.5,
+        highest: 0.5,
         speed: 1.2,
         interval: INTERVAL,
         speed_error: 0.0,

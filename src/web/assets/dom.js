@@ -28,8 +28,9 @@ export function number(value, digits = 4) {
   return String(Number(value.toPrecision(digits))).replace('-', '−');
 }
 
-/** `value ± deviation` to the second digit of the deviation. */
+/** `value ± deviation` to the second digit of the deviation; the value alone where it was given and has none. */
 export function measured(value, deviation) {
+  if (deviation === 0) return number(value, 3);
   const decimals = 1 - Math.floor(Math.log10(deviation));
   if (!(deviation > 0) || decimals > 8 || Math.abs(value) >= 1e6) return `${number(value, 3)} ± ${number(deviation, 2)}`;
   const fixed = (v) => v.toFixed(Math.max(decimals, 0)).replace('-', '−');

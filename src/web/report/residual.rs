@@ -165,7 +165,11 @@ fn describe(page: &mut Html, result: &IdentifyDocument, finding: &EffectFinding)
     if finding.parameters.is_empty() {
         return;
     }
-    let row = |p: &EffectParameter| vec![words(&p.name), text(&p.value), text(&p.std_dev), unit(&p.unit)];
+    let deviation = |p: &EffectParameter| match p.std_dev {
+        Some(0.0) => "given".to_string(),
+        _ => text(&p.std_dev),
+    };
+    let row = |p: &EffectParameter| vec![words(&p.name), text(&p.value), deviation(p), unit(&p.unit)];
     page.table("", &["Parameter", "#Value", "#σ", "Unit"], finding.parameters.iter().map(row));
     let e = &finding.evidence;
     let mut evidence = format!(
