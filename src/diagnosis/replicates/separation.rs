@@ -91,6 +91,7 @@ fn separated(
     let (mut named, most_levels) = (0, 2 * stretch.joints());
     leave_out_start(stretch);
     let mut seams = Seams::of_start(stretch);
+    let mut start = start_rows(stretch);
     while named < SETTINGS.replicates.most_findings && taken.count() < most_levels {
         let Some(noise) = robust_noise(stretch) else { break };
         let best = best_named(robot, stretch, &noise, &seams).filter(|(f, _)| f.p_value < limit);
@@ -112,13 +113,16 @@ fn separated(
             (None, Some((finding, periods))) => {
                 stretch.periods = periods;
                 named += 1;
-                // What continues from the start is still the start: it is left out, and is nothing that somebody did to the arm.
-                let start = start_rows(stretch) + shortest(stretch);
                 if let Some(filled) = &finding.filled {
                     seams.add(filled, stretch.rows());
                 }
-                if finding.first_row.is_none_or(|first| first > start) {
-                    found.push(finding);
+                // What continues from the start is still the start, and so is what continues from that: friction builds up over
+                // as far as the joint has moved, in more than one piece. It is left out, and is nothing that somebody did to the arm.
+                match finding.first_row {
+                    Some(first) if first <= start + shortest(stretch) => {
+                        start = finding.filled.as_ref().map_or(start, |filled| start.max(filled.end));
+                    }
+                    _ => found.push(finding),
                 }
             }
             (None, None) => break,
