@@ -190,3 +190,31 @@ pub fn pairs(count: u64, first: u64) {
     }
     println!("{right} pairs right");
 }
+
+/// Every pair of effects (of `only`, where given) on one joint, at `size`: what is found instead where not both are.
+pub fn together(joint: usize, size: f64, only: &[String]) {
+    let robot = seven_axes();
+    let noise = sensor_noise(7);
+    let (all, mut right, mut tried) = (codes(), 0, 0);
+    for (i, a) in all.iter().enumerate() {
+        for b in &all[..i] {
+            let wanted = |code: &str| only.is_empty() || only.iter().any(|o| o == code);
+            if !(wanted(a) && wanted(b)) {
+                continue;
+            }
+            let effects = [effect(a, joint, size, &robot), effect(b, joint, size, &robot)];
+            let started = std::time::Instant::now();
+            let outcome = traced(&robot, &effects, &noise, 900 + i as u64);
+            let list = found(&outcome);
+            let both = list.len() == 2 && [a, b].iter().all(|c| list.iter().any(|f| f.starts_with(**c)));
+            right += usize::from(both);
+            tried += 1;
+            let word = if both { "right" } else { "WRONG" };
+            println!("{word} {a} with {b}: {list:?} {:.1} s", started.elapsed().as_secs_f64());
+            if !both {
+                explain(&outcome);
+            }
+        }
+    }
+    println!("{right} of {tried} pairs on one joint right");
+}

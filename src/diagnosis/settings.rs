@@ -209,6 +209,11 @@ pub struct Selection {
     pub linear_loss_share: f64,
     /// Share of the true gain that the linearised gain of a screening shows at least.
     pub linear_gain: f64,
+    /// Candidates that a pair is begun with, those that gain most, and those that each is tried with: of pairs of laws of
+    /// friction on one joint the right ones are among the first six and four.
+    pub pair_firsts: usize,
+    /// Of the second of a pair.
+    pub pair_seconds: usize,
     /// Best candidates of the grid whose shapes are refined: on the grid they are within a tenth of their best, so that a dozen
     /// hold the right one.
     pub refined: usize,
@@ -487,6 +492,8 @@ pub const SETTINGS: Settings = Settings {
         least_outside: 0.1,
         linear_loss_share: 0.25,
         linear_gain: 0.6,
+        pair_firsts: 6,
+        pair_seconds: 4,
         refined: 12,
         batch: 16,
         refinement_rounds: 2,

@@ -279,8 +279,8 @@ pub struct EffectParameter {
     pub value: Option<f64>,
     /// Unit of the value; empty for pure numbers.
     pub unit: String,
-    /// Standard deviation of the estimate, in `unit`; 0 for what is given and not estimated, as the end of the log from which a soft
-    /// stop is counted.
+    /// Standard deviation of the estimate, in `unit`; 0 for what is given and not estimated, as the end of the log from which a
+    /// soft stop is counted.
     pub std_dev: Option<f64>,
 }
 

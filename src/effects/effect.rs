@@ -170,7 +170,8 @@ impl Shape {
         }
     }
 
-    /// A value that is given and not estimated, such as the position at which an amplitude holds. Fixed shapes come after all others.
+    /// A value that is given and not estimated, such as the position at which an amplitude holds. Fixed shapes come after all
+    /// others.
     pub fn fixed(value: f64) -> Self {
         Self {
             low: value,

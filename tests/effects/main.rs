@@ -18,5 +18,6 @@ mod own;
 mod position_noise;
 mod recorded_filter;
 mod rivals;
+mod same_joint;
 mod unsteady;
 mod without_periods;

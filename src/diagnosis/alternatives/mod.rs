@@ -3,6 +3,7 @@
 mod border;
 mod contest;
 mod rivals;
+mod swaps;
 
 pub use border::RivalTerm;
 pub(crate) use border::border;

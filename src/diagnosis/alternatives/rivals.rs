@@ -1,6 +1,7 @@
 //! Could it be something else? Every effect is taken out in turn and all others are tried in its place.
 
 use super::contest::Contest;
+use super::swaps::swapped;
 use crate::diagnosis::report::{Rival, joint_names};
 use crate::diagnosis::selection::{
     Accepted, Candidate, Scored, Selected, Threshold, appraise, extend, hypotheses, judge, reach, scan,
@@ -47,17 +48,16 @@ pub(crate) fn settled(
     }
     let mut exchanges = 0;
     loop {
-        // Imitations have no rivals worth naming.
-        if selected.given_up {
-            return (selected, Vec::new());
-        }
         let data = data.with_noise(selected.noise.clone());
         let joints = selected.system.model.robot.joint_count();
         let unsettled = selected.system.noise_is_measured && (0..joints).any(|j| selected.system.has_misfit(&[j]));
-        let (mut contests, better): (Vec<Contest>, Vec<Option<Better>>) =
-            contests(&data, &selected, fixed, candidates, threshold, unsettled)
+        // Imitations have no rivals worth naming, but what they imitate may be found in their place.
+        let (mut contests, better): (Vec<Contest>, Vec<Option<Better>>) = match selected.given_up {
+            true => (Vec::new(), Vec::new()),
+            false => contests(&data, &selected, fixed, candidates, threshold, unsettled)
                 .into_iter()
-                .unzip();
+                .unzip(),
+        };
         if unsettled {
             contests.clear();
         }
@@ -66,14 +66,22 @@ pub(crate) fn settled(
             .enumerate()
             .filter_map(|(i, b)| Some((i, b?)))
             .min_by(|a, b| a.1.evidence.total_cmp(&b.1.evidence));
-        let Some((at, better)) = best.filter(|_| exchanges < threshold.most_effects) else {
+        if exchanges == threshold.most_effects {
             return (selected, contests);
-        };
+        }
         exchanges += 1;
-        // The newcomer stands last in its model.
-        selected.accepted.remove(at);
-        selected.accepted.push(better.accepted);
-        selected.system = better.system;
+        match best {
+            // The newcomer stands last in its model.
+            Some((at, better)) => {
+                selected.accepted.remove(at);
+                selected.accepted.push(better.accepted);
+                selected.system = better.system;
+            }
+            None => match swapped(&data, &selected, fixed, candidates, threshold) {
+                Some(other) => selected = other,
+                None => return (selected, contests),
+            },
+        }
         selected = extend(&data, selected, candidates, threshold);
     }
 }

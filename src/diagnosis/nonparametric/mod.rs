@@ -5,6 +5,6 @@ mod bic;
 mod matching_pursuit;
 mod remainder;
 
-pub(crate) use bic::Rivalling;
+pub(crate) use bic::{Rivalling, score_of};
 pub(crate) use matching_pursuit::excess;
 pub(crate) use remainder::{examine, unaccounted};

@@ -117,7 +117,8 @@ fn separated(
                     seams.add(filled, stretch.rows());
                 }
                 // What continues from the start is still the start, and so is what continues from that: friction builds up over
-                // as far as the joint has moved, in more than one piece. It is left out, and is nothing that somebody did to the arm.
+                // as far as the joint has moved, in more than one piece. It is left out, and is nothing that somebody did to
+                // the arm.
                 match finding.first_row {
                     Some(first) if first <= start + shortest(stretch) => {
                         start = finding.filled.as_ref().map_or(start, |filled| start.max(filled.end));

@@ -9,6 +9,7 @@ mod candidate;
 mod cross_validation;
 mod elimination;
 mod family;
+mod pairs;
 mod score;
 mod screening;
 mod stepwise;
@@ -21,6 +22,7 @@ pub(crate) use candidate::{Candidate, candidates, columns_of, own_candidate, rea
 pub(crate) use cross_validation::held_out_gain;
 pub(crate) use cross_validation::{Folds, HeldOutGain, fold_blocks};
 pub(crate) use elimination::drop_superfluous;
+pub(crate) use pairs::best_pair;
 pub(crate) use score::{Scored, appraise, chance, hypotheses};
 pub(crate) use screening::{best_on_grid, refine, scan, scan_on_grid};
 pub(crate) use stepwise::{Fitted, extend, fitted, select};

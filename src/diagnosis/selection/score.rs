@@ -51,6 +51,17 @@ impl Scored {
     }
 }
 
+/// Of the forms of one effect on the same joints the first.
+pub(crate) fn one_form_each(list: &mut Vec<&Scored>) {
+    let mut seen: Vec<(&str, &[usize])> = Vec::new();
+    list.retain(|s| {
+        let own = (s.candidate.effect.code(), &s.candidate.joints[..]);
+        let new = !seen.contains(&own);
+        seen.push(own);
+        new
+    });
+}
+
 /// Weighs a gain against what it costs.
 pub(crate) fn appraise(
     system: &System,

@@ -4,7 +4,8 @@ use super::acceptance::{is_simpler, judge, stands_in};
 use super::candidate::Candidate;
 use super::elimination::drop_superfluous;
 use super::family::best_family;
-use super::score::{Scored, appraise, hypotheses};
+use super::pairs::best_pair;
+use super::score::{Scored, appraise, hypotheses, one_form_each};
 use super::screening::scan;
 use super::types::{Accepted, Selected, Threshold};
 use crate::diagnosis::nonparametric::Rivalling;
@@ -44,10 +45,10 @@ pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], t
         let family = best_family(&data, &now.system, &open, &scored, threshold);
         // Functions imitate several effects of a kind as they imitate anything: as long as those are open, the search goes on.
         now.given_up = family.is_none() && rivalling.functions_are_cheaper(&data, &now, fixed, candidates, &scored);
-        if now.given_up {
-            break;
-        }
-        let step = step(&data, &now.system, &open, &scored, threshold);
+        let step = match now.given_up {
+            true => None,
+            false => step(&data, &now.system, &open, &scored, threshold),
+        };
         let single = step.as_ref().map_or(f64::NEG_INFINITY, |s| s.accepted.evidence);
         match (family, step) {
             (Some(family), _) if family.evidence > single => {
@@ -61,7 +62,17 @@ pub(crate) fn extend(data: &Data, mut now: Selected, candidates: &[Candidate], t
                     open.retain(|c| c.effect.code() != other.effect.code() || c.joints != other.joints);
                 }
             }
-            _ => break,
+            // Neither of two may earn its place without the other.
+            _ => {
+                let fits = now.accepted.len() + 2 <= threshold.most_effects;
+                let pair = fits
+                    .then(|| best_pair(&data, &now.system, &open, &scored, threshold))
+                    .flatten();
+                let Some(pair) = pair else { break };
+                now.given_up = false;
+                now.system = pair.system;
+                now.accepted.extend(pair.accepted);
+            }
         }
         drop_superfluous(&data, &mut now, candidates, threshold);
     }
@@ -120,20 +131,22 @@ fn contenders(scored: &[Scored]) -> Vec<&Scored> {
         .filter(|s| s.evidence > best - (0.3 * best.abs()).max(6.0))
         .take(4);
     let mut list: Vec<&Scored> = near.copied().collect();
-    // An effect on many joints is weighed against what is left on all of them: those that gain most stay in, whatever is left.
+    // An effect on many joints is weighed against what is left on all of them: those that gain most stay in, whatever is left;
+    // of the forms of one effect the best.
     let mut by_gain = open.clone();
     by_gain.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    // And whatever can stand in for one of them by being simpler.
-    let near = list.clone();
-    let simpler = open
-        .iter()
-        .filter(|s| near.iter().any(|n| is_simpler(&s.candidate, &n.candidate)))
-        .copied();
-    for scored in by_gain.into_iter().take(3).chain(simpler) {
+    one_form_each(&mut by_gain);
+    for scored in by_gain.into_iter().take(3) {
         if !list.iter().any(|c| std::ptr::eq(*c, scored)) {
             list.push(scored);
         }
     }
+    // And whatever can stand in for one of them by being simpler: beside others a form with a shape gains most at the end of its
+    // range, and only the plain one is the cause.
+    let simpler =
+        |s: &&Scored| list.iter().any(|n| is_simpler(&s.candidate, &n.candidate)) && !list.iter().any(|c| std::ptr::eq(*c, *s));
+    let simpler: Vec<&Scored> = open.iter().copied().filter(simpler).collect();
+    list.extend(simpler);
     list
 }
 

@@ -76,14 +76,14 @@ pub enum LawForm {
     SpeedProduct(OfSpeed),
     /// The gradient of the dissipation function `½ c (qd_i + a qd_k)²` by the speeds.
     Damper,
-    /// A soft stop, `tau_j = a exp(± (q_j − s) / c)`: rising towards the upper end of the joint's travel, or towards the lower one. The
-    /// end s, where the torque is a, is given: it is how far the log goes.
+    /// A soft stop, `tau_j = a exp(± (q_j − s) / c)`: rising towards the upper end of the joint's travel, or towards the lower
+    /// one. The end s, where the torque is a, is given: it is how far the log goes.
     SoftStop {
         /// Whether it stands at the upper end.
         upper: bool,
     },
-    /// A hose that gives way, the gradient of `a c ln cosh((q_i + r q_k)/c)`: `a tanh((q_i + r q_k)/c)` on joint i, r times that on
-    /// joint k.
+    /// A hose that gives way, the gradient of `a c ln cosh((q_i + r q_k)/c)`: `a tanh((q_i + r q_k)/c)` on joint i, r times
+    /// that on joint k.
     Saturating,
 }
 
@@ -92,8 +92,8 @@ const RATIO: f64 = 5.0;
 /// Between four fifths of the geometric mean of the radii and none of it: `ρ` of a pin spring beyond which the two pins meet, and
 /// below which it is a sine.
 const PIN: [f64; 2] = [0.05, 0.995];
-/// Lengths of a soft stop or of a hose that gives way, as shares of the travel: below the first it is a step that a few rows show,
-/// beyond the last a polynomial or a spring.
+/// Lengths of a soft stop or of a hose that gives way, as shares of the travel: below the first it is a step that a few rows
+/// show, beyond the last a polynomial or a spring.
 const LENGTH: [f64; 2] = [0.04, 0.8];
 
 static ALL: LazyLock<Vec<LawForm>> = LazyLock::new(listed);
