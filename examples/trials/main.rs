@@ -33,6 +33,8 @@ fn main() {
         Some("pairs") => grid::pairs(number(0, 20), number(1, 0)),
         Some("mountings") => mountings::mountings(number(0, 5), number(1, 0)),
         Some("rotors") => mountings::rotors(number(0, 2), number(1, 0)),
-        _ => eprintln!("usage: trials family|detect|confusion|nothing|grid|pairs|mountings|rotors [COUNT [FIRST]] [CODE…]"),
+        _ => eprintln!(
+            "usage: trials family|detect|confusion|nothing|grid|pairs|together|mountings|rotors [COUNT [FIRST]] [CODE…]"
+        ),
     }
 }

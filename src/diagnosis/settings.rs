@@ -209,10 +209,10 @@ pub struct Selection {
     pub linear_loss_share: f64,
     /// Share of the true gain that the linearised gain of a screening shows at least.
     pub linear_gain: f64,
-    /// Candidates that a pair is begun with, those that gain most, and those that each is tried with: of pairs of laws of
-    /// friction on one joint the right ones are among the first six and four.
+    /// Candidates that a pair is begun with, those that gain most: pairs of laws of friction on one joint (`trials together`)
+    /// are found with six.
     pub pair_firsts: usize,
-    /// Of the second of a pair.
+    /// Candidates that each of them is paired with, those that gain most beside it: four for the same logs.
     pub pair_seconds: usize,
     /// Best candidates of the grid whose shapes are refined: on the grid they are within a tenth of their best, so that a dozen
     /// hold the right one.

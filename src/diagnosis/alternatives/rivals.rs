@@ -32,9 +32,9 @@ pub(crate) fn rivals(
 /// The selection in which no effect has a rival that the evidence prefers, and the rivals that are left; none are reported where
 /// misfit is left all the same, since these effects may be taken back.
 ///
-/// An effect that was named early may have stood in for one that was not there yet: beside the later ones another may explain its
-/// part better, and takes its place; then the search goes on. Every exchange raises the evidence by `not_excluded`, so that none
-/// comes back.
+/// An effect that was named early may have stood in for one that was not there yet: beside the later ones another may explain
+/// its part better, and takes its place, or one takes that of two, or two that of one; then the search goes on. Every exchange
+/// raises the evidence by `not_excluded`, so that none comes back.
 pub(crate) fn settled(
     data: &Data,
     mut selected: Selected,

@@ -6,7 +6,7 @@
 
 use crate::diagnosis::nonparametric::score_of;
 use crate::diagnosis::selection::{
-    Accepted, Candidate, Scored, Selected, Threshold, best_pair, fitted, hypotheses, judge, reach, scan,
+    Accepted, Candidate, Scored, Selected, Threshold, best_pair, fitted, hypotheses, judge, reach, reached, scan,
 };
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{Data, System};
@@ -66,11 +66,7 @@ impl Swaps<'_> {
 
     /// Joints that effect `i` moves.
     fn reached(&self, i: usize) -> Vec<usize> {
-        let term = &self.selected.system.model.terms[self.fixed + i];
-        match term.joints.is_empty() {
-            true => (0..self.joints()).collect(),
-            false => term.acts_on(),
-        }
+        reached(&self.selected.system.model.terms[self.fixed + i], self.joints())
     }
 
     /// The model without some effects, and what the others have shown.

@@ -2,7 +2,7 @@
 
 use super::candidate::{Candidate, columns_of, reach};
 use super::cross_validation::held_out_gain;
-use super::score::{Scored, chance};
+use super::score::{Scored, appraise, chance};
 use super::types::{Accepted, Threshold};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::{AnyEffect, Travel};
@@ -49,6 +49,24 @@ pub(crate) fn judge(
         p_value,
         held_out,
     })
+}
+
+/// The same for one of several effects that came together: what it shows beside the others, of a fit without it.
+pub(crate) fn judge_beside(
+    data: &Data,
+    together: &System,
+    at: usize,
+    candidate: &Candidate,
+    threshold: &Threshold,
+    tried: f64,
+) -> Option<Accepted> {
+    let mut model = together.model.clone();
+    let term = model.terms.remove(at);
+    let without = data.fit(model);
+    let gain = data.gain(&without, together);
+    let rank = term.parameters() - candidate.free_shapes().min(term.parameters());
+    let own = appraise(&without, candidate, term, gain, rank, candidate.grid().len(), Some(together));
+    judge(data, &without, &own, together, at, threshold, tried)
 }
 
 /// Whether the parameters of term `at` lie inside their ranges and have the signs that their meaning asks for, by three standard

@@ -7,7 +7,8 @@ use super::wald_test::wald;
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{Data, System, Term};
 
-fn reached(term: &Term, joints: usize) -> Vec<usize> {
+/// Joints that a term moves, of this many.
+pub(crate) fn reached(term: &Term, joints: usize) -> Vec<usize> {
     if term.joints.is_empty() {
         (0..joints).collect()
     } else {

@@ -5,10 +5,10 @@
 //! coupling) explains more than any one of them. So all that can be seen of a kind are fitted at once, and those that the data do
 //! not ask for are taken out again.
 
-use super::acceptance::judge;
+use super::acceptance::judge_beside;
 use super::candidate::Candidate;
 use super::elimination::chance_of_loss;
-use super::score::{Scored, Weighed, appraise, hypotheses, weigh};
+use super::score::{Scored, Weighed, hypotheses, weigh};
 use super::types::{Accepted, Threshold};
 use super::wald_test::wald;
 use crate::effects;
@@ -87,15 +87,7 @@ fn judged(
     threshold: &Threshold,
     tried: f64,
 ) -> Result<Vec<Accepted>, usize> {
-    let one = |i: usize| {
-        let mut model = together.model.clone();
-        model.terms.remove(first + i);
-        let without = data.fit(model);
-        let gain = data.gain(&without, together);
-        let term = together.model.terms[first + i].clone();
-        let own = appraise(&without, &members[i].candidate, term, gain, 1, 1, Some(together));
-        judge(data, &without, &own, together, first + i, threshold, tried).ok_or(i)
-    };
+    let one = |i: usize| judge_beside(data, together, first + i, &members[i].candidate, threshold, tried).ok_or(i);
     (0..members.len()).map(one).collect()
 }
 

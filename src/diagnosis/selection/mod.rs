@@ -21,7 +21,7 @@ pub(crate) use candidate::{Candidate, candidates, columns_of, own_candidate, rea
 #[cfg(test)]
 pub(crate) use cross_validation::held_out_gain;
 pub(crate) use cross_validation::{Folds, HeldOutGain, fold_blocks};
-pub(crate) use elimination::drop_superfluous;
+pub(crate) use elimination::{drop_superfluous, reached};
 pub(crate) use pairs::best_pair;
 pub(crate) use score::{Scored, appraise, chance, hypotheses};
 pub(crate) use screening::{best_on_grid, refine, scan, scan_on_grid};

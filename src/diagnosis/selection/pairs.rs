@@ -4,13 +4,14 @@
 //! explain together, and neither passes. Such a pair is named only where it leaves nothing but noise on its joints: pairs are
 //! many, and two effects that explain a part of a misfit are an approximation of something else.
 
-use super::acceptance::judge;
+use super::acceptance::judge_beside;
 use super::candidate::{Candidate, reach};
-use super::score::{Scored, Weighed, appraise, hypotheses, one_form_each, weigh};
+use super::score::{Scored, Weighed, hypotheses, one_form_each, weigh};
 use super::screening::scan;
+use super::stepwise::fitted;
 use super::types::{Accepted, Threshold};
 use crate::diagnosis::settings::SETTINGS;
-use crate::regression::{Data, System, Term};
+use crate::regression::{Data, System};
 use rayon::prelude::*;
 
 /// Two effects that have earned their place together.
@@ -36,34 +37,34 @@ pub(crate) fn best_pair(
     one_form_each(&mut firsts);
     firsts.truncate(SETTINGS.selection.pair_firsts);
     let seconds = |first: &&Scored| with_a_second(data, system, candidates, first);
-    let mut pairs: Vec<Fitted> = firsts.par_iter().with_max_len(1).flat_map(seconds).collect();
+    let mut pairs: Vec<FittedPair> = firsts.par_iter().with_max_len(1).flat_map(seconds).collect();
     pairs.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     pairs.into_iter().find_map(|p| judged(data, p, candidates, threshold))
 }
 
 /// A pair, fitted with everything else.
-struct Fitted {
+struct FittedPair {
     system: System,
     members: [Scored; 2],
     evidence: f64,
 }
 
 /// The best effects on joints of `first` beside it.
-fn with_a_second(data: &Data, system: &System, candidates: &[Candidate], first: &Scored) -> Vec<Fitted> {
+fn with_a_second(data: &Data, system: &System, candidates: &[Candidate], first: &Scored) -> Vec<FittedPair> {
     let joints = system.model.robot.joint_count();
     let reached = reach(&first.candidate, joints);
     let meets = |c: &&Candidate| reach(c, joints).iter().any(|j| reached.contains(j));
     let others: Vec<Candidate> = candidates.iter().filter(meets).cloned().collect();
-    let beside = with(data, system, &[&first.term]);
+    let beside = fitted(data, system, first).system;
     let mut seconds = scan(data, &beside, &others);
     seconds.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let pair = |second: &Scored| {
-        let together = with(data, &beside, &[&second.term]);
+        let together = fitted(data, &beside, second).system;
         let mut reached = reached.clone();
         reached.extend(reach(&second.candidate, joints));
         reached.sort_unstable();
         reached.dedup();
-        // All that is left on its joints, or it is no cause.
+        // Two that leave a misfit on their joints are not its cause.
         (!together.has_misfit(&reached)).then(|| {
             let members = [first.clone(), second.clone()];
             let parameters = members.iter().map(|m| m.cost).sum();
@@ -73,7 +74,7 @@ fn with_a_second(data: &Data, system: &System, candidates: &[Candidate], first: 
                 .product();
             let gain = data.gain(system, &together);
             let Weighed { evidence, .. } = weigh(system, &reached, gain, parameters, tried, Some(&together));
-            Fitted {
+            FittedPair {
                 system: together,
                 members,
                 evidence,
@@ -87,36 +88,16 @@ fn with_a_second(data: &Data, system: &System, candidates: &[Candidate], first: 
         .collect()
 }
 
-fn with(data: &Data, system: &System, terms: &[&Term]) -> System {
-    let mut model = system.model.clone();
-    model.terms.extend(terms.iter().copied().cloned());
-    data.fit(model)
-}
-
 /// The pair, if each of the two has earned its place beside the other.
-fn judged(data: &Data, pair: Fitted, candidates: &[Candidate], threshold: &Threshold) -> Option<Pair> {
+fn judged(data: &Data, pair: FittedPair, candidates: &[Candidate], threshold: &Threshold) -> Option<Pair> {
     if pair.evidence <= 0.0 {
         return None;
     }
     let first = pair.system.model.terms.len() - 2;
     let one = |i: usize| {
-        let mut model = pair.system.model.clone();
-        let term = model.terms.remove(first + i);
-        let without = data.fit(model);
-        let gain = data.gain(&without, &pair.system);
         let candidate = &pair.members[i].candidate;
-        let rank = term.parameters() - candidate.free_shapes().min(term.parameters());
         let tried = hypotheses(candidates, candidate.effect.code());
-        let own = appraise(
-            &without,
-            candidate,
-            term,
-            gain,
-            rank.max(1),
-            pair.members[i].tried,
-            Some(&pair.system),
-        );
-        judge(data, &without, &own, &pair.system, first + i, threshold, tried)
+        judge_beside(data, &pair.system, first + i, candidate, threshold, tried)
     };
     let accepted = [one(0)?, one(1)?];
     Some(Pair {
