@@ -4,7 +4,7 @@ use super::contest::Contest;
 use super::swaps::swapped;
 use crate::diagnosis::report::{Rival, joint_names};
 use crate::diagnosis::selection::{
-    Accepted, Candidate, Scored, Selected, Threshold, appraise, extend, hypotheses, judge, reach, scan,
+    Accepted, Candidate, Fitted, Scored, Selected, Threshold, appraise, extend, fitted, hypotheses, judge, reach, scan,
 };
 use crate::diagnosis::settings::SETTINGS;
 use crate::diagnosis::without_periods::linear_contests;
@@ -169,13 +169,10 @@ fn contest(
     let mut found: Vec<(Rival, Term, DVector<f64>, Option<Better>)> = near
         .par_iter()
         .filter_map(|s| {
-            let mut model = without.model.clone();
-            model.terms.push(s.term.clone());
-            let fitted = data.fit(model);
-            let gain = data.gain(&without, &fitted);
-            let free = s.candidate.free_shapes().min(s.cost);
-            let rank = if s.term.is_distortion() { s.cost } else { s.cost - free };
-            let there = appraise(&without, &s.candidate, s.term.clone(), gain, rank, s.tried, Some(&fitted));
+            let Fitted {
+                scored: there,
+                system: fitted,
+            } = fitted(data, &without, s);
             let evidence = said_against(&finding, &there, &fitted);
             (evidence < SETTINGS.alternatives.not_excluded).then(|| {
                 let rival = Rival {

@@ -6,9 +6,9 @@
 
 use super::acceptance::judge_beside;
 use super::candidate::{Candidate, reach};
+use super::fitted::fitted;
 use super::score::{Scored, Weighed, hypotheses, one_form_each, weigh};
 use super::screening::scan;
-use super::stepwise::fitted;
 use super::types::{Accepted, Threshold};
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{Data, System};

@@ -4,8 +4,9 @@ use super::acceptance::{is_simpler, judge, stands_in};
 use super::candidate::Candidate;
 use super::elimination::drop_superfluous;
 use super::family::best_family;
+use super::fitted::{Fitted, fitted};
 use super::pairs::best_pair;
-use super::score::{Scored, appraise, hypotheses, one_form_each};
+use super::score::{Scored, hypotheses, one_form_each};
 use super::screening::scan;
 use super::types::{Accepted, Selected, Threshold};
 use crate::diagnosis::nonparametric::Rivalling;
@@ -88,12 +89,6 @@ struct Step {
     instead_of: Option<Candidate>,
 }
 
-/// A contender, fitted with everything else.
-pub(crate) struct Fitted {
-    pub scored: Scored,
-    pub system: System,
-}
-
 /// The best candidate that earns its place, fitted together with everything else, or what is simpler and explains nearly as much.
 fn step(data: &Data, system: &System, candidates: &[Candidate], scored: &[Scored], threshold: &Threshold) -> Option<Step> {
     let group = contenders(scored);
@@ -148,19 +143,4 @@ fn contenders(scored: &[Scored]) -> Vec<&Scored> {
     let simpler: Vec<&Scored> = open.iter().copied().filter(simpler).collect();
     list.extend(simpler);
     list
-}
-
-pub(crate) fn fitted(data: &Data, system: &System, scored: &Scored) -> Fitted {
-    let mut model = system.model.clone();
-    model.terms.push(scored.term.clone());
-    let there = data.fit(model);
-    let gain = data.gain(system, &there);
-    let rank = if scored.term.is_distortion() {
-        scored.cost
-    } else {
-        scored.cost - scored.candidate.free_shapes().min(scored.cost)
-    };
-    let term = scored.term.clone();
-    let scored = appraise(system, &scored.candidate, term, gain, rank, scored.tried, Some(&there));
-    Fitted { scored, system: there }
 }
