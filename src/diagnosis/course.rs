@@ -69,6 +69,7 @@ impl<'a> Course<'a> {
             share: SETTINGS.selection.least_share,
             generalises: SETTINGS.selection.least_generalisation,
             most_effects: self.options.most_effects_per_joint * self.robot.joint_count(),
+            most_per_joint: self.options.most_effects_per_joint,
         }
     }
 

@@ -154,6 +154,12 @@ impl AugmentedModel {
         self.values.len() + self.terms[..at].iter().map(Term::parameters).sum::<usize>()
     }
 
+    /// Number of effects of single joints that act on this one.
+    pub fn effects_on(&self, joint: usize) -> usize {
+        let acts = |t: &&Term| !t.joints.is_empty() && t.acts_on().contains(&joint);
+        self.terms.iter().filter(acts).count()
+    }
+
     /// All parameters: base, then per term the coefficients and the free shapes.
     pub fn vector(&self) -> DVector<f64> {
         let mut all: Vec<f64> = self.values.iter().copied().collect();

@@ -8,7 +8,7 @@ use crate::diagnosis::selection::{
 };
 use crate::diagnosis::settings::SETTINGS;
 use crate::diagnosis::without_periods::linear_contests;
-use crate::regression::{Data, System, Term, misfit_from};
+use crate::regression::{Data, System, Term};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -157,11 +157,7 @@ fn contest(
     let others = scan(data, &without, &others);
     // The linearised gain errs by a fraction, and before a fit nobody knows what it leaves: what gains nearly as much is fitted
     // properly.
-    let could_settle = |s: &Scored| {
-        let joints = reach(&s.candidate, joints);
-        let rows: usize = joints.iter().map(|&j| without.rows(j)).sum();
-        without.mean_square(&joints) - s.gain / SETTINGS.selection.linear_gain / rows.max(1) as f64 <= misfit_from(rows)
-    };
+    let could_settle = |s: &Scored| s.could_settle(&without, &reach(&s.candidate, joints));
     let wanted = |s: &&Scored| s.gain > SETTINGS.selection.linear_gain * loss && (!better_alone || could_settle(s));
     let mut near: Vec<_> = others.iter().filter(wanted).collect();
     near.sort_by(|a, b| b.gain.total_cmp(&a.gain));

@@ -6,7 +6,7 @@
 
 use crate::diagnosis::nonparametric::score_of;
 use crate::diagnosis::selection::{
-    Accepted, Candidate, Scored, Selected, Threshold, best_pair, fitted, hypotheses, judge, reach, reached, scan,
+    Accepted, Candidate, Scored, Selected, Threshold, best_pair, fitted, hypotheses, judge, reach, reached, scan_on_grid,
 };
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{Data, System};
@@ -80,6 +80,17 @@ impl Swaps<'_> {
         (self.data.fit(model), kept)
     }
 
+    fn has_misfit(&self, joints: &[usize]) -> bool {
+        joints.iter().any(|&j| self.selected.system.has_misfit(&[j]))
+    }
+
+    /// Whether one of these joints has so many effects that they imitate something: no exchange of one or two of them makes an
+    /// account of that, and every try costs a fit and a scan.
+    fn imitates(&self, joints: &[usize]) -> bool {
+        let model = &self.selected.system.model;
+        joints.iter().any(|&j| model.effects_on(j) > self.threshold.most_per_joint)
+    }
+
     /// Candidates on joints such as these.
     fn on(&self, wanted: impl Fn(&[usize]) -> bool) -> Vec<Candidate> {
         let joints = self.joints();
@@ -90,35 +101,39 @@ impl Swaps<'_> {
     /// Two effects in the place of one that leaves a misfit on its joints: where it leaves none, two are no better account.
     fn two_for(&self, one: usize) -> Option<(System, Vec<Accepted>)> {
         let reached = self.reached(one);
-        if !reached.iter().any(|&j| self.selected.system.has_misfit(&[j])) {
+        if !self.has_misfit(&reached) || self.imitates(&reached) {
             return None;
         }
         let (without, mut kept) = self.without(&[one]);
         let open = self.on(|joints| joints.iter().any(|j| reached.contains(j)));
-        let scored = scan(self.data, &without, &open);
+        let scored = scan_on_grid(self.data, &without, &open);
         let pair = best_pair(self.data, &without, &open, &scored, self.threshold)?;
         kept.extend(pair.accepted);
         Some((pair.system, kept))
     }
 
-    /// One effect in the place of two that share a joint, of those that may explain as much.
+    /// One effect in the place of two that share a joint and account for all that is there, of those that may explain as much.
+    /// Where two leave a misfit and one does not, it takes the place of one of them, and the other goes.
     fn one_for(&self, two: &[usize]) -> Option<(System, Vec<Accepted>)> {
         let [a, b] = [self.reached(two[0]), self.reached(two[1])];
-        if !a.iter().any(|j| b.contains(j)) {
+        let union = [&a[..], &b].concat();
+        if !a.iter().any(|j| b.contains(j)) || self.has_misfit(&union) || self.imitates(&union) {
             return None;
         }
         let (without, kept) = self.without(two);
         // One of the two alone is among them: with another shape it may be all that is there.
         let open = self.on(|joints| joints.iter().any(|j| a.contains(j) && b.contains(j)));
         let loss = self.data.gain(&without, &self.selected.system);
-        let mut scored: Vec<Scored> = scan(self.data, &without, &open);
-        scored.retain(|s| s.gain > SETTINGS.selection.linear_gain * loss);
+        let mut scored: Vec<Scored> = scan_on_grid(self.data, &without, &open);
+        let joints = self.joints();
+        scored
+            .retain(|s| s.gain > SETTINGS.selection.linear_gain * loss && s.could_settle(&without, &reach(&s.candidate, joints)));
         scored.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         scored.truncate(SETTINGS.selection.pair_seconds);
         let judged = |s: &Scored| {
             let there = fitted(self.data, &without, s);
             let at = there.system.model.terms.len() - 1;
-            if there.system.has_misfit(&reach(&s.candidate, self.joints())) {
+            if there.system.has_misfit(&reach(&s.candidate, joints)) {
                 return None;
             }
             let tried = hypotheses(self.candidates, s.candidate.effect.code());

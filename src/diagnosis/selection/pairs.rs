@@ -8,7 +8,7 @@ use super::acceptance::judge_beside;
 use super::candidate::{Candidate, reach};
 use super::fitted::fitted;
 use super::score::{Scored, Weighed, hypotheses, one_form_each, weigh};
-use super::screening::scan;
+use super::screening::scan_on_grid;
 use super::types::{Accepted, Threshold};
 use crate::diagnosis::settings::SETTINGS;
 use crate::regression::{Data, System};
@@ -31,7 +31,11 @@ pub(crate) fn best_pair(
     threshold: &Threshold,
 ) -> Option<Pair> {
     let joints = system.model.robot.joint_count();
-    let open = |s: &&Scored| reach(&s.candidate, joints).iter().any(|&j| system.has_misfit(&[j]));
+    let open = |s: &&Scored| {
+        let reached = reach(&s.candidate, joints);
+        let room = |&j: &usize| system.model.effects_on(j) + 2 <= threshold.most_per_joint;
+        reached.iter().any(|&j| system.has_misfit(&[j])) && reached.iter().all(room)
+    };
     let mut firsts: Vec<&Scored> = scored.iter().filter(open).collect();
     firsts.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     one_form_each(&mut firsts);
@@ -56,14 +60,18 @@ fn with_a_second(data: &Data, system: &System, candidates: &[Candidate], first: 
     let meets = |c: &&Candidate| reach(c, joints).iter().any(|j| reached.contains(j));
     let others: Vec<Candidate> = candidates.iter().filter(meets).cloned().collect();
     let beside = fitted(data, system, first).system;
-    let mut seconds = scan(data, &beside, &others);
+    // A fit finds the shapes; where none on the grid may settle the joints, none needs to be made.
+    let mut seconds = scan_on_grid(data, &beside, &others);
     seconds.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let pair = |second: &Scored| {
-        let together = fitted(data, &beside, second).system;
         let mut reached = reached.clone();
         reached.extend(reach(&second.candidate, joints));
         reached.sort_unstable();
         reached.dedup();
+        if !second.could_settle(&beside, &reached) {
+            return None;
+        }
+        let together = fitted(data, &beside, second).system;
         // Two that leave a misfit on their joints are not its cause.
         (!together.has_misfit(&reached)).then(|| {
             let members = [first.clone(), second.clone()];

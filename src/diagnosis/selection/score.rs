@@ -1,8 +1,9 @@
 //! What the gain of a candidate is worth: held against what is left, what it costs, and chance.
 
 use super::candidate::{Candidate, reach};
+use crate::diagnosis::settings::SETTINGS;
 use crate::effects::{self, Effect};
-use crate::regression::{System, Term, chi_square_tail};
+use crate::regression::{System, Term, chi_square_tail, misfit_from};
 
 /// A candidate at its best shape on the grid.
 #[derive(Clone)]
@@ -48,6 +49,16 @@ impl Scored {
         let price = |s: &Scored| s.fair_gain - s.evidence;
         let better = |a: &Scored, b: &Scored| a.gain >= b.gain && price(a) <= price(b);
         meets && (better(self, other) || better(other, self))
+    }
+}
+
+impl Scored {
+    /// Whether it may leave nothing but noise on `joints` of `system`, beside which it has been scored and not yet fitted: the
+    /// linearised gain is a fraction of the true one.
+    pub fn could_settle(&self, system: &System, joints: &[usize]) -> bool {
+        let rows: usize = joints.iter().map(|&j| system.rows(j)).sum();
+        let gain = self.gain / SETTINGS.selection.linear_gain;
+        system.mean_square(joints) - gain / rows.max(1) as f64 <= misfit_from(rows)
     }
 }
 

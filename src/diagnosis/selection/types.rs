@@ -40,4 +40,6 @@ pub(crate) struct Threshold {
     /// Share of the gain that must be there on blocks of time left out.
     pub generalises: f64,
     pub most_effects: usize,
+    /// Effects on one joint beyond which they are no account of causes.
+    pub most_per_joint: usize,
 }
