@@ -191,30 +191,47 @@ pub fn pairs(count: u64, first: u64) {
     println!("{right} pairs right");
 }
 
-/// Every pair of effects (of `only`, where given) on one joint, at `size`: what is found instead where not both are.
-pub fn together(joint: usize, size: f64, only: &[String]) {
+/// What hides on one joint: every effect of `only` (all, where empty) alone, and every pair of them.
+fn alone_and_in_pairs(only: &[String]) -> Vec<Vec<&'static str>> {
+    let wanted = |code: &&'static str| only.is_empty() || only.iter().any(|o| o == code);
+    let all: Vec<&'static str> = codes().into_iter().filter(wanted).collect();
+    let pairs = (0..all.len())
+        .flat_map(|i| (0..i).map(move |k| (i, k)))
+        .map(|(i, k)| vec![all[i], all[k]]);
+    all.iter().map(|code| vec![*code]).chain(pairs).collect()
+}
+
+/// Effects on one joint, alone and in pairs, at `size`: what is found instead where not all are; on logs with periods
+/// or, `once`, on such as never come back.
+pub fn together(joint: usize, size: f64, only: &[String], recorded: impl Fn(&[HiddenEffect]) -> Diagnosis) {
     let robot = seven_axes();
-    let noise = sensor_noise(7);
-    let (all, mut right, mut tried) = (codes(), 0, 0);
-    for (i, a) in all.iter().enumerate() {
-        for b in &all[..i] {
-            let wanted = |code: &str| only.is_empty() || only.iter().any(|o| o == code);
-            if !(wanted(a) && wanted(b)) {
-                continue;
-            }
-            let effects = [effect(a, joint, size, &robot), effect(b, joint, size, &robot)];
-            let started = std::time::Instant::now();
-            let outcome = traced(&robot, &effects, &noise, 900 + i as u64);
-            let list = found(&outcome);
-            let both = list.len() == 2 && [a, b].iter().all(|c| list.iter().any(|f| f.starts_with(**c)));
-            right += usize::from(both);
-            tried += 1;
-            let word = if both { "right" } else { "WRONG" };
-            println!("{word} {a} with {b}: {list:?} {:.1} s", started.elapsed().as_secs_f64());
-            if !both {
-                explain(&outcome);
-            }
+    let (mut right, cases) = (0, alone_and_in_pairs(only));
+    for hidden in &cases {
+        let effects: Vec<HiddenEffect> = hidden.iter().map(|code| effect(code, joint, size, &robot)).collect();
+        let started = std::time::Instant::now();
+        let outcome = recorded(&effects);
+        let list = found(&outcome);
+        let all = list.len() == hidden.len() && hidden.iter().all(|c| list.iter().any(|f| f.starts_with(c)));
+        right += usize::from(all);
+        let word = if all { "right" } else { "WRONG" };
+        println!(
+            "{word} {}: {list:?} {:.1} s",
+            hidden.join(" with "),
+            started.elapsed().as_secs_f64()
+        );
+        if !all {
+            explain(&outcome);
         }
     }
-    println!("{right} of {tried} pairs on one joint right");
+    println!("{right} of {} right", cases.len());
+}
+
+/// A log with periods of [`together`].
+pub fn periodic(effects: &[HiddenEffect]) -> Diagnosis {
+    traced(&seven_axes(), effects, &sensor_noise(7), 900)
+}
+
+/// A log without periods of [`together`].
+pub fn single_run(effects: &[HiddenEffect]) -> Diagnosis {
+    once(&seven_axes(), effects, &sensor_noise(7), 11)
 }

@@ -5,7 +5,8 @@
 //! - `trials confusion [REPEATS] [CODE…]`: what is found for what was hidden.
 //! - `trials nothing COUNT [FIRST]`: logs with nothing in them.
 //! - `trials grid [CODE…]`: every effect on three joints at three sizes. `trials pairs [COUNT [FIRST]]`.
-//! - `trials together [JOINT [TENTHS]] [CODE…]`: every pair of effects on one joint, at that size.
+//! - `trials together [JOINT [TENTHS]] [CODE…]`: effects on one joint, alone and in pairs, at that size. `trials once …`: the
+//!   same on logs without periods.
 //! - `trials mountings [SEEDS [FIRST]]`: gravity along the axes and space diagonals. `trials rotors [SEEDS [FIRST]]`: a rotor
 //!   inertia on every joint.
 
@@ -29,12 +30,13 @@ fn main() {
         Some("confusion") => detect::confusion(number(0, 3), &words),
         Some("nothing") => grid::nothing(number(0, 200), number(1, 0)),
         Some("grid") => grid::grid(&words),
-        Some("together") => grid::together(number(0, 3) as usize, number(1, 15) as f64 / 10.0, &words),
+        Some("together") => grid::together(number(0, 3) as usize, number(1, 15) as f64 / 10.0, &words, grid::periodic),
+        Some("once") => grid::together(number(0, 3) as usize, number(1, 30) as f64 / 10.0, &words, grid::single_run),
         Some("pairs") => grid::pairs(number(0, 20), number(1, 0)),
         Some("mountings") => mountings::mountings(number(0, 5), number(1, 0)),
         Some("rotors") => mountings::rotors(number(0, 2), number(1, 0)),
         _ => eprintln!(
-            "usage: trials family|detect|confusion|nothing|grid|pairs|together|mountings|rotors [COUNT [FIRST]] [CODE…]"
+            "usage: trials family|detect|confusion|nothing|grid|pairs|together|once|mountings|rotors [COUNT [FIRST]] [CODE…]"
         ),
     }
 }
