@@ -62,7 +62,9 @@ pub(crate) fn searched<'a>(
             (examined, remainder) = examine(&data, law, fixed, &open, threshold);
         }
         let laws = examined.system.model.terms.iter().any(|t| is_law(&t.effect));
-        if laws || remainder.is_some() || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
+        // Without measured noise a remainder takes effects back or changes nothing.
+        let taken_back = remainder.is_some() && examined.system.noise_is_measured;
+        if laws || taken_back || examined.accepted.len() != contests.len() || open.len() < candidates.len() {
             contests = rivals(&data, &examined, fixed, candidates, threshold);
             for (at, contest) in law_contests(&data, &examined, &open, threshold) {
                 contests[at] = contest;

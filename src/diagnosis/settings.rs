@@ -369,6 +369,20 @@ pub struct WithoutPeriods {
     pub subsamples: usize,
     /// Share of the blocks that a subsample leaves out.
     pub left_out_share: f64,
+    /// How many times as long as white noise of its band a residual must keep its sign to be looked into: the standard deviation
+    /// of that ratio is a fifth.
+    pub slow: f64,
+    /// How many times the median of all runs of rows one is off that comes once: 5.4 standard deviations of noise, and misfit has
+    /// longer tails.
+    pub passing: f64,
+    /// Share of the runs up to which those are exceptions.
+    pub exceptions: f64,
+    /// Smooth functions that are chosen from where a block is left out: those that do best on all.
+    pub remainder_functions: usize,
+    /// Chance, over all joints, of what smooth functions predict on blocks left out.
+    pub remainder_chance: f64,
+    /// Share of what a joint leaves that they must explain to be reported: its error would be a twentieth smaller without it.
+    pub remainder_share: f64,
 }
 
 /// Held-out data.
@@ -558,6 +572,12 @@ pub const SETTINGS: Settings = Settings {
         doubtful: 1e-2,
         subsamples: 50,
         left_out_share: 0.2,
+        slow: 1.5,
+        passing: 8.0,
+        exceptions: 0.1,
+        remainder_functions: 8,
+        remainder_chance: 1e-2,
+        remainder_share: 0.1,
     },
     held_out: HeldOutTest {
         beyond_chance: 0.01,

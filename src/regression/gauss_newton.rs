@@ -142,6 +142,18 @@ impl Data<'_> {
     }
 }
 
+/// Rows over which whitened residuals keep their sign: mean square of sums over runs of rows, relative to white noise.
+pub(crate) fn persistence<'a>(residuals: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let (mut together, mut alone) = (0.0, 0.0);
+    for r in residuals {
+        for run in r.chunks((r.len() / SETTINGS.persistence_runs).max(1)) {
+            together += run.iter().sum::<f64>().powi(2);
+            alone += run.iter().map(|v| v * v).sum::<f64>();
+        }
+    }
+    if alone > 0.0 { (together / alone).max(1.0) } else { 1.0 }
+}
+
 impl System {
     /// Sum of squares of the whitened residuals of one joint.
     pub fn joint_chi_square(&self, joint: usize) -> f64 {
@@ -156,17 +168,11 @@ impl System {
     /// Rows over which the residual of these joints keeps its sign: mean square of sums over runs of rows, relative to white
     /// noise.
     pub fn persistence(&self, joints: &[usize]) -> f64 {
-        let (mut together, mut alone) = (0.0, 0.0);
-        for blocks in &self.blocks {
-            for &j in joints {
-                let r = blocks[j].residual.as_slice();
-                for run in r.chunks((r.len() / SETTINGS.persistence_runs).max(1)) {
-                    together += run.iter().sum::<f64>().powi(2);
-                    alone += run.iter().map(|v| v * v).sum::<f64>();
-                }
-            }
-        }
-        if alone > 0.0 { (together / alone).max(1.0) } else { 1.0 }
+        let rows = self
+            .blocks
+            .iter()
+            .flat_map(|blocks| joints.iter().map(|&j| blocks[j].residual.as_slice()));
+        persistence(rows)
     }
 
     /// Degrees of freedom that the fit has spent on the rows of one joint: the trace of its part of the hat matrix.

@@ -54,6 +54,7 @@ pub(crate) use estimate::estimated;
 pub use estimate::{Estimate, Estimator, Fitted, JointFit, estimate};
 pub use explained::{Explained, explained_share};
 pub(crate) use explained::{folds_in_time, shares, with_constant};
+pub(crate) use gauss_newton::persistence;
 pub(crate) use hac::{chance_of, misfit_from, single_estimate};
 pub(crate) use jacobian::shape_derivatives;
 pub use joint_normal::JointNormal;

@@ -29,6 +29,65 @@ fn prop_nothing_is_found_on_logs_without_periods_where_there_is_nothing() {
     }
 }
 
+/// Noise that goes together over a tenth of a second is none either.
+#[test]
+fn prop_slow_noise_is_no_misfit() {
+    for (i, robot) in robots().iter().enumerate() {
+        let noise = Noise {
+            torque_correlation: 0.95,
+            ..sensor_noise(robot.joint_count())
+        };
+        let report = once(robot, &[], &noise, 40 + i as u64).report;
+        assert_eq!(
+            report.verdict,
+            Verdict::NothingMissing,
+            "{}: {:?}",
+            robot.name(),
+            report.remainder
+        );
+    }
+}
+
+/// What is in no list was taken for noise, and a spring for its cause.
+#[test]
+fn prop_what_follows_the_motion_is_not_taken_for_noise() {
+    for (robot, seed) in [(seven_axes(), 11), (seven_axes(), 12), (six_axes(), 13)] {
+        let hidden = effect("unexplained", 3, 3.0, &robot);
+        let report = once(&robot, &[hidden], &sensor_noise(robot.joint_count()), seed).report;
+        let remainder = report.remainder.expect("a remainder");
+        assert_eq!(report.verdict, Verdict::Unexplained, "{} seed {seed}", robot.name());
+        assert_eq!(remainder.joints, ["J4"], "{remainder:?}");
+        for variable in ["q4", "q5"] {
+            assert!(remainder.depends_on.iter().any(|v| v == variable), "{remainder:?}");
+        }
+        // A sum of two waves of 0.9 N·m times the size: most of it is found again.
+        assert!(remainder.predicted_share > 0.5 && remainder.rms[0] > 1.0, "{remainder:?}");
+    }
+}
+
+/// A touch was taken for noise: nobody knew that the log was to be recorded again.
+#[test]
+fn prop_a_touch_is_seen_without_periods() {
+    let robot = seven_axes();
+    for (seed, start, torque) in [(20, 23.0, 6.0), (21, 41.5, -4.0)] {
+        let mut torques = vec![0.0; 7];
+        torques[3] = torque;
+        let hidden = HiddenEffect::ExternalContact {
+            start,
+            end: start + 1.5,
+            torque: torques,
+        };
+        let report = once(&robot, &[hidden], &sensor_noise(7), seed).report;
+        assert_eq!(report.verdict, Verdict::Unexplained, "seed {seed}");
+        let remainder = report.remainder.expect("a remainder");
+        assert_eq!(remainder.joints, ["J4"], "{remainder:?}");
+        assert_eq!(remainder.depends_on, ["time"], "{remainder:?}");
+        let from = remainder.note.split("from ").nth(1).and_then(|n| n.split(' ').next());
+        let from: f64 = from.and_then(|n| n.parse().ok()).expect("when it began");
+        assert!((from - start).abs() < 1.3, "a run of rows is 1.2 s: {}", remainder.note);
+    }
+}
+
 /// Effects that only periods show, the payload, which base parameters hold, and what is in no list.
 const NOT_HERE: [&str; 4] = ["friction_drift", "external_contact", "payload", "unexplained"];
 

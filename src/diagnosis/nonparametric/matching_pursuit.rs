@@ -3,7 +3,7 @@
 use crate::diagnosis::selection::chance;
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::{AnyEffect, Effect, Unexplained, products, variable};
-use crate::regression::{AugmentedModel, Data, Stretch, System, Term, reduce};
+use crate::regression::{AugmentedModel, Data, Stretch, System, Term, Whitened, reduce};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -86,17 +86,24 @@ pub(crate) fn function_jobs(n: usize, rows: &[usize]) -> Vec<Vec<usize>> {
     jobs
 }
 
-/// One function, by matching pursuit over its products.
-pub(crate) fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> Option<Smooth> {
-    let codes = &job[1..job.len().min(3)];
-    let mut shape = scaling(data, system, codes)?;
+/// Centre and half range of the variables of a job, and its products as columns; `None` where a variable does not vary.
+pub(crate) fn function_columns(data: &Data, system: &System, job: &[usize]) -> Option<(Vec<f64>, Whitened)> {
+    let shape = scaling(data, system, &job[1..job.len().min(3)])?;
     let coarse: Vec<&Stretch> = data.stretches.iter().map(Stretch::coarse_form).collect();
     let columns: Vec<_> = coarse
         .iter()
         .zip(system.thinned(data))
         .map(|(stretch, e)| Unexplained.columns(0, &e.scene(system, stretch), job, &shape))
         .collect();
-    let (own, rest, right) = system.projected(&system.whitened(data, &coarse, columns));
+    let columns = system.whitened(data, &coarse, columns);
+    Some((shape, columns))
+}
+
+/// One function, by matching pursuit over its products.
+pub(crate) fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> Option<Smooth> {
+    let codes = &job[1..job.len().min(3)];
+    let (mut shape, columns) = function_columns(data, system, job)?;
+    let (own, rest, right) = system.projected(&columns);
     let rows: usize = (0..system.model.robot.joint_count()).map(|j| system.rows(j)).sum();
     let count = products(codes, system.model.robot.joint_count()) * if job.len() > 3 { 2 } else { 1 };
     let price = (rows as f64).ln() + 2.0 * (count as f64).ln();
@@ -118,8 +125,13 @@ pub(crate) fn score(data: &Data, system: &System, job: &[usize], jobs: f64) -> O
     Some(Smooth { term, gain, evidence })
 }
 
-/// Takes the column that gains most beside those taken, until none pays its price.
-fn pursue(own: &DMatrix<f64>, rest: &DMatrix<f64>, right: &DVector<f64>, price: f64) -> (Vec<usize>, f64, DVector<f64>) {
+/// Takes the column that gains most beside those taken, until none pays its price: which, what they gain, and their coefficients.
+pub(crate) fn pursue(
+    own: &DMatrix<f64>,
+    rest: &DMatrix<f64>,
+    right: &DVector<f64>,
+    price: f64,
+) -> (Vec<usize>, f64, DVector<f64>) {
     let mut chosen: Vec<usize> = Vec::new();
     let mut best = (0.0, DVector::zeros(0));
     let with = |set: &[usize]| {

@@ -6,5 +6,5 @@ mod matching_pursuit;
 mod remainder;
 
 pub(crate) use bic::{Rivalling, score_of};
-pub(crate) use matching_pursuit::excess;
+pub(crate) use matching_pursuit::{excess, function_columns, function_jobs, pursue};
 pub(crate) use remainder::{examine, unaccounted};

@@ -9,6 +9,7 @@ use super::matching_pursuit::{left_over, score};
 use crate::diagnosis::report::Remainder;
 use crate::diagnosis::selection::{Candidate, Selected, Threshold, chance, hypotheses};
 use crate::diagnosis::settings::SETTINGS;
+use crate::diagnosis::without_periods;
 use crate::effects::variable_name;
 use crate::regression::{Data, Stretch, System, Term};
 
@@ -20,9 +21,8 @@ pub(crate) fn examine(
     candidates: &[Candidate],
     threshold: &Threshold,
 ) -> (Selected, Option<Remainder>) {
-    // Without measured noise nobody knows whether anything is left.
     if !selected.system.noise_is_measured {
-        return (selected, None);
+        return without_periods::examine(data, selected);
     }
     let start = score_of(data, &selected.system, candidates, fixed);
     match best_with_functions(data, &selected, fixed, candidates) {

@@ -80,6 +80,11 @@ impl Blocks {
         }
     }
 
+    /// Fits of the model alone without each block; `None` where the others do not determine it.
+    pub fn each_left_out(&self) -> Option<Vec<Partial>> {
+        (0..self.times.len()).into_par_iter().map(|b| self.without(&[b])).collect()
+    }
+
     /// The fit of the model alone without these blocks.
     pub fn without(&self, left_out: &[usize]) -> Option<Partial> {
         let size = self.root.ncols();

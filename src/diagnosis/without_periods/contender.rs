@@ -1,8 +1,11 @@
 //! One effect, or several at once, beside a fitted model: what they gain on blocks of time that the fit has not seen.
 
 use super::blocks::{Blocks, Partial, residual};
+use crate::diagnosis::nonparametric::pursue;
 use crate::diagnosis::selection::{Scored, columns_of, reach};
-use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, jackknife_sum, reduce, width};
+use crate::regression::{
+    Data, SETTINGS as REGRESSION_SETTINGS, System, Whitened, jackknife_sum, persistence, reduce, transposed_product, width,
+};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -29,6 +32,16 @@ pub(crate) struct Contender<'a> {
 pub(crate) struct Beside {
     pub coefficients: DVector<f64>,
     change: DVector<f64>,
+}
+
+/// The columns of a contender that pay their price.
+pub(crate) struct Pursued {
+    pub chosen: Vec<usize>,
+    /// Coefficients of all columns, zero where not chosen.
+    pub beside: Beside,
+    /// Decrease of the sum of squares, and what is left of it beyond the price.
+    pub gain: f64,
+    pub evidence: f64,
 }
 
 /// A contender held against every block in turn.
@@ -89,9 +102,9 @@ impl<'a> Contender<'a> {
         for (time, rows) in blocks.times.iter().zip(&blocks.rows) {
             let (mut c, mut o, mut r) = (DMatrix::zeros(size, k), DMatrix::zeros(k, k), DVector::zeros(k));
             for (j, m) in &columns[time.stretch] {
-                let m = m.rows(time.rows.start, time.rows.len());
-                c += rows[*j].tr_mul(&m);
-                o += m.tr_mul(&m);
+                let m = m.rows(time.rows.start, time.rows.len()).into_owned();
+                c += transposed_product(&rows[*j], &m);
+                o += transposed_product(&m, &m);
                 r += m.tr_mul(&residual(system, time, *j));
             }
             cross.push(c);
@@ -102,8 +115,8 @@ impl<'a> Contender<'a> {
         let (along, whole) = (total(&cross), total(&own));
         for b in 0..cross.len() {
             let inside = &blocks.inside[b] * &along;
-            let through = along.tr_mul(&cross[b]);
-            own[b] += along.tr_mul(&inside) - &through - through.transpose();
+            let through = transposed_product(&along, &cross[b]);
+            own[b] += transposed_product(&along, &inside) - &through - through.transpose();
             right[b] -= along.tr_mul(&blocks.gradient[b]);
             cross[b] -= inside;
         }
@@ -127,6 +140,37 @@ impl<'a> Contender<'a> {
 
     /// The contender fitted beside the model to all blocks but these.
     pub fn beside(&self, blocks: &Blocks, partial: &Partial, left_out: &[usize]) -> (Beside, f64, usize) {
+        let (through, rest, open) = self.projected(blocks, partial, left_out);
+        let reduced = reduce(&self.whole, &rest, &open);
+        let change = &partial.change - through * &reduced.coefficients;
+        let beside = Beside {
+            coefficients: reduced.coefficients,
+            change,
+        };
+        (beside, reduced.gain, reduced.rank)
+    }
+
+    /// The columns that pay `price` each, one after the other, fitted to all blocks but these.
+    pub fn pursued(&self, blocks: &Blocks, partial: &Partial, left_out: &[usize], price: f64) -> Pursued {
+        let (through, rest, open) = self.projected(blocks, partial, left_out);
+        let (chosen, gain, found) = pursue(&self.whole, &rest, &open, price);
+        let mut coefficients = DVector::zeros(open.len());
+        chosen
+            .iter()
+            .zip(found.iter())
+            .for_each(|(&k, value)| coefficients[k] = *value);
+        let change = &partial.change - through * &coefficients;
+        Pursued {
+            evidence: gain - price * chosen.len() as f64,
+            beside: Beside { coefficients, change },
+            chosen,
+            gain,
+        }
+    }
+
+    /// Normal equations of the columns beside the model, fitted to all blocks but these: what a unit of each changes of the model,
+    /// the matrix, and the right-hand side.
+    fn projected(&self, blocks: &Blocks, partial: &Partial, left_out: &[usize]) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let sum = |parts: &[DMatrix<f64>]| {
             let mut all = DMatrix::zeros(parts[0].nrows(), parts[0].ncols());
             (0..parts.len())
@@ -140,15 +184,9 @@ impl<'a> Contender<'a> {
             .filter(|b| !left_out.contains(b))
             .fold(DVector::zeros(own.nrows()), |all, b| all + &self.right[b]);
         let through = partial.solve(&cross);
-        let rest = own + &self.open * REGRESSION_SETTINGS.jackknife_ridge - cross.tr_mul(&through);
+        let rest = own + &self.open * REGRESSION_SETTINGS.jackknife_ridge - transposed_product(&cross, &through);
         let open = right - cross.tr_mul(&partial.change);
-        let reduced = reduce(&self.whole, &rest, &open);
-        let change = &partial.change - through * &reduced.coefficients;
-        let beside = Beside {
-            coefficients: reduced.coefficients,
-            change,
-        };
-        (beside, reduced.gain, reduced.rank)
+        (through, rest, open)
     }
 
     /// Change of the sum of squares of block `b` from the fit to all of it without the contender to `beside`.
@@ -159,14 +197,19 @@ impl<'a> Contender<'a> {
         model + own + 2.0 * (z.transpose() * &self.cross[b] * x)[0]
     }
 
+    /// Decrease of the sum of squares of block `b` by the contender.
+    pub fn gain_on(&self, blocks: &Blocks, partial: &Partial, b: usize, beside: &Beside) -> f64 {
+        let z = &partial.change;
+        let before = (z.transpose() * &blocks.inside[b] * z)[0] - 2.0 * z.dot(&blocks.gradient[b]);
+        before - self.cost_on(blocks, b, beside)
+    }
+
     /// Every block predicted by fits to all others, with and without the contender.
     pub fn validated(&self, blocks: &Blocks, folds: &[Partial], all: &Partial) -> Validated {
         let (full, gain, rank) = self.beside(blocks, all, &[]);
         let fold = |(b, partial): (usize, &Partial)| {
             let (beside, _, _) = self.beside(blocks, partial, &[b]);
-            let z = &partial.change;
-            let before = (z.transpose() * &blocks.inside[b] * z)[0] - 2.0 * z.dot(&blocks.gradient[b]);
-            (before - self.cost_on(blocks, b, &beside), beside.coefficients)
+            (self.gain_on(blocks, partial, b, &beside), beside.coefficients)
         };
         let (gains, coefficients): (Vec<f64>, Vec<DVector<f64>>) = folds.iter().enumerate().map(fold).unzip();
         Validated {
@@ -178,20 +221,35 @@ impl<'a> Contender<'a> {
         }
     }
 
+    /// Whitened residual of a block and joint where the contender is in the model.
+    fn left(&self, system: &System, blocks: &Blocks, [b, j]: [usize; 2], beside: &Beside) -> DVector<f64> {
+        let time = &blocks.times[b];
+        let change = &beside.change - &self.along * &beside.coefficients;
+        let mut left = residual(system, time, j) - &blocks.rows[b][j] * change;
+        if let Some((_, m)) = self.columns[time.stretch].iter().find(|(own, _)| *own == j) {
+            left -= m.rows(time.rows.start, time.rows.len()) * &beside.coefficients;
+        }
+        left
+    }
+
+    /// Rows over which the residual of a joint keeps its sign where the contender is in the model.
+    pub fn persistence(&self, system: &System, blocks: &Blocks, joint: usize, beside: &Beside) -> f64 {
+        let mut stretches = vec![Vec::new(); system.blocks.len()];
+        for (b, time) in blocks.times.iter().enumerate() {
+            let left = self.left(system, blocks, [b, joint], beside);
+            stretches[time.stretch].extend_from_slice(left.as_slice());
+        }
+        persistence(stretches.iter().map(Vec::as_slice))
+    }
+
     /// Gains of every joint on the blocks left out, one list per joint.
     pub fn gains_by_joint(&self, system: &System, blocks: &Blocks, folds: &[Partial]) -> Vec<Vec<f64>> {
         let joints = system.model.robot.joint_count();
         let of = |(b, partial): (usize, &Partial)| -> Vec<f64> {
             let (beside, _, _) = self.beside(blocks, partial, &[b]);
-            let time = &blocks.times[b];
             let gain = |j: usize| {
-                let r = residual(system, time, j);
-                let before = &r - &blocks.rows[b][j] * &partial.change;
-                let mut after = r - &blocks.rows[b][j] * (&beside.change - &self.along * &beside.coefficients);
-                if let Some((_, m)) = self.columns[time.stretch].iter().find(|(own, _)| *own == j) {
-                    after -= m.rows(time.rows.start, time.rows.len()) * &beside.coefficients;
-                }
-                before.norm_squared() - after.norm_squared()
+                let before = residual(system, &blocks.times[b], j) - &blocks.rows[b][j] * &partial.change;
+                before.norm_squared() - self.left(system, blocks, [b, j], &beside).norm_squared()
             };
             (0..joints).map(gain).collect()
         };

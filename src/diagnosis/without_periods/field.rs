@@ -67,10 +67,7 @@ impl<'a> Field<'a> {
         threshold: &'a Threshold,
     ) -> Option<Self> {
         let blocks = Blocks::of(data, system);
-        let folds = (0..blocks.times.len())
-            .into_par_iter()
-            .map(|b| blocks.without(&[b]))
-            .collect::<Option<Vec<_>>>()?;
+        let folds = blocks.each_left_out()?;
         Some(Self {
             all: blocks.without(&[])?,
             subsamples: Subsamples::of(&blocks)?,

@@ -9,11 +9,15 @@
 mod blocks;
 mod contender;
 mod field;
+mod motion_functions;
 mod nuisance;
+mod passing;
+mod remainder;
 mod rivals;
 mod search;
 mod settle;
 mod stability;
 
+pub(crate) use remainder::examine;
 pub(crate) use rivals::linear_contests;
 pub(crate) use search::extend;
