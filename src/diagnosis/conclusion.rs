@@ -197,7 +197,7 @@ fn verdict(findings: usize, something_left: bool, doubtful: bool) -> Verdict {
 
 fn source(noise: &[NoiseModel]) -> String {
     match noise.first().map(|n| n.source) {
-        Some(NoiseSource::Periods) => "scatter between periods".into(),
+        Some(NoiseSource::Periods) => ResidualReport::FROM_PERIODS.into(),
         _ => "the residual's own course from sample to sample: weaker, what the model lacks can pass for noise".into(),
     }
 }

@@ -507,7 +507,7 @@ pub struct RemainderDocument {
     pub depends_on: Vec<String>,
     /// Share of it that smooth functions of these variables predict.
     pub predicted_share: Option<f64>,
-    /// RMS above the noise, per joint of `joints` [N m or N].
+    /// RMS above the noise, per joint of `joints` [N m or N]; of logs without periods the least that is misfit.
     pub rms: Vec<Option<f64>>,
     /// Remark of the test that found it; `sentence` is what people read.
     pub note: String,

@@ -36,5 +36,5 @@ pub use urdf::{
     NewBody, UrdfRobot, body_complaint, from_urdf, from_urdf_rounded, from_urdf_shaped, urdf_carried, urdf_meshes,
     urdf_with_bodies,
 };
-pub use words::{counted, decimals, readable, scientific, shortest};
+pub use words::{counted, decimals, readable, scientific, shortest, three_digits};
 pub use xml::XmlText;

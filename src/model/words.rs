@@ -74,9 +74,22 @@ pub fn decimals(value: f64, places: usize) -> String {
     }
 }
 
+/// `value` to three significant digits, six decimals at most.
+pub fn three_digits(value: f64) -> String {
+    let size = value.abs().log10().floor();
+    let places = if size.is_finite() { (2.0 - size).clamp(0.0, 6.0) } else { 0.0 };
+    decimals(value, places as usize)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn three_digits_are_kept_at_every_size() {
+        let written = [1234.5, 30.84, -4.1, 0.02171, 0.0, 1e-9].map(three_digits);
+        assert_eq!(written, ["1234", "30.8", "-4.10", "0.0217", "0", "0.000000"]);
+    }
 
     #[test]
     fn numbers_read_back_and_are_never_hundreds_of_digits() {

@@ -175,6 +175,10 @@ impl Teller<'_> {
     }
 
     fn remainder(&self, r: &Remainder) -> String {
+        // Above which noise, nobody knows there.
+        if !self.report.noise_is_measured() {
+            return sentence(&r.note);
+        }
         let joints: Vec<usize> = r
             .joints
             .iter()

@@ -121,6 +121,24 @@ fn a_finding_is_reported_with_its_figures() {
     assert_eq!(document["summary"], summary);
 }
 
+/// Above which noise, nobody knows there: the remark of the test is all that is known.
+#[test]
+fn a_remainder_without_periods_is_told_as_it_was_found() {
+    let robot = robot();
+    let mut report = report(&robot, true);
+    report.noise_source = "the residual's own course".into();
+    report.remainder = Some(Remainder {
+        joints: vec![robot.joints()[1].name.clone()],
+        depends_on: Vec::new(),
+        predicted_share: 0.0,
+        rms: vec![0.4],
+        note: "what is left follows the motion; a motion that repeats would tell".into(),
+    });
+    let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
+    let sentence = "What is left follows the motion; a motion that repeats would tell.";
+    assert_eq!(document["remainder"]["sentence"], sentence);
+}
+
 #[test]
 fn what_was_not_seen_is_not_said() {
     let robot = robot();

@@ -239,12 +239,12 @@ pub struct Remainder {
     pub joints: Vec<String>,
     /// `q2`, `qd4`, `load3`; `time` for a drift over the log and `period` for another level in every period, whatever the
     /// motion; `time` with speeds for friction that changes over the log: strongest first. Empty where more than noise is left
-    /// and no smooth function accounts for it.
+    /// and no smooth function accounts for it; of logs without periods where such functions explain it and do not predict it.
     pub depends_on: Vec<String>,
     /// Share of what is left above the noise on those joints that smooth functions of these variables predict; of what changes
     /// slowly from period to period where they are `time` and `period`, and of all that is left where the log has no periods.
     pub predicted_share: f64,
-    /// RMS of what is left above the noise, per joint of `joints` [N·m or N].
+    /// RMS of what is left above the noise, per joint of `joints` [N·m or N]; without periods the least that is misfit.
     pub rms: Vec<f64>,
     /// Remark of the test that found it.
     pub note: String,
@@ -307,4 +307,14 @@ pub struct ResidualReport {
     pub rms_after: RmsPair,
     /// The same where joints rest, if any does.
     pub at_rest: Option<AtRest>,
+}
+
+impl ResidualReport {
+    /// `noise_source` of logs that repeat.
+    pub(crate) const FROM_PERIODS: &str = "scatter between periods";
+
+    /// Whether the noise was measured, by logs that repeat.
+    pub fn noise_is_measured(&self) -> bool {
+        self.noise_source == Self::FROM_PERIODS
+    }
 }

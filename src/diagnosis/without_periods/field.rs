@@ -1,13 +1,14 @@
 //! All contenders beside one fitted model, and which of them have earned their place.
 
 use super::blocks::{Blocks, Partial, residual};
-use super::contender::{Contender, Validated, deviation_of_sum, side_by_side};
+use super::contender::{Contender, side_by_side};
 use super::stability::{Subsamples, share_of_choices};
+use super::validation::{Validated, deviation_of_sum};
 use crate::diagnosis::held_out::signed_rank_test;
 use crate::diagnosis::selection::{Accepted, Candidate, HeldOutGain, Scored, Threshold, hypotheses, is_plausible, is_simpler};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::AnyEffect;
-use crate::regression::{Data, System, Term, chance_of, f_tail};
+use crate::regression::{Data, System, Term, chance_of};
 use rayon::prelude::*;
 use std::cell::LazyCell;
 
@@ -25,7 +26,7 @@ pub(crate) struct Chosen<'a> {
     pub members: Vec<&'a Scored>,
     coefficients: Vec<f64>,
     pub accepted: Vec<Accepted>,
-    held_out: Vec<f64>,
+    pub(super) held_out: Vec<f64>,
 }
 
 impl Chosen<'_> {
@@ -45,15 +46,15 @@ impl Chosen<'_> {
 
 /// All effects beside one fitted model.
 pub(crate) struct Field<'a> {
-    data: &'a Data<'a>,
-    system: &'a System,
+    pub(super) data: &'a Data<'a>,
+    pub(super) system: &'a System,
     candidates: &'a [Candidate],
-    scored: &'a [Scored],
+    pub(super) scored: &'a [Scored],
     threshold: &'a Threshold,
-    blocks: Blocks,
+    pub(super) blocks: Blocks,
     /// Fits of the model to all blocks, and to all but each.
-    all: Partial,
-    folds: Vec<Partial>,
+    pub(super) all: Partial,
+    pub(super) folds: Vec<Partial>,
     subsamples: Subsamples,
 }
 
@@ -81,104 +82,8 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// The best set of effects that every robot may have: offsets, rotor inertias, or both, those members that the data ask for.
-    /// The smallest whose held-out gain is within a standard deviation of the best.
-    pub fn families(&self) -> Option<Chosen<'a>> {
-        let kind = |code: &str| {
-            self.scored
-                .iter()
-                .filter(|s| s.candidate.effect.code() == code)
-                .collect::<Vec<_>>()
-        };
-        let everyday = crate::effects::all().iter().filter(|e| e.is_everyday());
-        let kinds: Vec<Vec<&Scored>> = everyday.map(|e| kind(e.code())).filter(|k| !k.is_empty()).collect();
-        let mut sets = kinds.clone();
-        if kinds.len() > 1 {
-            sets.push(kinds.concat());
-        }
-        let found: Vec<Chosen<'a>> = sets.into_par_iter().filter_map(|set| self.family(set)).collect();
-        let best = found.iter().max_by(|a, b| total(a).total_cmp(&total(b)))?;
-        let least = |c: &&Chosen| {
-            let differences: Vec<f64> = best.held_out.iter().zip(&c.held_out).map(|(b, o)| b - o).collect();
-            differences.iter().sum::<f64>() <= deviation_of_sum(&differences)
-        };
-        let at = (0..found.len())
-            .filter(|&i| least(&&found[i]))
-            .min_by_key(|&i| found[i].members.len())?;
-        found.into_iter().nth(at)
-    }
-
-    /// Offsets of all joints that have none yet, as terms; none where together they do not predict blocks left out better. A
-    /// spring holds the offset of its joint.
-    pub fn nuisance_offsets(&self) -> Vec<Term> {
-        let held = |s: &Scored| {
-            let holds = |t: &Term| t.joints == s.candidate.joints && t.effect.contains().contains(&OFFSET);
-            self.system.model.terms.iter().any(holds)
-        };
-        let is_open = |s: &&Scored| s.candidate.effect.code() == OFFSET && !held(s);
-        let members: Vec<&Scored> = self.scored.iter().filter(is_open).collect();
-        if members.is_empty() {
-            return Vec::new();
-        }
-        let contender = Contender::of(self.data, self.system, &self.blocks, members);
-        let own = contender.validated(&self.blocks, &self.folds, &self.all);
-        match own.held_out() > 0.0 {
-            true => chosen(contender.members, &own, 1.0).terms(),
-            false => Vec::new(),
-        }
-    }
-
-    /// What the only candidate has shown, where it would be a member of a family of as many as there are joints.
-    pub fn beyond_doubt(&self) -> Option<Accepted> {
-        let contender = Contender::of(self.data, self.system, &self.blocks, vec![self.scored.first()?]);
-        let own = contender.validated(&self.blocks, &self.folds, &self.all);
-        let chance = f_tail(
-            own.coefficients[0].powi(2) / own.covariance[(0, 0)].max(f64::MIN_POSITIVE),
-            [1.0, (self.folds.len() - 1) as f64],
-        );
-        if chance > SETTINGS.without_periods.member_chance / self.system.model.robot.joint_count() as f64 {
-            return None;
-        }
-        let p_value = self.passes(&contender, &own, 3.0)?;
-        chosen(contender.members, &own, p_value).accepted.pop()
-    }
-
-    /// Members go, the weakest first, until each is beyond chance beside the others.
-    fn family(&self, mut members: Vec<&'a Scored>) -> Option<Chosen<'a>> {
-        members.sort_by_key(|s| (s.candidate.effect.code(), s.candidate.joints.clone()));
-        let mut first = true;
-        while members.len() > 1 {
-            let contender = Contender::of(self.data, self.system, &self.blocks, members.clone());
-            let own = contender.validated(&self.blocks, &self.folds, &self.all);
-            let chance = |i: usize| {
-                let variance = own.covariance[(i, i)].max(f64::MIN_POSITIVE);
-                f_tail(own.coefficients[i].powi(2) / variance, [1.0, (self.folds.len() - 1) as f64])
-            };
-            let wrong = |i: &usize| {
-                let positive = members[*i].candidate.effect.positive(members[*i].candidate.form);
-                !positive.is_empty() && own.coefficients[*i] <= 0.0
-            };
-            // Where a family explains nothing as a whole, its members are not asked for one by one.
-            if first && own.held_out() <= 0.0 {
-                return None;
-            }
-            first = false;
-            let weakest = (0..members.len())
-                .map(|i| (i, if wrong(&i) { 2.0 } else { chance(i) }))
-                .max_by(|a, b| a.1.total_cmp(&b.1))?;
-            if weakest.1 > SETTINGS.without_periods.member_chance / members.len() as f64 {
-                members.remove(weakest.0);
-                continue;
-            }
-            return self
-                .passes(&contender, &own, 3.0)
-                .map(|p_value| chosen(contender.members, &own, p_value));
-        }
-        None
-    }
-
     /// The chance of a contender, where it gains on blocks left out, beyond chance, and no joint pays for it.
-    fn passes(&self, contender: &Contender, own: &Validated, tried: f64) -> Option<f64> {
+    pub(super) fn passes(&self, contender: &Contender, own: &Validated, tried: f64) -> Option<f64> {
         let left: f64 = contender.joints.iter().map(|&j| self.blocks.squares[j]).sum();
         let held_out = own.held_out();
         let gains = LazyCell::new(|| contender.gains_by_joint(self.system, &self.blocks, &self.folds));
@@ -375,11 +280,7 @@ fn odds(effect: &AnyEffect) -> f64 {
     }
 }
 
-fn total(chosen: &Chosen) -> f64 {
-    chosen.held_out.iter().sum()
-}
-
-fn chosen<'a>(members: Vec<&'a Scored>, own: &Validated, p_value: f64) -> Chosen<'a> {
+pub(super) fn chosen<'a>(members: Vec<&'a Scored>, own: &Validated, p_value: f64) -> Chosen<'a> {
     let share = 1.0 / members.len() as f64;
     let accepted = |s: &&Scored| Accepted {
         effect: s.candidate.effect.code().into(),

@@ -8,6 +8,7 @@
 
 mod blocks;
 mod contender;
+mod families;
 mod field;
 mod motion_functions;
 mod nuisance;
@@ -17,6 +18,7 @@ mod rivals;
 mod search;
 mod settle;
 mod stability;
+mod validation;
 
 pub(crate) use remainder::examine;
 pub(crate) use rivals::linear_contests;

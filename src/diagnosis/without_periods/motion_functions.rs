@@ -5,7 +5,8 @@
 //! frequencies that the rows are made of.
 
 use super::blocks::{Blocks, Partial};
-use super::contender::{Contender, Pursued};
+use super::contender::Contender;
+use super::validation::Pursued;
 use crate::diagnosis::held_out::signed_rank_test;
 use crate::diagnosis::nonparametric::{function_columns, function_jobs};
 use crate::diagnosis::settings::SETTINGS;

@@ -3,6 +3,7 @@
 
 use crate::diagnosis::report::Remainder;
 use crate::diagnosis::settings::SETTINGS;
+use crate::model::three_digits;
 use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, Stretch, System};
 
 /// A stretch of time in which a joint is off.
@@ -33,12 +34,9 @@ pub(super) fn passing(data: &Data, system: &System) -> Option<Remainder> {
     };
     let each = |p: &Passing| {
         let [from, to] = p.from_to;
-        format!(
-            "{} by {:.2} from {from:.1} to {to:.1} s of {}",
-            name(p.joint),
-            p.level,
-            data.stretches[p.log].name
-        )
+        let unit = system.model.robot.joints()[p.joint].effort_unit().replace(' ', "·");
+        let (level, log) = (three_digits(p.level), &data.stretches[p.log].name);
+        format!("{} by {level} {unit} from {from:.1} to {to:.1} s of {log}", name(p.joint))
     };
     let all: f64 = joints.iter().map(|&j| square(j)).sum();
     Some(Remainder {
@@ -47,8 +45,8 @@ pub(super) fn passing(data: &Data, system: &System) -> Option<Remainder> {
         predicted_share: joints.iter().map(|&j| share(j) * square(j)).sum::<f64>() / all,
         rms: joints.iter().map(|&j| (share(j) * square(j)).sqrt()).collect(),
         note: format!(
-            "torques (N·m or N) are off for a short time and nowhere else: {}; somebody may have touched the arm there, or the model \
-             lacks something of that place alone; record again, or leave that time out",
+            "torques are off for a short time and nowhere else: {}; somebody may have touched the arm there, or the model lacks \
+             something of that place alone; record again, or leave that time out",
             found.iter().map(each).collect::<Vec<_>>().join(", ")
         ),
     })

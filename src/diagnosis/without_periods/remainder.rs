@@ -2,8 +2,8 @@
 //!
 //! Nobody knows the noise of a log without periods. But noise of any colour, filtered or not, has nothing to do with where the
 //! arm is and how fast it moves. So what [smooth functions of the motion](super::motion_functions) explain is misfit, and no
-//! verdict says that nothing is missing beside it. Where such functions predict blocks of time that they were not fitted to, their
-//! variables are what it depends on, and effects that they make superfluous were their stand-ins.
+//! verdict says that nothing is missing beside it. Where such functions predict blocks of time that they were not fitted to,
+//! their variables are what it depends on, and effects that they make superfluous were their stand-ins.
 
 use super::contender::side_by_side;
 use super::motion_functions::{Following, following};
@@ -13,7 +13,7 @@ use crate::diagnosis::report::Remainder;
 use crate::diagnosis::selection::{Selected, reached};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::variable_name;
-use crate::model::decimals;
+use crate::model::three_digits;
 use crate::regression::{Data, System, Whitened};
 
 /// The selection without stand-ins of smooth functions, and what follows the motion, or comes once, all the same.
@@ -85,12 +85,9 @@ fn described(data: &Data, system: &System, found: &[Following]) -> Remainder {
     let of_all = |f: &Following| f.predicted.as_ref().map_or(0.0, |p| p.share.min(1.0) * mean_square(f));
     let predicted_share = found.iter().map(of_all).sum::<f64>() / found.iter().map(mean_square).sum::<f64>();
     let each = |f: &Following| {
-        format!(
-            "{} of {} on {}",
-            decimals(least(f), 3),
-            decimals(mean_square(f).sqrt(), 3),
-            name(f)
-        )
+        let unit = system.model.robot.joints()[f.joint].effort_unit().replace(' ', "·");
+        let [part, whole] = [least(f), mean_square(f).sqrt()].map(three_digits);
+        format!("{part} of {whole} {unit} on {}", name(f))
     };
     let each: Vec<String> = found.iter().map(each).collect();
     let by = match depends_on.is_empty() {
@@ -109,8 +106,8 @@ fn described(data: &Data, system: &System, found: &[Following]) -> Remainder {
         predicted_share,
         rms: found.iter().map(least).collect(),
         note: format!(
-            "what is left follows the motion and is not all noise: at least {} (RMS, N·m or N); {by}; a motion that is repeated several \
-             times would tell misfit and noise apart",
+            "what is left follows the motion and is not all noise: at least {} (RMS) is misfit; {by}; the periods of a motion that \
+             repeats would tell misfit and noise apart",
             each.join(", ")
         ),
     }
