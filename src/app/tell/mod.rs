@@ -175,10 +175,6 @@ impl Teller<'_> {
     }
 
     fn remainder(&self, r: &Remainder) -> String {
-        // Above which noise, nobody knows there.
-        if !self.report.noise_is_measured() {
-            return sentence(&r.note);
-        }
         let joints: Vec<usize> = r
             .joints
             .iter()
@@ -193,12 +189,16 @@ impl Teller<'_> {
             self.at(&r.joints),
             if joints.len() > 1 { "have" } else { "has" }
         ));
-        let what = format!(
-            "{} an unexplained residual of {values} above the noise.",
-            what.trim_end_matches('.')
-        );
+        // Without measured noise only the least is known.
+        let measured = self.report.noise_is_measured();
+        let of = match measured {
+            true => format!("{values} above the noise"),
+            false => format!("at least {values}"),
+        };
+        let what = format!("{} an unexplained residual of {of}.", what.trim_end_matches('.'));
         if r.depends_on.is_empty() {
-            return format!("{what} It depends on no smooth function of one or two positions and speeds.");
+            let verb = if measured { "depends on" } else { "is predicted by" };
+            return format!("{what} It {verb} no smooth function of one or two positions and speeds.");
         }
         if is_friction_over_time(&r.depends_on) {
             return format!(

@@ -121,9 +121,9 @@ fn a_finding_is_reported_with_its_figures() {
     assert_eq!(document["summary"], summary);
 }
 
-/// Above which noise, nobody knows there: the remark of the test is all that is known.
+/// Above which noise, nobody knows there.
 #[test]
-fn a_remainder_without_periods_is_told_as_it_was_found() {
+fn of_a_remainder_without_periods_the_least_is_said() {
     let robot = robot();
     let mut report = report(&robot, true);
     report.noise_source = "the residual's own course".into();
@@ -135,7 +135,10 @@ fn a_remainder_without_periods_is_told_as_it_was_found() {
         note: "what is left follows the motion; a motion that repeats would tell".into(),
     });
     let document = serde_json::to_value(residual_document(&robot, &report)).unwrap();
-    let sentence = "What is left follows the motion; a motion that repeats would tell.";
+    let sentence = format!(
+        "Joint {} has an unexplained residual of at least 0.4 N·m. It is predicted by no smooth function of one or two positions and speeds.",
+        robot.joints()[1].name
+    );
     assert_eq!(document["remainder"]["sentence"], sentence);
 }
 
