@@ -201,8 +201,8 @@ fn alone_and_in_pairs(only: &[String]) -> Vec<Vec<&'static str>> {
     all.iter().map(|code| vec![*code]).chain(pairs).collect()
 }
 
-/// Effects on one joint, alone and in pairs, at `size`: what is found instead where not all are; on logs with periods
-/// or, `once`, on such as never come back.
+/// Effects on one joint, alone and in pairs, at `size`, on logs that `recorded` makes and traces: what is found instead where
+/// not all are.
 pub fn together(joint: usize, size: f64, only: &[String], recorded: impl Fn(&[HiddenEffect]) -> Diagnosis) {
     let robot = seven_axes();
     let (mut right, cases) = (0, alone_and_in_pairs(only));

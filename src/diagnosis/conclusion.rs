@@ -180,8 +180,7 @@ fn rival_terms_of(data: &Data, system: &System, contest: &Contest) -> Vec<RivalT
 
 /// Rows of a fit per second of the motion.
 fn rate(stretches: &[Stretch]) -> f64 {
-    let of = |s: &Stretch| s.rows() as f64 / (s.motion.samples() as f64 * s.interval);
-    stretches.first().map_or(f64::NAN, of)
+    stretches.first().map_or(f64::NAN, |s| 1.0 / s.row_interval())
 }
 
 /// `doubtful`: an effect did not stay, or held-out data do not confirm what stays. Then not all is explained, whatever the fit

@@ -372,8 +372,8 @@ pub struct WithoutPeriods {
     /// How many times as long as white noise of its band a residual must keep its sign to be looked into: the standard deviation
     /// of that ratio is a fifth.
     pub slow: f64,
-    /// How many times the median of all runs of rows one is off that comes once: 5.4 standard deviations of noise, and misfit has
-    /// longer tails.
+    /// Multiple of the median over all runs of rows from which the residual of a run is an event: 5.4 standard deviations of
+    /// noise, and misfit has longer tails.
     pub passing: f64,
     /// Share of the runs up to which those are exceptions.
     pub exceptions: f64,

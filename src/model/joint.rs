@@ -1,5 +1,6 @@
 //! One joint and the link it carries.
 
+use super::words::three_digits;
 use super::{Capsule, Limits};
 use crate::spatial::{PhysicalInertia, Transform};
 use nalgebra::{Matrix3, Vector3};
@@ -197,5 +198,10 @@ impl Joint {
     /// `N m` or `N`.
     pub fn effort_unit(&self) -> &'static str {
         if self.is_revolute() { "N m" } else { "N" }
+    }
+
+    /// A torque or force to three digits, with its unit: `3.65 N·m`.
+    pub fn effort(&self, value: f64) -> String {
+        format!("{} {}", three_digits(value), self.effort_unit().replace(' ', "·"))
     }
 }

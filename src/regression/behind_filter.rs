@@ -59,7 +59,7 @@ impl Stretch {
 
     /// Every how-manieth row says something new behind the filter. It divides the period.
     pub(crate) fn step(&self, filter: RecordedFilter) -> usize {
-        let row_s = self.motion.samples() as f64 * self.interval / self.rows() as f64;
+        let row_s = self.row_interval();
         let most = 1.0 / (2.0 * filter.edge_hz() * row_s);
         let divides = |d: &usize| *d as f64 <= most && self.rows().is_multiple_of(*d);
         (1..=self.rows()).rev().find(divides).unwrap_or(1)

@@ -120,6 +120,11 @@ impl Stretch {
         self.torque[0].len()
     }
 
+    /// Time between rows (s).
+    pub fn row_interval(&self) -> f64 {
+        self.interval * self.motion.samples() as f64 / self.rows().max(1) as f64
+    }
+
     /// How many measurements each value of the mean torque stands for.
     pub fn repetitions(&self) -> usize {
         self.periods.len().max(1)

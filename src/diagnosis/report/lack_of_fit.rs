@@ -52,7 +52,7 @@ pub(crate) fn at_rest(
     };
     let seconds = |j: usize| {
         let one = |s: &Stretch| {
-            let step = s.interval * s.motion.samples() as f64 / s.rows().max(1) as f64;
+            let step = s.row_interval();
             s.resting[j].iter().filter(|r| **r).count() as f64 * step * s.repetitions() as f64
         };
         identification.iter().map(one).sum()

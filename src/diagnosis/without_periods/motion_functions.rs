@@ -53,9 +53,8 @@ pub(super) fn following(data: &Data, system: &System) -> Vec<Following> {
 
 /// Rows over which noise keeps its sign that is white up to the frequency that the rows are made of: their rate over twice that.
 fn persistence_in_band(stretch: &Stretch) -> f64 {
-    let seconds = stretch.motion.samples() as f64 * stretch.interval;
     let band_hz = stretch.source.as_ref().and_then(|s| s.band_hz());
-    band_hz.map_or(1.0, |band_hz| stretch.rows() as f64 / seconds / (2.0 * band_hz))
+    band_hz.map_or(1.0, |band_hz| 1.0 / (2.0 * band_hz * stretch.row_interval()))
 }
 
 /// A function of some variables on the row of a joint, with all its products.

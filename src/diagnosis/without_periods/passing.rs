@@ -3,8 +3,7 @@
 
 use crate::diagnosis::report::Remainder;
 use crate::diagnosis::settings::SETTINGS;
-use crate::model::three_digits;
-use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, Stretch, System};
+use crate::regression::{Data, SETTINGS as REGRESSION_SETTINGS, System};
 
 /// A stretch of time in which a joint is off.
 struct Passing {
@@ -28,15 +27,13 @@ pub(super) fn passing(data: &Data, system: &System) -> Option<Remainder> {
     let mut joints: Vec<usize> = found.iter().map(|p| p.joint).collect();
     joints.dedup();
     let share = |joint: usize| found.iter().filter(|p| p.joint == joint).map(|p| p.share).sum::<f64>();
-    let square = |joint: usize| {
-        let rows = system.rows(joint).max(1) as f64;
-        data.noise[joint].innovation.powi(2) * system.joint_chi_square(joint) / rows
-    };
+    let left = data.left_as_noise(system);
+    let square = |joint: usize| left[joint].std_dev.powi(2);
     let each = |p: &Passing| {
         let [from, to] = p.from_to;
-        let unit = system.model.robot.joints()[p.joint].effort_unit().replace(' ', "·");
-        let (level, log) = (three_digits(p.level), &data.stretches[p.log].name);
-        format!("{} by {level} {unit} from {from:.1} to {to:.1} s of {log}", name(p.joint))
+        let level = system.model.robot.joints()[p.joint].effort(p.level);
+        let log = &data.stretches[p.log].name;
+        format!("{} by {level} from {from:.1} to {to:.1} s of {log}", name(p.joint))
     };
     let all: f64 = joints.iter().map(|&j| square(j)).sum();
     Some(Remainder {
@@ -114,7 +111,7 @@ fn passed(data: &Data, system: &System, joint: usize, log: usize, [from, to]: [u
     let rows = from * length..(to * length).min(block.residual.len());
     let own = &block.residual.as_slice()[rows.clone()];
     let count = block.rows[rows.clone()].iter().filter(|r| **r).count().max(1) as f64;
-    let step = seconds_per_row(&data.stretches[log]);
+    let step = data.stretches[log].row_interval();
     Passing {
         joint,
         log,
@@ -122,8 +119,4 @@ fn passed(data: &Data, system: &System, joint: usize, log: usize, [from, to]: [u
         level: data.noise[joint].innovation * own.iter().sum::<f64>() / count,
         share: own.iter().map(|v| v * v).sum::<f64>() / system.joint_chi_square(joint),
     }
-}
-
-fn seconds_per_row(stretch: &Stretch) -> f64 {
-    stretch.interval * stretch.motion.samples() as f64 / stretch.rows().max(1) as f64
 }

@@ -13,7 +13,6 @@ use crate::diagnosis::report::Remainder;
 use crate::diagnosis::selection::{Selected, reached};
 use crate::diagnosis::settings::SETTINGS;
 use crate::effects::variable_name;
-use crate::model::three_digits;
 use crate::regression::{Data, System, Whitened};
 
 /// The selection without stand-ins of smooth functions, and what follows the motion, or comes once, all the same.
@@ -70,10 +69,8 @@ fn withdraw(data: &Data, selected: &mut Selected, found: &[Following]) -> bool {
 fn described(data: &Data, system: &System, found: &[Following]) -> Remainder {
     let joints = system.model.robot.joint_count();
     let name = |f: &Following| system.model.robot.joints()[f.joint].name.clone();
-    let mean_square = |f: &Following| {
-        let freedom = (system.rows(f.joint) as f64 - system.spent(f.joint)).max(1.0);
-        data.noise[f.joint].innovation.powi(2) * system.joint_chi_square(f.joint) / freedom
-    };
+    let left = data.left_as_noise(system);
+    let mean_square = |f: &Following| left[f.joint].std_dev.powi(2);
     let least = |f: &Following| (f.explained.min(1.0) * mean_square(f)).sqrt();
     let mut depends_on: Vec<String> = Vec::new();
     for v in found.iter().filter_map(|f| f.predicted.as_ref()).flat_map(|p| &p.variables) {
@@ -85,9 +82,9 @@ fn described(data: &Data, system: &System, found: &[Following]) -> Remainder {
     let of_all = |f: &Following| f.predicted.as_ref().map_or(0.0, |p| p.share.min(1.0) * mean_square(f));
     let predicted_share = found.iter().map(of_all).sum::<f64>() / found.iter().map(mean_square).sum::<f64>();
     let each = |f: &Following| {
-        let unit = system.model.robot.joints()[f.joint].effort_unit().replace(' ', "·");
-        let [part, whole] = [least(f), mean_square(f).sqrt()].map(three_digits);
-        format!("{part} of {whole} {unit} on {}", name(f))
+        let joint = &system.model.robot.joints()[f.joint];
+        let [part, whole] = [least(f), mean_square(f).sqrt()].map(|v| joint.effort(v));
+        format!("{part} of {whole} on {}", joint.name)
     };
     let each: Vec<String> = found.iter().map(each).collect();
     let by = match depends_on.is_empty() {
