@@ -171,11 +171,27 @@ fn usable_rows(prepared: &PreparedLog, joint: usize) -> Vec<bool> {
         let (from, to) = (s.saturating_sub(reach), (s + reach + 1).min(n));
         20 * (gaps[to] - gaps[from]) <= if reach > 0 { to - from } else { 0 }
     };
-    prepared
-        .row_filter
-        .rows(n)
-        .map(|s| intact(s) && speed[s].abs() >= prepared.dead_zone[joint])
-        .collect()
+    let beside = samples_with_a_say(prepared);
+    let directed = |s: usize| {
+        let near = &speed[s.saturating_sub(beside)..(s + beside + 1).min(n)];
+        near.iter().all(|v| v.abs() >= prepared.dead_zone[joint])
+    };
+    prepared.row_filter.rows(n).map(|s| intact(s) && directed(s)).collect()
+}
+
+/// Weight of a sample in a row from which on its direction counts: a fourth, as of four samples that make a row.
+const HEAVY: f64 = 0.25;
+
+/// How many samples to either side of a row have a say in it of their own.
+///
+/// The filter gives the sample in the middle of a row a weight of `2 f_c/f_s`, and those up to `f_s/(2 f_c)` from it less, with
+/// the same sign. Where that is small, samples of the wrong direction are some among dozens, and wrong to either side. At few
+/// samples a second each is a large part of several rows, and adds up to twice the Coulomb torque to them: smooth friction and
+/// elastic joints were made of it.
+fn samples_with_a_say(prepared: &PreparedLog) -> usize {
+    let Some(filter) = &prepared.row_filter.torque else { return 0 };
+    let weight = 2.0 * filter.cutoff_hz / filter.rate_hz;
+    if weight > HEAVY { (1.0 / weight) as usize } else { 0 }
 }
 
 /// What a stretch of a log that does not repeat is made from, for other filters.

@@ -3,7 +3,8 @@
 use crate::bench::*;
 use dynident::diagnosis::{Diagnosis, Verdict};
 use dynident::model::Robot;
-use dynident::simulate::{HiddenEffect, Noise};
+use dynident::preparation::Period;
+use dynident::simulate::{Experiment, HiddenEffect, Noise, simulate};
 
 fn found(outcome: &Diagnosis) -> Vec<(String, Vec<String>)> {
     let findings = outcome.report.findings.iter();
@@ -62,6 +63,68 @@ fn prop_what_follows_the_motion_is_not_taken_for_noise() {
         }
         // A sum of two waves of 0.9 N·m times the size: most of it is found again.
         assert!(remainder.predicted_share > 0.5 && remainder.rms[0] > 1.0, "{remainder:?}");
+    }
+}
+
+/// A log of [`single_run`] at this rate, traced.
+fn once_at(robot: &Robot, rate_hz: f64, hidden: &[HiddenEffect], seed: u64) -> Diagnosis {
+    let log = simulate(&Experiment {
+        robot,
+        parameters: &bodies(robot, seed),
+        trajectory: &single_run(robot.joint_count(), seed),
+        periods: 1.0,
+        rate_hz,
+        effects: hidden,
+        noise: &sensor_noise(robot.joint_count()),
+        seed,
+    });
+    diagnosed(robot, &log, Period::None)
+}
+
+/// The direction of samples beside every stop is not known, and at few samples a second each of them is much of a row: one log in
+/// seven had smooth Coulomb friction.
+#[test]
+fn prop_nothing_is_found_on_slow_logs_that_stop_where_there_is_nothing() {
+    for robot in [six_axes(), seven_axes()] {
+        for (rate_hz, seeds) in [(25.0, 11..41), (50.0, 11..16)] {
+            for seed in seeds {
+                let outcome = once_at(&robot, rate_hz, &[], seed);
+                let list = found(&outcome);
+                let what = format!("{} at {rate_hz} Hz, seed {seed}", robot.name());
+                assert!(list.is_empty(), "{what}: {list:?}");
+                assert_eq!(outcome.report.verdict, Verdict::NothingMissing, "{what}");
+            }
+        }
+    }
+}
+
+/// The rows that are left beside the stops show what acts there all the same.
+#[test]
+fn prop_effects_are_named_on_slow_logs_that_stop() {
+    let robot = seven_axes();
+    for code in [
+        "smooth_coulomb_friction",
+        "presliding_hysteresis",
+        "stribeck_friction",
+        "joint_elasticity",
+        "joint_spring",
+    ] {
+        let list = found(&once_at(&robot, 25.0, &[effect(code, 3, 3.0, &robot)], 11));
+        assert_eq!(list, [(code.to_string(), vec!["J4".to_string()])]);
+    }
+}
+
+/// On any joint, at every size that shows, what is in no list has no stand-in at low rates.
+#[test]
+fn prop_what_follows_the_motion_has_no_stand_in_on_slow_logs() {
+    let robot = seven_axes();
+    for seed in 11..26 {
+        let joint = seed as usize % 5 + 1;
+        let hidden = effect("unexplained", joint, [0.6, 1.0, 1.5][seed as usize % 3], &robot);
+        let outcome = once_at(&robot, 25.0, &[hidden], seed);
+        assert!(found(&outcome).is_empty(), "seed {seed}: {:?}", found(&outcome));
+        let remainder = outcome.report.remainder.expect("a remainder");
+        assert_eq!(remainder.joints, [format!("J{}", joint + 1)], "seed {seed}");
     }
 }
 

@@ -27,6 +27,16 @@ pub(super) struct Following {
     pub predicted: Option<Predicted>,
 }
 
+impl Following {
+    /// Whether effects may be stand-ins of the function: it predicts, or it explains next to all that is left.
+    ///
+    /// A law that acts in few places leaves most blocks of time alone, and no test of ranks can be sure of it. What next to
+    /// nothing is left of was explained by the right function all the same.
+    pub fn takes_the_place_of_effects(&self) -> bool {
+        self.predicted.is_some() || self.explained > 1.0 - SETTINGS.nonparametric.share_beside
+    }
+}
+
 /// What functions predict of blocks of time that they were neither chosen nor fitted on.
 pub(super) struct Predicted {
     /// Share of the squares.

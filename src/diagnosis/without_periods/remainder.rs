@@ -36,7 +36,7 @@ fn columns_of_term(system: &System, at: usize) -> Whitened {
         .collect()
 }
 
-/// Takes out effects that gain next to nothing beside a function that predicts; says whether there was one.
+/// Takes out effects that gain next to nothing beside a function that takes their place; says whether there was one.
 fn withdraw(data: &Data, selected: &mut Selected, found: &[Following]) -> bool {
     let joints = selected.system.model.robot.joint_count();
     let before = selected.accepted.len();
@@ -45,7 +45,7 @@ fn withdraw(data: &Data, selected: &mut Selected, found: &[Following]) -> bool {
         let on = reached(term, joints);
         let functions: Vec<Whitened> = found
             .iter()
-            .filter(|f| f.predicted.is_some() && on.contains(&f.joint))
+            .filter(|f| f.takes_the_place_of_effects() && on.contains(&f.joint))
             .map(|f| f.function.clone())
             .collect();
         if functions.is_empty() {
